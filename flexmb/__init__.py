@@ -1,0 +1,57 @@
+"""Differentiable analysis of flexible multibody mechanisms.
+
+Names are loaded on first use, so that importing the package costs nothing; ``__init__.pyi`` lists them.
+"""
+
+import importlib
+
+__version__ = "0.1.0"
+
+_ROOMS = {
+    "elements": ("planar", "spatial", "sections"),
+    "elements.sections": (
+        "Circle",
+        "Damping",
+        "HollowRectangle",
+        "Material",
+        "Rectangle",
+        "Rigidity",
+        "Tube",
+        "damping_from_ratio",
+        "torsion_approximate",
+        "torsion_series",
+        "warping_factor",
+    ),
+    "elements.element": ("Element",),
+    "elements.nodes": ("Angle", "Point2", "Point3", "Rotation3"),
+    "build.builder": ("Builder",),
+    "model.model": ("Model",),
+    "errors": ("AnalysisError", "MechanismError", "ModelError", "SpacarError"),
+    "results": ("RESULTS",),
+    "analysis.mobility": ("Mobility", "mobility"),
+    "analysis.equilibrium": ("Equilibrium", "equilibrium"),
+    "analysis.linearize": ("Linearization", "linearize", "second_transfer"),
+    "analysis.modal": ("Modes", "frequencies", "modes"),
+    "analysis.buckling": ("Buckling", "buckling", "buckling_loads"),
+    "analysis.compliance": ("compliance", "directional_compliance"),
+    "statespace": ("state_matrices", "to_statespace"),
+    "io.spacar": ("read_spacar", "write_spacar"),
+    "setup": ("enable_cache", "enable_x64"),
+}
+_WHERE = {name: room for room, names in _ROOMS.items() for name in names}
+_MODULES = ("planar", "spatial", "sections")
+
+
+def __getattr__(name: str):
+    if name not in _WHERE:
+        raise AttributeError(f"module 'flexmb' has no attribute '{name}'")
+    if name in _MODULES:
+        value = importlib.import_module(f".{_WHERE[name]}.{name}", __name__)
+    else:
+        value = getattr(importlib.import_module(f".{_WHERE[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_WHERE])

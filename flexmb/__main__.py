@@ -1,0 +1,5 @@
+"""``python -m flexmb`` is the command line."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,1 @@
+"""One public question each: mobility, equilibrium, linearisation, modes, buckling, compliance."""

@@ -1,0 +1,268 @@
+"""Static equilibrium: Newton's method on the constraint manifold, with load steps that adapt."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..math.compile import kernel
+from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
+from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
+from ..mechanics.residual import State, linear_response, state
+from ..mechanics.stress import element_stiffness, stress_resultants
+from ..model.model import Labels, Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS, check
+
+# A step this small beside the mechanism is taken and ends the iteration: the error left is its square.
+STEP_TOLERANCE = 1e-9
+# A Newton step larger than this (extents of the mechanism, radians) is refused and the load step shortened: beyond
+# it angles could be counted into another turn and the iterate fall to another branch.
+LARGEST_STEP = 0.5
+MAX_ITERATIONS = 12
+SMALLEST_LOAD_STEP = 1e-4
+
+
+class Equilibrium(eqx.Module):
+    """Static equilibrium under constant loads.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        e: Deformations, (n_e,) [m, rad].
+        sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
+        reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
+        iterations: Newton iterations of all load steps.
+        result: Code of RESULTS.
+        labels: Names.
+    """
+
+    x: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    sigma: Float[Array, "n_e"]
+    reactions: Float[Array, "n_x"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+    labels: Labels = eqx.field(static=True)
+
+    def at(self, node: str) -> Float[Array, "n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation".
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        indices = self.labels.coordinates(node)
+        if not indices:
+            raise KeyError(f"no node '{node}' in this model")
+        return self.x[np.array(indices)]
+
+
+class _Solved(NamedTuple):
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+def _sizes(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
+    """What a change of each coordinate is measured against: the mechanism's extent for positions, 1 for rotations."""
+    points = parameters.reference[topology.axes]
+    extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
+    extent = jnp.where(extent > 0, extent, 1.0)
+    return jnp.ones(topology.n_x).at[topology.axes].set(extent)
+
+
+def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
+    """Coordinates and deformations with the PRESCRIBED ones at their values, the others as undeformed.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Load factors.
+
+    Returns:
+        x, (n_x,) [m, rad, -], and e, (n_e,) [m, rad].
+    """
+    loads = scaled_loads(parameters, factors)
+    x, e = parameters.reference, jnp.zeros(topology.n_e)
+    if loads.x is not None:
+        x = x.at[topology.x.prescribed].add(loads.x)
+    if loads.e is not None:
+        e = e.at[topology.e.prescribed].set(loads.e)
+    return x, e
+
+
+class _Search(NamedTuple):
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    trial: Float[Array, "n_x"]
+    trial_near: Float[Array, "n_e"]
+    reached: Float[Array, ""]
+    step: Float[Array, ""]
+    tries: Int[Array, ""]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
+    """One loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it."""
+    sizes = _sizes(topology, parameters)
+    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+
+    def turn(s: _Search) -> _Search:
+        load = jnp.minimum(s.reached + s.step, 1.0)
+        factors = LoadFactors(load * target.initial, load * target.increment)
+        wanted_x, wanted_e = held_values(topology, parameters, factors)
+        shift = jnp.zeros(topology.n_x).at[held].set(wanted_x[held] - s.trial[held])
+        at = state(topology, parameters, factors, s.trial, s.trial_near)
+        excess = at.e - wanted_e + at.jacobian @ shift
+        imbalance = at.jacobian.T @ at.sigma - at.force
+        change = linear_response(topology, at, excess, shift, imbalance)
+        size = jnp.max(jnp.abs(change) / sizes)
+        bad = ~(size < LARGEST_STEP) | (s.tries >= MAX_ITERATIONS)
+        done = (size < STEP_TOLERANCE) & ~bad
+        trial = s.trial + change
+        # The turn of an angle follows the iterate, whose steps are below half a turn.
+        near = deformations(topology, parameters, trial, at.e)
+        shorter = s.step / 4
+        step = jnp.where(bad, shorter, jnp.where(done & (s.tries <= 6), 2 * s.step, s.step))
+        failed = bad & (shorter < SMALLEST_LOAD_STEP)
+        singular = ~jnp.all(jnp.isfinite(change))
+        why = jnp.where(
+            ~at.transfer.regular,
+            RESULTS.singular_configuration,
+            jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged),
+        )
+
+        def choose(if_bad, if_done, otherwise):
+            return jnp.where(bad, if_bad, jnp.where(done, if_done, otherwise))
+
+        return _Search(
+            x=jnp.where(done, trial, s.x),
+            near=jnp.where(done, near, s.near),
+            trial=choose(s.x, trial, trial),
+            trial_near=choose(s.near, near, near),
+            reached=jnp.where(done, load, s.reached),
+            step=step,
+            tries=jnp.where(bad | done, 0, s.tries + 1),
+            iterations=s.iterations + 1,
+            result=jnp.where(failed, why, int(RESULTS.successful)).astype(jnp.int32),
+        )
+
+    def unfinished(s: _Search):
+        return (s.reached < 1.0) & (s.result == RESULTS.successful)
+
+    x0, near0 = parameters.reference, zero_near(topology)
+    zero = jnp.zeros((), jnp.int32)
+    start = _Search(x0, near0, x0, near0, jnp.array(0.0), jnp.array(1.0), zero, zero, zero)
+    end = jax.lax.while_loop(unfinished, turn, start)
+    return _Solved(end.x, end.near, end.iterations, end.result)
+
+
+@eqx.filter_custom_jvp
+def _solve(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
+    return _search(topology, parameters, target)
+
+
+@_solve.def_jvp
+def _solve_jvp(primals, tangents):
+    """Implicit function theorem: the derivative of the equations at constant x, answered by the tangent."""
+    topology, parameters, target = primals
+    _, d_parameters, d_target = tangents
+    solved = _solve(topology, parameters, target)
+    at = state(topology, parameters, target, solved.x, solved.near)
+
+    def equations(parameters, target):
+        e, jacobian = deformation_jacobian(topology, parameters, solved.x, solved.near)
+        stiffness = element_stiffness(topology, parameters)
+        sigma = stress_resultants(parameters, scaled_loads(parameters, target), stiffness, e)
+        fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
+        sigma = sigma.at[fixed].set(at.sigma[fixed])
+        wanted_x, wanted_e = held_values(topology, parameters, target)
+        force = nodal_forces(topology, parameters, target, solved.x)
+        return jacobian.T @ sigma - force, e - wanted_e, wanted_x
+
+    _, (imbalance, excess, wanted) = eqx.filter_jvp(equations, (parameters, target), (d_parameters, d_target))
+    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+    shift = jnp.zeros(topology.n_x).at[held].set(wanted[held])
+    dx = linear_response(topology, at, excess + at.jacobian @ shift, shift, imbalance)
+    return solved, _Solved(dx, None, None, None)
+
+
+def solve_state(
+    topology: Topology, parameters: Parameters, target: LoadFactors
+) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""]]:
+    """Equilibrium and everything of first order about it; differentiable. Part of the compiled kernels.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        target: Load factors of the equilibrium.
+
+    Returns:
+        State, ``near``, code of RESULTS, and number of Newton iterations.
+    """
+    if has_loads(topology, parameters):
+        solved = _solve(topology, parameters, target)
+        near = jax.lax.stop_gradient(solved.near)
+        at = state(topology, parameters, target, solved.x, near)
+        result, iterations = solved.result, solved.iterations
+    else:
+        near = zero_near(topology)
+        at = state(topology, parameters, target, parameters.reference, near, loaded=False)
+        result = iterations = jnp.zeros((), jnp.int32)
+    result = jnp.where((result == RESULTS.successful) & ~at.transfer.regular, RESULTS.singular_configuration, result)
+    return at, near, result.astype(jnp.int32), iterations
+
+
+def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
+    """Forces of the supports on the mechanism, at FIXED and PRESCRIBED coordinates, zero elsewhere.
+
+    Args:
+        topology: Structure.
+        at: Equilibrium state.
+
+    Returns:
+        D_x^T sigma - f there, (n_x,) [N, N m].
+    """
+    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+    return jnp.zeros(topology.n_x).at[held].set((at.jacobian.T @ at.sigma - at.force)[held])
+
+
+@kernel
+def _equilibrium(topology, parameters, target):
+    at, _, result, iterations = solve_state(topology, parameters, target)
+    return at.x, at.e, at.sigma, reactions_of(topology, at), iterations, result
+
+
+def equilibrium(model: Model, *, load_factor: float = 1.0, increment: float = 0.0, throw: bool = True) -> Equilibrium:
+    """Static equilibrium under the constant loads.
+
+    Newton's method on the configurations that the constraints allow, with the multipliers of the constraints
+    estimated before the first step, so that a hanging body has its stiffness from the start.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+        load_factor: Factor of the loads, () [-].
+        increment: Factor of the incremental loads, () [-].
+        throw: Raise where the solve fails; otherwise the code is in ``result``.
+
+    Returns:
+        Equilibrium with x (n_x,) [m, rad, -], e and sigma (n_e,) [m, rad; N, N m], reactions (n_x,) [N, N m].
+
+    Raises:
+        AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try.
+
+    Source:
+        FORMULATION.md 4, 5 and 7.
+    """
+    target = load_factors(load_factor, increment)
+    solved = Equilibrium(*_equilibrium(model.topology, model.parameters, target), model.labels)
+    check(solved.result, throw)
+    return solved

@@ -1,0 +1,198 @@
+"""Linearised equations of motion about the static equilibrium."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..math.compile import kernel
+from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.inertia import mass_matrix
+from ..mechanics.loads import LoadFactors, has_load_elements, load_factors
+from ..mechanics.stress import element_damping
+from ..mechanics.transfer import correction, transfer
+from ..model.model import Labels, Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS, check
+from .equilibrium import reactions_of, solve_state
+
+
+class Matrices(eqx.Module):
+    """Linearised equations M0 qdd + (C0 + D0) qd + (K0 + N0 + G0) q = DFx^T f - DFe^T sigma, with numbers only.
+
+    Attributes:
+        M0: Mass, (n_q, n_q).
+        C0: Velocity matrix of the inertia forces, (n_q, n_q); zero about a state at rest.
+        D0: Damping, (n_q, n_q).
+        K0: Structural stiffness, (n_q, n_q).
+        N0: Dynamic stiffness, (n_q, n_q); zero about a state at rest.
+        G0: Geometric stiffness of stress resultants, constraint forces and loads, (n_q, n_q).
+        DFx: First-order transfer function of the coordinates, (n_x, n_q).
+        DFe: First-order transfer function of the deformations, (n_e, n_q).
+        S: Stiffness of the elements, (n_e, n_e).
+        S_d: Damping of the elements, (n_e, n_e).
+        x: Nodal coordinates at the equilibrium, (n_x,).
+        e: Deformations there, (n_e,).
+        sigma: Stress resultants there, (n_e,).
+        reactions: Forces of the supports there, (n_x,).
+        iterations: Newton iterations of the equilibrium.
+        result: Code of RESULTS.
+        symmetric: Whether the stiffness is symmetric by the nature of the loads.
+    """
+
+    M0: Float[Array, "n_q n_q"]
+    C0: Float[Array, "n_q n_q"]
+    D0: Float[Array, "n_q n_q"]
+    K0: Float[Array, "n_q n_q"]
+    N0: Float[Array, "n_q n_q"]
+    G0: Float[Array, "n_q n_q"]
+    DFx: Float[Array, "n_x n_q"]
+    DFe: Float[Array, "n_e n_q"]
+    S: Float[Array, "n_e n_e"]
+    S_d: Float[Array, "n_e n_e"]
+    x: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    sigma: Float[Array, "n_e"]
+    reactions: Float[Array, "n_x"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+    symmetric: bool = eqx.field(static=True)
+
+    @property
+    def K(self) -> Float[Array, "n_q n_q"]:
+        """Whole stiffness K0 + N0 + G0."""
+        return self.K0 + self.N0 + self.G0
+
+
+class Linearization(eqx.Module):
+    """Linearised equations of motion about the equilibrium of a model.
+
+    The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).
+
+    Attributes:
+        matrices: The numbers.
+        model: The mechanism they belong to.
+    """
+
+    matrices: Matrices
+    model: Model
+
+    def __getattr__(self, name: str):
+        if name.startswith("_") or name not in (*Matrices.__dataclass_fields__, "K"):
+            raise AttributeError(f"Linearization has no attribute '{name}'")
+        return getattr(self.matrices, name)
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.model.labels
+
+
+def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
+    """Equilibrium and linearisation in one; part of the compiled kernels.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        target: Load factors of the equilibrium.
+
+    Returns:
+        Matrices.
+    """
+    at, _, result, iterations = solve_state(topology, parameters, target)
+    z, dfe = at.transfer.DFx, at.transfer.DFe
+    mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
+    damping = element_damping(topology, parameters)
+    at_rest = jnp.zeros_like(mass)
+    k0, g0 = at.K0, at.G0
+    finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))
+    result = jnp.where((result == RESULTS.successful) & ~finite, RESULTS.not_finite, result)
+    return Matrices(
+        M0=(mass + mass.T) / 2,
+        C0=at_rest,
+        D0=dfe.T @ damping @ dfe,
+        K0=(k0 + k0.T) / 2,
+        N0=at_rest,
+        G0=g0 if has_load_elements(topology) else (g0 + g0.T) / 2,
+        DFx=z,
+        DFe=dfe,
+        S=at.S,
+        S_d=damping,
+        x=at.x,
+        e=at.e,
+        sigma=at.sigma,
+        reactions=reactions_of(topology, at),
+        iterations=iterations,
+        result=result.astype(jnp.int32),
+        symmetric=not has_load_elements(topology),
+    )
+
+
+_matrices = eqx.filter_jit(matrices)
+
+
+def linearize(model: Model, *, load_factor: float = 1.0, increment: float = 0.0, throw: bool = True) -> Linearization:
+    """Linearised equations of motion about the static equilibrium under the constant loads.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+        load_factor: Factor of the loads, () [-].
+        increment: Factor of the incremental loads, () [-].
+        throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
+
+    Returns:
+        Linearization with M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], the transfer functions DFx (n_x, n_q) and
+        DFe (n_e, n_q), and the equilibrium x, e, sigma.
+
+    Raises:
+        AnalysisError: The equilibrium was not found or the configuration is singular.
+
+    Source:
+        FORMULATION.md 6; K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
+    """
+    target = load_factors(load_factor, increment)
+    lin = Linearization(_matrices(model.topology, model.parameters, target), model)
+    check(lin.matrices.result, throw)
+    return lin
+
+
+@kernel
+def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
+    near = jax.lax.stop_gradient(m.e)
+    _, jacobian = deformation_jacobian(topology, parameters, m.x, near)
+    tangent = transfer(topology, jacobian)
+
+    def along(i, j):
+        def once(x):
+            _, d = deformation_jacobian(topology, parameters, x, near)
+            return d @ i
+
+        return jax.jvp(once, (m.x,), (j,))[1]
+
+    columns = m.DFx.T
+    bend = jax.vmap(jax.vmap(along, (None, 0)), (0, None))(columns, columns)
+
+    def second(curved):
+        dx = correction(topology, tangent, curved, jnp.zeros(topology.n_x))
+        return dx, curved + jacobian @ dx
+
+    d2x, d2e = jax.vmap(jax.vmap(second))(bend)
+    return jnp.moveaxis(d2x, -1, 0), jnp.moveaxis(d2e, -1, 0)
+
+
+def second_transfer(
+    lin: Linearization,
+) -> tuple[Float[Array, "n_x n_q n_q"], Float[Array, "n_e n_q n_q"]]:
+    """Second-order geometric transfer functions about the linearised state.
+
+    Args:
+        lin: Linearization.
+
+    Returns:
+        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q).
+
+    Source:
+        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, FORMULATION.md 4.
+    """
+    return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)

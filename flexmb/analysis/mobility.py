@@ -1,0 +1,211 @@
+"""Over- and under-constraints of a mechanism, by singular values and by name."""
+
+import dataclasses
+
+import numpy as np
+
+from ..math.compile import kernel
+from ..math.subspace import null_spaces
+from ..mechanics.deformation import deformation_jacobian, zero_near
+from ..model.model import Model
+
+# Shares below this of the largest in a mode are not listed.
+SHOWN = 1e-3
+
+
+@kernel
+def _reference_jacobian(topology, parameters):
+    return deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))[1]
+
+
+@dataclasses.dataclass(frozen=True)
+class Share:
+    """Part that one coordinate or deformation has in an over- or under-constraint.
+
+    Attributes:
+        of: Node or element.
+        component: Number from 1.
+        symbol: How it is written.
+        share: Amplitude: displacement or rotation of a motion, stress resultant of a self-stress; the largest is 1.
+    """
+
+    of: str
+    component: int
+    symbol: str
+    share: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Mobility:
+    """Which constraints are redundant and which motions are left, with every named DOF held.
+
+    Attributes:
+        overconstraints: Number of independent states of self-stress.
+        underconstraints: Number of independent motions that no constraint and no DOF holds.
+        self_stress: One state of self-stress a column, in the order of e, (n_e, overconstraints) [N, N m].
+        motion: One motion a column, in the order of x, (n_x, underconstraints) [m, rad, -].
+        release: For each over-constraint the deformation to release, as element and number, or None where only rigid
+            elements take part.
+        model: The mechanism.
+    """
+
+    overconstraints: int
+    underconstraints: int
+    self_stress: np.ndarray
+    motion: np.ndarray
+    release: tuple[tuple[str, int] | None, ...]
+    model: Model
+
+    @property
+    def status(self) -> str:
+        """One of "ok", "overconstrained", "underconstrained", "both"."""
+        over, under = self.overconstraints > 0, self.underconstraints > 0
+        return "both" if over and under else "overconstrained" if over else "underconstrained" if under else "ok"
+
+    def stresses(self, mode: int = 0) -> list[Share]:
+        """Elements that take part in a state of self-stress, largest first.
+
+        Args:
+            mode: Which, from 0.
+        """
+        return _shares(self.self_stress[:, mode], self.model.labels.e)
+
+    def motions(self, mode: int = 0) -> list[Share]:
+        """Nodes that take part in a motion, largest first.
+
+        Args:
+            mode: Which, from 0.
+        """
+        return _shares(self.motion[:, mode], self.model.labels.x)
+
+    def report(self) -> str:
+        """What is over- and under-constrained, by name, and what to release."""
+        lines = [f"over-constraints: {self.overconstraints}, under-constraints: {self.underconstraints}"]
+        for i in range(self.overconstraints):
+            parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i)[:8])
+            lines.append(f"self-stress {i + 1}: {parts}")
+            advice = self.release[i]
+            if advice is not None:
+                lines.append(f"  to remove it, release deformation {advice[1]} of element '{advice[0]}'")
+            else:
+                lines.append("  rigid elements form a closed loop here: replace one by a flexible or a pinned one")
+        for i in range(self.underconstraints):
+            parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.motions(i)[:8])
+            lines.append(f"free motion {i + 1}: {parts}")
+        return "\n".join(lines)
+
+
+def _shares(vector: np.ndarray, entries) -> list[Share]:
+    order = np.argsort(-np.abs(vector), kind="stable")
+    shown = [i for i in order if abs(vector[i]) > SHOWN and entries[i].kind != "norm"]
+    return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]
+
+
+@dataclasses.dataclass(frozen=True)
+class Constraints:
+    """Jacobian of the deformations in the undeformed mechanism, scaled to pure numbers.
+
+    Attributes:
+        jacobian: Rows of unit size, columns per extent of the mechanism or radian, (n_e, n_x).
+        rows: What each row was multiplied by, (n_e,).
+        columns: What each column was multiplied by, (n_x,).
+    """
+
+    jacobian: np.ndarray
+    rows: np.ndarray
+    columns: np.ndarray
+
+    def self_stress(self, left: np.ndarray, held: np.ndarray) -> np.ndarray:
+        """Stress resultants of left null vectors of the held rows, the largest of each 1."""
+        full = np.zeros((len(self.rows), left.shape[1]))
+        full[held] = left * self.rows[held, None]
+        return _unit(full)
+
+    def motion(self, right: np.ndarray, free: np.ndarray) -> np.ndarray:
+        """Coordinates of right null vectors of the free columns, the largest of each 1."""
+        full = np.zeros((len(self.columns), right.shape[1]))
+        full[free] = right * self.columns[free, None]
+        return _unit(full)
+
+
+def _unit(columns: np.ndarray) -> np.ndarray:
+    largest = np.argmax(np.abs(columns), axis=0) if columns.size else np.zeros(columns.shape[1], int)
+    return columns / columns[largest, np.arange(columns.shape[1])] if columns.size else columns
+
+
+def constraints(model: Model) -> Constraints:
+    """Scaled Jacobian of the deformations in the undeformed mechanism.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+    """
+    topology, parameters = model.topology, model.parameters
+    jacobian = np.asarray(_reference_jacobian(topology, parameters))
+    points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
+    extent = float(np.max(np.ptp(points, axis=1))) if points.size else 0.0
+    columns = np.ones(topology.n_x)
+    columns[np.asarray(topology.axes).ravel()] = extent or 1.0
+    scaled = jacobian * columns
+    sizes = np.linalg.norm(scaled, axis=1)
+    rows = 1 / np.where(sizes > 0, sizes, 1.0)
+    return Constraints(scaled * rows[:, None], rows, columns)
+
+
+def mobility(model: Model) -> Mobility:
+    """Find over- and under-constraints of the undeformed mechanism, with every named DOF held.
+
+    Args:
+        model: Mechanism, checked or not (``Builder.build(check=False)``).
+
+    Returns:
+        Mobility: numbers, self-stresses (n_e, over) and motions (n_x, under), the largest entry of each 1 [SI].
+
+    Source:
+        FORMULATION.md 8: singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the DEPENDENT
+        coordinates; left null vectors are over-constraints, right ones under-constraints.
+    """
+    found = constraints(model)
+    topology = model.topology
+    held = np.concatenate([np.asarray(i) for i in (topology.e.fixed, topology.e.prescribed, topology.e.dof)])
+    free = np.asarray(topology.x.dependent)
+    matrix = found.jacobian[np.ix_(held, free)]
+    rank, left, right = null_spaces(matrix)
+    stress = found.self_stress(left, held)
+    release = _proposals(model, matrix, held)
+    return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), release, model)
+
+
+def _proposals(model: Model, matrix: np.ndarray, held: np.ndarray) -> tuple[tuple[str, int] | None, ...]:
+    """One deformation a state of self-stress whose release removes it: the largest one of a flexible element."""
+    fixed = set(np.asarray(model.topology.e.fixed).tolist())
+    candidates = [k for k, i in enumerate(held) if i in fixed and _flexible(model)[i]]
+    proposals: list[tuple[str, int] | None] = []
+    remaining = list(range(len(held)))
+    while True:
+        rank, left, _ = null_spaces(matrix[remaining])
+        if rank == len(remaining):
+            return tuple(proposals)
+        # How much of each row lies in the space of self-stresses: releasing it removes one of them.
+        weight = np.linalg.norm(left, axis=1)
+        best = [(round(-weight[p], 9), k) for p, k in enumerate(remaining) if k in candidates and weight[p] > 1e-6]
+        if not best:
+            return tuple(proposals + [None] * (len(remaining) - rank))
+        row = min(best)[1]
+        entry = model.labels.e[held[row]]
+        proposals.append((entry.of, entry.component))
+        remaining.remove(row)
+
+
+def _flexible(model: Model) -> np.ndarray:
+    """Whether each deformation belongs to an element with stiffness of which some deformation is free already."""
+    flexible = np.zeros(model.topology.n_e, bool)
+    free = set(np.concatenate([np.asarray(model.topology.e.dependent), np.asarray(model.topology.e.dof)]).tolist())
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        element = block.element
+        if "stiffness" not in block.companions:
+            continue
+        if element.arguments(element.stiffness, {**dict(block.options), **properties}) is None:
+            continue
+        for row in np.asarray(block.e).tolist():
+            flexible[row] = not free.isdisjoint(row)
+    return flexible

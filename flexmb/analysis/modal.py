@@ -1,0 +1,226 @@
+"""Natural frequencies, mode shapes and poles of the linearised mechanism."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from jaxtyping import Array, Bool, Complex, Float, Int
+
+from ..math.compile import kernel
+from ..math.linear import is_positive_definite, pencil
+from ..mechanics.loads import LoadFactors, has_load_elements
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS, check
+from .linearize import Linearization, Matrices, linearize, matrices
+
+# The shift of an indefinite stiffness starts at this share of |K|/|M| and grows by this factor until K + sM is
+# positive definite, so that it is never much larger than the most negative eigenvalue asks for.
+FIRST_SHIFT = 1e-14
+SHIFT_GROWTH = 8.0
+MAX_SHIFTS = 40
+
+
+class Modes(eqx.Module):
+    """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
+
+    Attributes:
+        eigenvalues: Of (K0 + N0 + G0, M0), negative where unstable, (n,) [rad^2/s^2].
+        frequencies: Square root over 2 pi with the sign of the eigenvalue, (n,) [Hz].
+        shapes: Mass-normalised mode shapes in the coordinates, one a column, (n_x, n) [1/sqrt(kg) ..].
+        q_shapes: The same in the degrees of freedom, (n_q, n).
+        massless: Number of motions without mass.
+        stable: Whether the stiffness is positive definite.
+        lin: Linearization they belong to.
+    """
+
+    eigenvalues: Float[Array, "n"]
+    frequencies: Float[Array, "n"]
+    shapes: Float[Array, "n_x n"]
+    q_shapes: Float[Array, "n_q n"]
+    massless: int
+    stable: bool
+    lin: Linearization
+
+
+def shift_to_definite(
+    k: Float[Array, "n n"], m: Float[Array, "n n"]
+) -> tuple[Float[Array, ""], Bool[Array, ""], Bool[Array, ""]]:
+    """Smallest tried s >= 0 for which K + s M is positive definite.
+
+    Args:
+        k: Symmetric stiffness, (n, n).
+        m: Symmetric mass, positive semidefinite, (n, n).
+
+    Returns:
+        s, () [rad^2/s^2]; whether K itself is positive definite; whether an s was found.
+
+    Source:
+        FORMULATION.md 7: a stated shift where K is not positive definite.
+    """
+    k, m = lax.stop_gradient(k), lax.stop_gradient(m)
+    ratio = jnp.max(jnp.abs(jnp.diagonal(k)), initial=0.0) / jnp.max(jnp.diagonal(m), initial=0.0)
+    first = FIRST_SHIFT * jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
+    stable = is_positive_definite(k)
+
+    def grow(carry):
+        s, _, tries = carry
+        s = jnp.where(s > 0, SHIFT_GROWTH * s, first)
+        return s, is_positive_definite(k + s * m), tries + 1
+
+    def unfinished(carry):
+        _, found, tries = carry
+        return ~found & (tries < MAX_SHIFTS)
+
+    s, found, _ = lax.while_loop(unfinished, grow, (jnp.zeros(()), stable, jnp.zeros((), jnp.int32)))
+    return s, stable, found
+
+
+def spectrum(
+    k: Float[Array, "n n"], m: Float[Array, "n n"]
+) -> tuple[Float[Array, "n"], Float[Array, "n n"], Bool[Array, ""], Int[Array, ""]]:
+    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, from the stiffness side.
+
+    M v = mu K v is solved, where the lowest omega^2 = 1/mu come out with full relative accuracy; solved as (K, M),
+    they are known only to round-off times the largest.
+
+    Args:
+        k: Symmetric stiffness, of any definiteness, (n, n).
+        m: Symmetric mass, positive semidefinite, (n, n).
+
+    Returns:
+        omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
+        (n, n); whether K is positive definite; code of RESULTS.
+
+    Source:
+        FORMULATION.md 7.
+    """
+    shift, stable, found = shift_to_definite(k, m)
+    mu, w = pencil(m, k + shift * m)
+    mu, w = mu[::-1], w[:, ::-1]
+    n = k.shape[0]
+    massive = mu > 100 * n * jnp.finfo(float).eps * jnp.max(mu, initial=0.0)
+    positive = jnp.where(massive, mu, 1.0)
+    values = jnp.where(massive, 1 / positive - shift, jnp.inf)
+    vectors = jnp.where(massive, w / jnp.sqrt(positive), 0.0)
+    result = jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness)
+    return values, vectors, stable, result.astype(jnp.int32)
+
+
+def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
+    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2.
+
+    Args:
+        eigenvalues: omega^2, (n,) [rad^2/s^2].
+
+    Returns:
+        (n,) [Hz]; negative means that the motion grows.
+
+    Source:
+        Definition; the derivative at exactly zero is taken as zero.
+    """
+    usual = jnp.isfinite(eigenvalues) & (eigenvalues != 0)
+    root = jnp.sqrt(jnp.abs(jnp.where(usual, eigenvalues, 1.0))) / (2 * jnp.pi)
+    return jnp.where(usual, jnp.sign(eigenvalues) * root, eigenvalues)
+
+
+@kernel
+def _frequencies(topology: Topology, parameters: Parameters):
+    found = matrices(topology, parameters, LoadFactors(1.0, 0.0))
+    values, _, _, result = spectrum(found.K, found.M0)
+    return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
+
+
+def _refuse_unsymmetric(symmetric: bool) -> None:
+    if not symmetric:
+        raise NotImplementedError(
+            "Moments about fixed axes in space make the stiffness unsymmetric, so that frequencies may be complex:"
+            " ask for poles(linearize(model)) instead."
+        )
+
+
+def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
+    """Natural frequencies about the static equilibrium under the constant loads.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+        throw: Raise where the equilibrium or the eigenproblem fails.
+
+    Returns:
+        (n_q,) [Hz], ascending; negative where the motion grows, infinite for motions without mass.
+
+    Raises:
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
+
+    Source:
+        FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
+    """
+    _refuse_unsymmetric(not has_load_elements(model.topology))
+    values, result = _frequencies(model.topology, model.parameters)
+    check(result, throw)
+    return values
+
+
+@kernel
+def _modes(found: Matrices):
+    values, vectors, stable, result = spectrum(found.K, found.M0)
+    return values, to_frequency(values), found.DFx @ vectors, vectors, stable, result
+
+
+def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
+    """Natural frequencies and mode shapes about the static equilibrium under the constant loads.
+
+    Args:
+        model: Mechanism, or its linearisation.
+        throw: Raise where the equilibrium or the eigenproblem fails.
+
+    Returns:
+        Modes with eigenvalues (n,) [rad^2/s^2], frequencies (n,) [Hz] and shapes (n_x, n).
+
+    Raises:
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
+
+    Source:
+        FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
+    """
+    lin = model if isinstance(model, Linearization) else linearize(model, throw=throw)
+    _refuse_unsymmetric(lin.matrices.symmetric)
+    values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
+    check(result, throw)
+    finite = int(np.sum(np.isfinite(values)))
+    return Modes(
+        values[:finite],
+        hertz[:finite],
+        shapes[:, :finite],
+        q_shapes[:, :finite],
+        values.shape[0] - finite,
+        bool(stable),
+        lin,
+    )
+
+
+def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
+    """Poles of lambda^2 M0 + lambda (C0 + D0) + K0 + N0 + G0, ordered by |Im|.
+
+    Args:
+        model: Mechanism, or its linearisation.
+
+    Returns:
+        (n,) [rad/s]; those at infinity, of motions without mass, are left out.
+
+    Source:
+        FORMULATION.md 7; companion form with the pencil's mass, solved by the QZ method.
+    """
+    import scipy.linalg
+
+    lin = model if isinstance(model, Linearization) else linearize(model)
+    found = lin.matrices
+    n = found.M0.shape[0]
+    eye, zero = np.eye(n), np.zeros((n, n))
+    left = np.block([[zero, eye], [-np.asarray(found.K), -np.asarray(found.C0 + found.D0)]])
+    right = np.block([[eye, zero], [zero, np.asarray(found.M0)]])
+    top, bottom = scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True)
+    finite = np.abs(bottom) > 100 * n * np.finfo(float).eps * np.abs(top) / np.max(np.abs(left))
+    found_poles = top[finite] / bottom[finite]
+    return found_poles[np.lexsort((found_poles.imag, np.round(np.abs(found_poles.imag), 9)))]

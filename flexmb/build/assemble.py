@@ -1,0 +1,217 @@
+"""Index arrays and stacked numbers of a Model, from the contents of a Builder."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..elements.element import Element
+from ..elements.nodes import ROTATION3, unit_norm
+from ..model.model import Entry, Labels, Model, Signal
+from ..model.parameters import Loads, Parameters
+from ..model.roles import Role
+from ..model.topology import Block, RoleIndices, Topology
+
+if TYPE_CHECKING:
+    from .builder import Builder
+
+UNIT_NORM = Element(unit_norm)
+
+
+def is_concrete(tree: Any) -> bool:
+    """Whether no leaf of a pytree is traced.
+
+    Args:
+        tree: Any pytree.
+    """
+    return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
+
+
+def _is_option(value: Any) -> bool:
+    return isinstance(value, bool | str)
+
+
+def number_of_deformations(element: Element, properties: dict[str, Any]) -> int:
+    """Length of what a deformation function returns, found without computing it.
+
+    Args:
+        element: Element type.
+        properties: Its properties, complete.
+    """
+    own = element.arguments(element.deformation, properties) or {}
+    options = {k: v for k, v in own.items() if _is_option(v)}
+    leaves, structure = jax.tree.flatten({k: v for k, v in own.items() if not _is_option(v)})
+    shapes = tuple(np.shape(leaf) for leaf in leaves)
+    key = (element, tuple(sorted(options.items())), structure, shapes)
+    if key not in _COUNTS:
+        nodes = [jax.ShapeDtypeStruct((kind.size,), float) for kind in element.nodes.values()]
+        numbers = [jax.ShapeDtypeStruct(shape, float) for shape in shapes]
+
+        def call(nodes, numbers):
+            extra = {"near": jnp.zeros(64)} if element.tracks_angle else {}
+            named = jax.tree.unflatten(structure, numbers)
+            return element.deformation(*nodes, ref=element.reference(nodes), **named, **options, **extra)
+
+        _COUNTS[key] = jax.eval_shape(call, nodes, numbers).shape[0]
+    return _COUNTS[key]
+
+
+_COUNTS: dict[Any, int] = {}
+
+
+def stack(values: list[Any]) -> Any:
+    """Stack scalars or arrays to float64, on the host where none is traced.
+
+    Args:
+        values: Numbers of equal shape.
+    """
+    if is_concrete(values):
+        return np.stack([np.asarray(v, float) for v in values])
+    return jnp.stack([jnp.asarray(v, float) for v in values])
+
+
+def assemble(builder: Builder) -> Model:
+    """Model of a builder's contents, unchecked.
+
+    Args:
+        builder: Builder.
+
+    Returns:
+        Model with the degrees of freedom that the builder names.
+    """
+    names = list(builder.nodes)
+    starts = np.cumsum([0] + [builder.nodes[n].kind.size for n in names])
+    first_x = dict(zip(names, starts.tolist(), strict=False))
+    x_roles = [role for n in names for role in builder.nodes[n].roles]
+    x_labels = [
+        Entry(n, i + 1, c, builder.nodes[n].kind.part)
+        for n in names
+        for i, c in enumerate(builder.nodes[n].kind.components)
+    ]
+    members = [(n, m.element, m.nodes, m.properties, m.roles, not m.hidden) for n, m in builder.members.items()]
+    for n in names:
+        node = builder.nodes[n]
+        if node.kind is ROTATION3 and any(role is not Role.FIXED for role in node.roles):
+            members.append((n, UNIT_NORM, (n,), {}, [Role.FIXED], False))
+
+    first_e, e_roles, e_labels = {}, [], []
+    for name, element, _, _, roles, _ in members:
+        first_e.setdefault(name, len(e_roles))
+        kind = "norm" if element is UNIT_NORM else "deformation"
+        symbol = "norm" if element is UNIT_NORM else "e"
+        e_labels += [Entry(name, i + 1, f"{symbol}{i + 1}", kind) for i in range(len(roles))]
+        e_roles += roles
+
+    blocks, properties = _blocks(builder, members, first_x)
+    points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
+    axes = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
+
+    def index(key):
+        kind, of, number = key
+        return (first_e if kind == "element" else first_x)[of] + number - 1
+
+    dofs_x = [index(d) for d in builder.dofs if d[0] == "node"]
+    dofs_e = [index(d) for d in builder.dofs if d[0] == "element"]
+    topology = Topology(blocks, _indices(x_roles, dofs_x), _indices(e_roles, dofs_e), axes)
+    reference = _concatenate([builder.nodes[n].start for n in names])
+    initial = _loads(builder.loads["initial"], topology, index)
+    increment = _loads(builder.loads["increment"], topology, index)
+    strain = _sparse(builder.loads["initial"].get("strain"), len(e_roles), index)
+    has_increment = bool(jax.tree.leaves(increment)) or any("incremental" in m[3] for m in members)
+    parameters = Parameters(reference, properties, initial, increment if has_increment else None, strain)
+    signals = {
+        kind: tuple(Signal(name, quantity, index(key)) for name, quantity, key in entries)
+        for kind, entries in builder.signals.items()
+    }
+    elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)
+    labels = Labels(
+        tuple(x_labels),
+        tuple(e_labels),
+        elements,
+        signals["input"],
+        signals["output"],
+        builder.dimension or 2,
+    )
+    # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
+    return Model(*jax.device_put((topology, parameters)), labels)
+
+
+# Companions that are evaluated together; deformations apart, so that a rigid and a flexible beam share their trace.
+TOGETHER = (("deformation",), ("stiffness", "damping", "inertia", "force"))
+
+
+def _blocks(builder, members, first_x):
+    """Members stacked by type, options and structure of the properties that matter, in order of first appearance."""
+    groups: dict[Any, list] = {}
+    first = 0
+    for _, element, nodes, properties, roles, _ in members:
+        x = [first_x[n] + i for n in nodes for i in range(builder.nodes[n].kind.size)]
+        e = list(range(first, first + len(roles)))
+        first += len(roles)
+        splits = tuple(np.cumsum([builder.nodes[n].kind.size for n in nodes])[:-1].tolist())
+        for companions in TOGETHER:
+            if companions == ("deformation",):
+                own = element.arguments(element.deformation, properties)
+                present = bool(roles)
+            else:
+                own = properties
+                present = any(element.arguments(getattr(element, c), properties) is not None for c in companions)
+            if not present:
+                continue
+            options = tuple(sorted((k, v) for k, v in own.items() if _is_option(v)))
+            leaves, structure = jax.tree.flatten({k: v for k, v in own.items() if not _is_option(v)})
+            shapes = tuple(np.shape(leaf) for leaf in leaves)
+            key = (element, companions, options, structure, shapes)
+            groups.setdefault(key, []).append((x, e, leaves, splits))
+    blocks, stacked = [], []
+    for (element, companions, options, structure, _), found in groups.items():
+        x = np.array([f[0] for f in found], int)
+        e = np.array([f[1] for f in found], int).reshape(len(found), -1)
+        blocks.append(Block(element, companions, options, x, e, found[0][3]))
+        columns = zip(*(f[2] for f in found), strict=True)
+        stacked.append(jax.tree.unflatten(structure, [stack(list(c)) for c in columns]))
+    return tuple(blocks), tuple(stacked)
+
+
+def _indices(roles: list[Role], dofs: list[int]) -> RoleIndices:
+    def of(role):
+        return np.array([i for i, r in enumerate(roles) if r is role], int)
+
+    return RoleIndices(of(Role.FIXED), of(Role.DEPENDENT), np.array(dofs, int), of(Role.PRESCRIBED))
+
+
+def _concatenate(parts: list[list]) -> Any:
+    values = [value for part in parts for value in part]
+    return stack(values)
+
+
+def _sparse(entries, size: int, index) -> Any:
+    """Vector with the given entries, or None if there are none."""
+    if not entries:
+        return None
+    places, values = np.array([index(key) for key in entries], int), stack(list(entries.values()))
+    if isinstance(values, np.ndarray):
+        dense = np.zeros(size)
+        dense[places] = values
+        return dense
+    return jnp.zeros(size).at[places].set(values)
+
+
+def _loads(entries: dict, topology: Topology, index) -> Loads:
+    prescribed = entries.get("prescribed", {})
+    chosen = {}
+    for field, roles, kind in (("x", topology.x, "node"), ("e", topology.e, "element")):
+        own = {key: value for key, value in prescribed.items() if key[0] == kind}
+        dense = _sparse(own, roles.size, index)
+        chosen[field] = None if dense is None else dense[np.asarray(roles.prescribed)]
+    gravity = entries.get("gravity")
+    return Loads(
+        force=_sparse(entries.get("force"), topology.n_x, index),
+        gravity=None if not gravity else stack(gravity["all"]),
+        prestress=_sparse(entries.get("prestress"), topology.n_e, index),
+        x=chosen["x"],
+        e=chosen["e"],
+    )

@@ -1,0 +1,170 @@
+"""The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Flexible multibody mechanisms: frequencies, buckling and state space of a SPACAR input file.",
+)
+
+ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.dat", help="SPACAR input file.")]
+Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JSON here; - for standard output.")]
+Save = Annotated[Path | None, typer.Option("--save", help="Save the answer as .npz or .mat.")]
+Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run here.")]
+Release = Annotated[str, typer.Option("--release", help="auto: release over-constraints.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
+
+EXIT_WRONG_CALL = 2
+
+
+def _refuse(message: str) -> Any:
+    """End with one line on standard error for each fault of the file or the call."""
+    print(message, file=sys.stderr)
+    raise typer.Exit(EXIT_WRONG_CALL)
+
+
+def _mode_number(mode: str | None, analysis: str | None) -> int:
+    from .io.answers import MODES, RESERVED
+
+    names = {name: number for number, (name, _) in MODES.items()}
+    wanted = analysis if analysis is not None else mode
+    if wanted is None or (mode is not None and analysis is not None):
+        return _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
+    text = str(wanted)
+    if text in names:
+        return names[text]
+    number = abs(int(text)) if text.lstrip("-").isdigit() else None
+    if number in MODES:
+        return number
+    known = ", ".join(f"{n} ({name})" for n, (name, _) in MODES.items())
+    if number in RESERVED or text in RESERVED.values():
+        return _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
+    return _refuse(f"flexmb run: there is no mode '{text}'. Available: {known}.")
+
+
+def _check_call(release: str, json_path: str | None, save: Path | None, log: Path | None) -> None:
+    """Refuse wrong options before anything is computed."""
+    if release not in ("none", "auto"):
+        _refuse(f"flexmb: --release takes auto or none, not '{release}'.")
+    if save is not None and save.suffix not in (".npz", ".mat"):
+        _refuse(f"flexmb: --save writes .npz or .mat, not '{save}'.")
+    for path in (json_path if json_path != "-" else None, save, log):
+        if path is not None and not Path(path).absolute().parent.is_dir():
+            _refuse(f"flexmb: the folder of '{path}' does not exist.")
+
+
+def _run(model: Path, number: int, json_path: str | None, save: Path | None, log: Path | None, release: str) -> None:
+    from . import SpacarError, enable_cache, enable_x64, read_spacar
+    from .io.answers import answer
+    from .io.files import save as save_answer
+    from .io.files import to_json, write_whole
+    from .io.tables import log as log_text
+    from .io.tables import table
+
+    _check_call(release, json_path, save, log)
+    enable_x64()
+    try:
+        enable_cache()
+    except OSError:
+        # Without a writable cache folder the program is slower and otherwise the same.
+        pass
+    try:
+        source = model.read_text()
+    except (OSError, UnicodeDecodeError) as fault:
+        _refuse(f"flexmb: cannot read '{model}': {fault}")
+    try:
+        read = read_spacar(model)
+    except SpacarError as fault:
+        _refuse(str(fault))
+    found = answer(read.builder, model.name, number, list(read.warnings), release)
+    if json_path == "-":
+        print(to_json(found.data))
+    else:
+        print(table(found.data))
+    if json_path not in (None, "-"):
+        write_whole(json_path, to_json(found.data).encode())
+    if save is not None:
+        save_answer(found.data, save)
+    if log is not None:
+        write_whole(log, log_text(found, source).encode())
+    if found.exit_status:
+        first = found.data["message"].splitlines()[0]
+        print(f"{model.name}: {found.data['status']}: {first}", file=sys.stderr)
+        raise typer.Exit(found.exit_status)
+
+
+def _guarded(debug: bool, *arguments: Any) -> None:
+    """Turn a fault nobody foresaw into one line, unless a traceback is asked for."""
+    try:
+        _run(*arguments)
+    except typer.Exit:
+        raise
+    except Exception as fault:
+        if debug:
+            raise
+        first = (str(fault).splitlines() or [""])[0]
+        print(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)", file=sys.stderr)
+        raise typer.Exit(1) from None
+
+
+@app.command()
+def run(
+    model: ModelFile,
+    mode: Annotated[str | None, typer.Option("--mode", help="0, 7, 8 or 9.")] = None,
+    analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
+    json_path: Json = None,
+    save: Save = None,
+    log: Log = None,
+    release: Release = "none",
+    debug: Debug = False,
+) -> None:
+    """Analyse a mechanism: 0 mobility, 7 frequencies, 8 buckling, 9 statespace."""
+    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release)
+
+
+@app.command()
+def check(model: ModelFile, json_path: Json = None, save: Save = None, log: Log = None, debug: Debug = False) -> None:
+    """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
+    _guarded(debug, model, 0, json_path, save, log, "none")
+
+
+@app.command()
+def demo(
+    name: Annotated[str | None, typer.Argument(help="A shipped mechanism.")] = None,
+    listing: Annotated[bool, typer.Option("--list", help="List the shipped mechanisms.")] = False,
+    to: Annotated[Path | None, typer.Option("--to", help="Copy the mechanism to this folder instead.")] = None,
+    debug: Debug = False,
+) -> None:
+    """Run the main job on a mechanism that ships with the package, or copy it out."""
+    from .mechanisms import mechanism_path, mechanisms
+
+    if listing:
+        for key, text in mechanisms().items():
+            print(f"{key:<14}{text}")
+        return
+    name = name or "pf3d"
+    if name not in mechanisms():
+        _refuse(f"flexmb demo: no mechanism '{name}'. Shipped: {', '.join(mechanisms())}.")
+    path = mechanism_path(name)
+    if to is not None:
+        from .io.files import write_whole
+
+        if not to.is_dir():
+            _refuse(f"flexmb demo: the folder '{to}' does not exist.")
+        write_whole(to / path.name, path.read_bytes())
+        print(to / path.name)
+        return
+    for number in (0, 7, 9):
+        _guarded(debug, path, number, None, None, None, "none")
+        print()
+
+
+def main() -> None:
+    """Run the command line."""
+    app()

@@ -1,0 +1,110 @@
+"""What planar and spatial beams share: lengths, stiffness of one bending plane, mass of the cubic interpolation."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .nodes import length
+
+# Mass of cubics in the end positions and end slopes times length, over m l / 420 (REFERENCES.md T4: axially too).
+CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
+LINEAR_MASS = np.array([[2.0, 1], [1, 2]]) / 6
+
+
+# [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]] = BENDING[0] + Phi BENDING[1]
+BENDING = np.array([[[4.0, -2.0], [-2.0, 4.0]], [[1.0, 1.0], [1.0, 1.0]]])
+
+
+def bending_coefficients(ei, l0, shear) -> tuple:
+    """Coefficients of :data:`BENDING` in the stiffness of one bending plane.
+
+    S = EI/(l0^3 (1 + Phi)) [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]], Phi = 12 EI/(GAk l0^2).
+
+    Args:
+        ei: Bending rigidity, () [N m^2].
+        l0: Undeformed length, () [m].
+        shear: EI/(GAk), () [m^2], zero without shear deformation.
+
+    Returns:
+        Two coefficients, () [N/m].
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor (FORMULATION.md 2).
+    """
+    phi = 12 * shear / l0**2
+    first = ei / (l0**3 * (1 + phi))
+    return first, first * phi
+
+
+def combine(coefficients, matrices) -> Float[Array, "n n"]:
+    """Linear combination of constant matrices: one small product in the compiled code.
+
+    Args:
+        coefficients: k scalars.
+        matrices: (k, n, n).
+    """
+    return jnp.tensordot(jnp.stack([jnp.asarray(c, float) for c in coefficients]), matrices, 1)
+
+
+def bending_shortening(ep, eq, l0) -> Float[Array, ""]:
+    """Shortening of the chord by bending in one plane, second order: (2 ep^2 + ep eq + 2 eq^2)/(30 l0).
+
+    Args:
+        ep: Bending deformation at end p, () [m].
+        eq: Bending deformation at end q, () [m].
+        l0: Undeformed length, () [m].
+
+    Returns:
+        () [m].
+
+    Source:
+        Integral of half the squared slope of the cubic deflection with end slopes ep/l0 and -eq/l0.
+    """
+    return (2 * ep**2 + ep * eq + 2 * eq**2) / (30 * l0)
+
+
+def beam_length(ref) -> Float[Array, ""]:
+    """Undeformed length of an element with end positions ``ref.p`` and ``ref.q``.
+
+    Args:
+        ref: Reference coordinates.
+
+    Returns:
+        () [m].
+    """
+    return length(ref.q - ref.p)
+
+
+def truss(p, q, *, ref):
+    """Elongation l - l0, (1,) [m].
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (2.8).
+    """
+    return (length(q - p) - beam_length(ref))[None]
+
+
+def truss_stiffness(*, ref, section) -> Float[Array, "1 1"]:
+    """Axial stiffness EA/l0, (1, 1) [N/m]; tutorial (2.11)."""
+    return (section.rigidity().EA / beam_length(ref)).reshape(1, 1)
+
+
+def truss_damping(*, ref, damping) -> Float[Array, "1 1"]:
+    """Axial damping EdA/l0, (1, 1) [N s/m]; tutorial (2.12)."""
+    return (damping.EA / beam_length(ref)).reshape(1, 1)
+
+
+def line_inertia(p, q, *, ref, section):
+    """Distributed mass with linear interpolation of the position, exact for a straight rigid line.
+
+    Source:
+        Integral of the linear shape functions: m l/6 [[2, 1], [1, 2]].
+    """
+    return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
+
+
+def check_length(*, ref) -> list[str]:
+    """Faults of an element with two end positions."""
+    if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:
+        return ["has zero length: its two ends have the same position"]
+    return []

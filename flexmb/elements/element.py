@@ -1,0 +1,128 @@
+"""An element type is a pure function of nodal coordinates; its signature is read here."""
+
+import dataclasses
+import functools
+import inspect
+import typing
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any
+
+from .nodes import NodeKind
+
+ALL = "all"
+
+
+@dataclasses.dataclass(frozen=True)
+class Element:
+    """An element type: the deformation function and its companions.
+
+    Companions are functions too, called with the properties that they name in their signature. One that names a
+    property whose value is None is not called: a beam without a section has neither stiffness nor mass.
+
+    Attributes:
+        deformation: ``f(*nodes, ref, **properties) -> (n_e,)``, zero at ``ref`` and unchanged by rigid motion.
+        stiffness: ``f(*, ref, **properties) -> (n_e, n_e)``, stress resultants per deformation.
+        damping: The same for deformation rates.
+        inertia: ``f(*nodes, ref, **properties) -> (s, H)``: vectors s(x), (k, d), and a constant matrix H, (k, k),
+            with kinetic energy ``1/2 sum H[a, b] s_a_dot . s_b_dot`` (FORMULATION.md 3).
+        force: ``f(*nodes, ref, **properties) -> (n_x,)``, nodal forces dual to the coordinates, for loads that
+            depend on the configuration.
+        check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
+        released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
+            The rest is FIXED. None: all if the element has a stiffness, none if not.
+    """
+
+    deformation: Callable[..., Any]
+    stiffness: Callable[..., Any] | None = None
+    damping: Callable[..., Any] | None = None
+    inertia: Callable[..., Any] | None = None
+    force: Callable[..., Any] | None = None
+    check: Callable[..., list[str]] | None = None
+    released: tuple[int, ...] | str | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the element type, as the module that defines it spells it."""
+        return self.deformation.__name__.strip("_")
+
+    @property
+    def nodes(self) -> dict[str, NodeKind]:
+        """Node kind of each positional parameter, in order."""
+        return _signature(self.deformation)[0]
+
+    @property
+    def properties(self) -> dict[str, inspect.Parameter]:
+        """Properties that the deformation and the companions name."""
+        found: dict[str, inspect.Parameter] = {}
+        for function in self._functions():
+            for name, parameter in _signature(function)[1].items():
+                if name not in found or found[name].default is inspect.Parameter.empty:
+                    found[name] = parameter
+        return found
+
+    @property
+    def tracks_angle(self) -> bool:
+        """Whether the deformation asks for ``near``: its value at the last accepted state (angles past a turn)."""
+        return "near" in inspect.signature(self.deformation).parameters
+
+    def _functions(self) -> list[Callable[..., Any]]:
+        companions = (self.stiffness, self.damping, self.inertia, self.force, self.check)
+        return [self.deformation, *(c for c in companions if c is not None)]
+
+    def reference(self, coordinates) -> Any:
+        """The ``ref`` argument: coordinates under the names of the nodes.
+
+        Args:
+            coordinates: One array a node, in order.
+        """
+        return _reference_type(self.deformation)(*coordinates)
+
+    def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict | None:
+        """Properties that a companion names, or None where it does not exist for these properties.
+
+        Args:
+            companion: One of this element's functions, or None.
+            properties: All properties of the element.
+        """
+        if companion is None:
+            return None
+        wanted = _signature(companion)[1]
+        chosen = {name: properties[name] for name in wanted if name in properties}
+        required = companion is not self.deformation and companion is not self.check
+        if required and any(value is None for name, value in chosen.items() if wanted[name].default is not None):
+            return None
+        return chosen
+
+
+def as_element(function: "Element | Callable[..., Any]") -> Element:
+    """Wrap a bare deformation function; an Element passes through.
+
+    Args:
+        function: Deformation function, or an Element.
+    """
+    return function if isinstance(function, Element) else Element(function)
+
+
+@functools.cache
+def _signature(function) -> tuple[dict[str, NodeKind], dict[str, inspect.Parameter]]:
+    hints = typing.get_type_hints(function, include_extras=True)
+    nodes, properties = {}, {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY:
+            if name not in ("ref", "near"):
+                properties[name] = parameter
+            continue
+        kinds = [k for k in getattr(hints.get(name), "__metadata__", ()) if isinstance(k, NodeKind)]
+        if not kinds:
+            raise TypeError(
+                f"Positional parameter '{name}' of element '{function.__name__}' must be annotated with a node kind"
+                " (Point2, Angle, Point3, Rotation3)."
+            )
+        nodes[name] = kinds[0]
+    return nodes, properties
+
+
+@functools.cache
+def _reference_type(function):
+    return namedtuple("Reference", list(_signature(function)[0]))

@@ -1,0 +1,76 @@
+"""Node kinds: what an element's positional parameters are annotated with.
+
+An annotation such as ``Point2`` carries a :class:`NodeKind`; an element function's signature is read for it, so
+that the signature is the element's only declaration.
+"""
+
+import dataclasses
+from typing import Annotated
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+@dataclasses.dataclass(frozen=True)
+class NodeKind:
+    """What one kind of node is.
+
+    Attributes:
+        name: Name as it appears in messages.
+        part: Which part of a named node it is, "position" or "rotation".
+        dimension: 2 in the plane, 3 in space.
+        start: Coordinates before a position is given.
+        components: Name of each coordinate.
+        freedoms: Independent coordinates, the number that (2.13) counts: 3 of 4 for Euler parameters.
+    """
+
+    name: str
+    part: str
+    dimension: int
+    start: tuple[float, ...]
+    components: tuple[str, ...]
+    freedoms: int
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.start)
+
+
+POINT2 = NodeKind("Point2", "position", 2, (0.0, 0.0), ("x", "y"), 2)
+ANGLE = NodeKind("Angle", "rotation", 2, (0.0,), ("phi",), 1)
+POINT3 = NodeKind("Point3", "position", 3, (0.0, 0.0, 0.0), ("x", "y", "z"), 3)
+ROTATION3 = NodeKind("Rotation3", "rotation", 3, (1.0, 0.0, 0.0, 0.0), ("l0", "l1", "l2", "l3"), 3)
+
+Point2 = Annotated[Float[Array, "2"], POINT2]
+Angle = Annotated[Float[Array, "1"], ANGLE]
+Point3 = Annotated[Float[Array, "3"], POINT3]
+Rotation3 = Annotated[Float[Array, "4"], ROTATION3]
+
+
+def unit_norm(rotation: Rotation3, *, ref) -> Float[Array, "1"]:
+    """Excess of the squared norm of Euler parameters: the constraint every spatial rotational node brings along.
+
+    Args:
+        rotation: Euler parameters, (4,) [-].
+        ref: The same in the undeformed mechanism.
+
+    Returns:
+        (1,) [-], zero for a unit norm.
+
+    Source:
+        Definition.
+    """
+    return (rotation @ rotation - 1.0)[None]
+
+
+def length(vector: Float[Array, "d"]) -> Float[Array, ""]:
+    """Euclidean length, () [m]; not for a vector that may vanish (its derivative is not finite there).
+
+    Args:
+        vector: (d,) [m].
+
+    Returns:
+        () [m].
+    """
+    return jnp.sqrt(vector @ vector)

@@ -1,0 +1,151 @@
+"""Planar elements: truss, beam, rigid beam, hinge, lumped mass and rotary inertia.
+
+Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.rotation import rotation_plane
+from . import beams
+from .element import ALL, Element
+from .nodes import Angle, Point2
+from .sections import Damping, Section
+
+
+def _truss(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
+    """Elongation, tutorial (2.8)."""
+    return beams.truss(p, q, ref=ref)
+
+
+def _truss_inertia(p: Point2, q: Point2, *, ref, section: Section):
+    return beams.line_inertia(p, q, ref=ref, section=section)
+
+
+truss = Element(
+    _truss,
+    stiffness=beams.truss_stiffness,
+    damping=beams.truss_damping,
+    inertia=_truss_inertia,
+    check=beams.check_length,
+)
+"""Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
+
+
+def _axes(rot: Angle, ref_rot: Angle, ref) -> Float[Array, "2 2"]:
+    """Local x and y axes of a triad that lay along the undeformed element, as rows."""
+    x0 = (ref.q - ref.p) / beams.beam_length(ref)
+    x = rotation_plane(rot[0] - ref_rot[0]) @ x0
+    return jnp.stack([x, jnp.stack([-x[1], x[0]])])
+
+
+def _beam(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order: bool = True) -> Float[Array, "3"]:
+    """Elongation and two bendings of a planar beam, tutorial (3.3)-(3.5) with the bending term in the elongation.
+
+    Without that term a guide of two leaf springs buckles at 94.5 N where 78.75 N is right (REFERENCES.md T3).
+    """
+    chord = q - p
+    e2 = -(_axes(rot_p, ref.rot_p, ref)[1] @ chord)
+    e3 = _axes(rot_q, ref.rot_q, ref)[1] @ chord
+    l0 = beams.beam_length(ref)
+    e1 = beams.length(chord) - l0
+    if second_order:
+        e1 = e1 + beams.bending_shortening(e2, e3, l0)
+    return jnp.stack([e1, e2, e3])
+
+
+# Places of EA/l0 and of the two coefficients of beams.bending_coefficients.
+STIFFNESS = np.zeros((3, 3, 3))
+STIFFNESS[0, 0, 0] = 1.0
+STIFFNESS[1:, 1:, 1:] = beams.BENDING
+
+
+def _beam_stiffness(*, ref, section: Section) -> Float[Array, "3 3"]:
+    s, l0 = section.rigidity(), beams.beam_length(ref)
+    return beams.combine([s.EA / l0, *beams.bending_coefficients(s.EIy, l0, s.shear_z)], STIFFNESS)
+
+
+def _beam_damping(*, ref, damping: Damping) -> Float[Array, "3 3"]:
+    l0 = beams.beam_length(ref)
+    return beams.combine([damping.EA / l0, *beams.bending_coefficients(damping.EIy, l0, 0.0)], STIFFNESS)
+
+
+# Places of the mass per length and of the rotary inertia per length, times l0, among the vectors
+# (p, l0 x_p, q, l0 x_q, y_p, y_q).
+INERTIA = np.zeros((2, 6, 6))
+INERTIA[0, :4, :4] = beams.CUBIC_MASS
+INERTIA[1, 4:, 4:] = beams.LINEAR_MASS
+
+
+def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, section: Section):
+    """Cubic interpolation of the position along the beam, linear interpolation of the section's normal."""
+    s, l0 = section.rigidity(), beams.beam_length(ref)
+    axes_p, axes_q = _axes(rot_p, ref.rot_p, ref), _axes(rot_q, ref.rot_q, ref)
+    vectors = jnp.stack([p, l0 * axes_p[0], q, l0 * axes_q[0], axes_p[1], axes_q[1]])
+    return vectors, l0 * beams.combine([s.mass, s.Jy], INERTIA)
+
+
+beam = Element(
+    _beam,
+    stiffness=_beam_stiffness,
+    damping=_beam_damping,
+    inertia=_beam_inertia,
+    check=beams.check_length,
+)
+"""Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping, second_order."""
+
+
+def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]:
+    """Offset of q from its place on the body of p, in axes of the body [m]."""
+    turned = rotation_plane(rot_p[0] - ref.rot_p[0])
+    return turned.T @ (q - p) - (ref.q - ref.p)
+
+
+def _rigid_beam_inertia(p: Point2, rot_p: Angle, q: Point2, *, ref, section: Section):
+    return beams.line_inertia(p, q, ref=ref, section=section)
+
+
+rigid_beam = Element(_rigid_beam, inertia=_rigid_beam_inertia, released=())
+"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. Properties: section (mass)."""
+
+
+def _hinge(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
+    """Relative rotation of two bodies [rad]."""
+    return (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
+
+
+def _scalar_matrix(*, ref, stiffness: float) -> Float[Array, "1 1"]:
+    return jnp.reshape(stiffness, (1, 1))
+
+
+def _scalar_damping(*, ref, damping: float) -> Float[Array, "1 1"]:
+    return jnp.reshape(damping, (1, 1))
+
+
+hinge = Element(_hinge, stiffness=_scalar_matrix, damping=_scalar_damping, released=ALL)
+"""Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
+
+
+def _nothing_at(p: Point2, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _mass_inertia(p: Point2, *, ref, mass: float):
+    return p[None], jnp.reshape(mass, (1, 1))
+
+
+mass = Element(_nothing_at, inertia=_mass_inertia)
+"""Point mass. Properties: mass [kg]."""
+
+
+def _nothing_on(rot: Angle, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _inertia_inertia(rot: Angle, *, ref, inertia: float):
+    return rot[None], jnp.reshape(inertia, (1, 1))
+
+
+inertia = Element(_nothing_on, inertia=_inertia_inertia)
+"""Lumped rotary inertia, of either sign. Properties: inertia [kg m^2]."""

@@ -1,0 +1,313 @@
+"""Cross-sections and materials: leaf-spring dimensions to rigidities and mass.
+
+A section's local y and z axes are the element's. ``EIy`` resists bending that displaces along z (deformations 3
+and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that displaces along y.
+"""
+
+import abc
+from typing import Literal
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+Scalar = float | Float[Array, ""]
+
+
+class Material(eqx.Module):
+    """Isotropic linear material.
+
+    Attributes:
+        E: Young's modulus [Pa].
+        G: Shear modulus [Pa].
+        rho: Density [kg/m^3].
+        nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
+    """
+
+    E: Scalar
+    G: Scalar
+    rho: Scalar = 0.0
+    nu: Scalar | None = None
+
+    def poisson(self) -> Scalar:
+        """Poisson's ratio, () [-]."""
+        return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
+
+
+class Section(eqx.Module):
+    """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers."""
+
+    @abc.abstractmethod
+    def rigidity(self) -> "Rigidity":
+        """Rigidities and mass per length of the section."""
+
+
+class Rigidity(Section):
+    """A section given by its numbers. What is not given is zero, a shear compliance of zero means rigid in shear.
+
+    Attributes:
+        EA: Axial rigidity [N].
+        EIy: Bending rigidity about local y [N m^2]; the bending rigidity of a planar beam.
+        EIz: Bending rigidity about local z [N m^2].
+        GIt: Torsional rigidity [N m^2].
+        shear_z: EIy/(GAk) for displacement along z [m^2].
+        shear_y: EIz/(GAk) for displacement along y [m^2].
+        mass: Mass per length [kg/m].
+        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
+    """
+
+    EA: Scalar = 0.0
+    EIy: Scalar = 0.0
+    EIz: Scalar = 0.0
+    GIt: Scalar = 0.0
+    shear_z: Scalar = 0.0
+    shear_y: Scalar = 0.0
+    mass: Scalar = 0.0
+    Jx: Scalar = 0.0
+    Jy: Scalar = 0.0
+    Jz: Scalar = 0.0
+    Jyz: Scalar = 0.0
+
+    def rigidity(self) -> "Rigidity":
+        """The numbers themselves."""
+        return self
+
+
+class Damping(eqx.Module):
+    """Damping rigidities of a beam or truss, in the same places as its stiffness.
+
+    Attributes:
+        EA: Axial [N s].
+        EIy: Bending about local y [N m^2 s]; the bending of a planar beam.
+        EIz: Bending about local z [N m^2 s].
+        GIt: Torsion [N m^2 s].
+    """
+
+    EA: Scalar = 0.0
+    EIy: Scalar = 0.0
+    EIz: Scalar = 0.0
+    GIt: Scalar = 0.0
+
+
+def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar) -> Damping:
+    """Damping rigidities that give a spring of this section and length a damping ratio.
+
+    Each stiffness k of the spring is taken with its whole mass m: d = 2 ratio sqrt(k m), then made a rigidity like
+    the stiffness it stands beside. A leaf spring modelled by several beams takes the length of the whole leaf.
+
+    Args:
+        section: Cross-section with mass.
+        length: Length of the spring, () [m].
+        ratio: Damping ratio, () [-].
+
+    Returns:
+        Damping rigidities.
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (2.14) and the numbers after (3.9) and (4.14).
+    """
+    s = section.rigidity()
+    mass = s.mass * length
+
+    def equivalent(rigidity, power):
+        stiffness = rigidity / length**power
+        # A spring without this rigidity has no damping in it; the root has no derivative at zero.
+        positive = jnp.asarray(stiffness * mass) > 0
+        product = jnp.where(positive, stiffness * mass, 1.0)
+        return jnp.where(positive, 2 * ratio * jnp.sqrt(product), 0.0) * length**power
+
+    return Damping(EA=equivalent(s.EA, 1), EIy=equivalent(s.EIy, 3), EIz=equivalent(s.EIz, 3), GIt=equivalent(s.GIt, 3))
+
+
+def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
+    """Saint-Venant torsion constant of a rectangle, by its series.
+
+    It = w t^3 (1/3 - (64/pi^5) (t/w) sum over odd n of tanh(n pi w / 2t) / n^5) with t the shorter side.
+
+    Args:
+        width: One side, () [m].
+        thickness: The other, () [m].
+
+    Returns:
+        Torsion constant, () [m^4]; the terms left out are below 1e-9 of it.
+
+    Source:
+        Saint-Venant's solution, e.g. Timoshenko and Goodier, Theory of Elasticity, section on rectangular bars.
+    """
+    w, t = jnp.maximum(width, thickness), jnp.minimum(width, thickness)
+    # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail is that of the zeta function:
+    # sum over odd n of 1/n^5 = (31/32) zeta(5).
+    odd = (1.0, 3.0)
+    total = (31 / 32) * 1.0369277551433699 + sum((jnp.tanh(n * jnp.pi * w / (2 * t)) - 1) / n**5 for n in odd)
+    return w * t**3 * (1 / 3 - 64 / jnp.pi**5 * (t / w) * total)
+
+
+def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
+    """Torsion constant of a thin rectangle by the tutorial's formula, for comparison.
+
+    Args:
+        width: Longer side, () [m].
+        thickness: Shorter side, () [m].
+
+    Returns:
+        w t^3 (1/3 - 0.21 (t/w) (1 - (t/w)^4/12)), () [m^4].
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (4.9).
+    """
+    w, t = width, thickness
+    return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
+
+
+def warping_factor(length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int = 2) -> Scalar:
+    """By how much restrained warping at clamped ends stiffens a thin strip in torsion.
+
+    With alpha^2 = 24 (1 - nu)/w^2: 1/(1 - tanh(al)/(al)) for one clamped end, 1/(1 - 2 tanh(al/2)/(al)) for two.
+
+    Args:
+        length: Length of the whole leaf spring, () [m].
+        width: Its width, () [m].
+        nu: Poisson's ratio, () [-].
+        clamped_ends: 0, 1 or 2.
+
+    Returns:
+        Factor on G It, () [-]; 1 for no clamped end.
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip. Its (4.14) is the limit for a long strip.
+    """
+    if clamped_ends not in (0, 1, 2):
+        raise ValueError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")
+    if clamped_ends == 0:
+        return 1.0
+    al = length * jnp.sqrt(24 * (1 - nu)) / width
+    return 1 / (1 - clamped_ends * jnp.tanh(al / clamped_ends) / al)
+
+
+class Rectangle(Section):
+    """Rectangular section, the leaf spring's.
+
+    Attributes:
+        width: Side along local y [m].
+        thickness: Side along local z [m]; bending about the soft axis displaces along z and has rigidity EIy.
+        material: Material.
+        shear: Whether shear deformation is counted, with k = 10 (1 + nu)/(12 + 11 nu) (Cowper 1966).
+        rotary: Whether the rotary inertia of the section is counted.
+        torsion: "series" or "approximate" (4.9).
+        warping_length: Length of the whole leaf spring [m] where warping at clamped ends is restrained, else None.
+        clamped_ends: Number of ends at which warping is restrained.
+    """
+
+    width: Scalar
+    thickness: Scalar
+    material: Material
+    shear: bool = eqx.field(static=True, default=False)
+    rotary: bool = eqx.field(static=True, default=True)
+    torsion: Literal["series", "approximate"] = eqx.field(static=True, default="series")
+    warping_length: Scalar | None = None
+    clamped_ends: int = eqx.field(static=True, default=2)
+
+    def rigidity(self) -> Rigidity:
+        """Rigidities of the rectangle; equations above."""
+        w, t, material = self.width, self.thickness, self.material
+        it = (torsion_series if self.torsion == "series" else torsion_approximate)(w, t)
+        nu = material.poisson()
+        if self.warping_length is not None:
+            it = it * warping_factor(self.warping_length, w, nu, self.clamped_ends)
+        k = 10 * (1 + nu) / (12 + 11 * nu)
+        return _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
+
+
+class HollowRectangle(Section):
+    """Thin-walled rectangular tube.
+
+    Attributes:
+        width: Outer side along local y [m].
+        thickness: Outer side along local z [m].
+        wall_y: Thickness of the two walls at the ends of the width [m].
+        wall_z: Thickness of the two walls at the ends of the thickness [m].
+        material: Material.
+        rotary: Whether the rotary inertia of the section is counted.
+    """
+
+    width: Scalar
+    thickness: Scalar
+    wall_y: Scalar
+    wall_z: Scalar
+    material: Material
+    rotary: bool = eqx.field(static=True, default=True)
+
+    shear = False
+
+    def rigidity(self) -> Rigidity:
+        """Rigidities; torsion by Bredt: It = 4 A_m^2 / closed integral of ds/wall."""
+        w, t = self.width, self.thickness
+        wi, ti = w - 2 * self.wall_y, t - 2 * self.wall_z
+        wm, tm = w - self.wall_y, t - self.wall_z
+        it = 4 * (wm * tm) ** 2 / (2 * wm / self.wall_z + 2 * tm / self.wall_y)
+        iy, iz = (w * t**3 - wi * ti**3) / 12, (t * w**3 - ti * wi**3) / 12
+        return _from_geometry(self, w * t - wi * ti, iy, iz, it, 1.0)
+
+
+class Circle(Section):
+    """Solid circular section, the wire flexure's.
+
+    Attributes:
+        diameter: Diameter [m].
+        material: Material.
+        shear: Whether shear deformation is counted, with k = 6 (1 + nu)/(7 + 6 nu) (Cowper 1966).
+        rotary: Whether the rotary inertia of the section is counted.
+    """
+
+    diameter: Scalar
+    material: Material
+    shear: bool = eqx.field(static=True, default=False)
+    rotary: bool = eqx.field(static=True, default=True)
+
+    def rigidity(self) -> Rigidity:
+        """Rigidities of the circle."""
+        d, nu = self.diameter, self.material.poisson()
+        i = jnp.pi * d**4 / 64
+        return _from_geometry(self, jnp.pi * d**2 / 4, i, i, 2 * i, 6 * (1 + nu) / (7 + 6 * nu))
+
+
+class Tube(Section):
+    """Circular tube.
+
+    Attributes:
+        diameter: Outer diameter [m].
+        wall: Wall thickness [m].
+        material: Material.
+        rotary: Whether the rotary inertia of the section is counted.
+    """
+
+    diameter: Scalar
+    wall: Scalar
+    material: Material
+    rotary: bool = eqx.field(static=True, default=True)
+
+    shear = False
+
+    def rigidity(self) -> Rigidity:
+        """Rigidities of the tube."""
+        d, inner = self.diameter, self.diameter - 2 * self.wall
+        i = jnp.pi * (d**4 - inner**4) / 64
+        return _from_geometry(self, jnp.pi * (d**2 - inner**2) / 4, i, i, 2 * i, 1.0)
+
+
+def _from_geometry(section, area, iy, iz, it, k) -> Rigidity:
+    material = section.material
+    ei_y, ei_z, gak = material.E * iy, material.E * iz, material.G * area * k
+    rho = material.rho if section.rotary else 0.0
+    return Rigidity(
+        EA=material.E * area,
+        EIy=ei_y,
+        EIz=ei_z,
+        GIt=material.G * it,
+        shear_z=ei_y / gak if section.shear else 0.0,
+        shear_y=ei_z / gak if section.shear else 0.0,
+        mass=material.rho * area,
+        Jx=rho * (iy + iz),
+        Jy=rho * iy,
+        Jz=rho * iz,
+    )

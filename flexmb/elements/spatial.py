@@ -1,0 +1,230 @@
+"""Spatial elements: truss, beam, rigid beam, hinge, lumped mass and rotary inertia; moments about fixed axes.
+
+Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.rotation import initial_frame, lbar, relative_parameters, rotation_matrix
+from . import beams
+from .element import Element
+from .nodes import Point3, Rotation3
+from .sections import Damping, Section
+
+
+def _truss(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
+    """Elongation, tutorial (2.8)."""
+    return beams.truss(p, q, ref=ref)
+
+
+def _truss_inertia(p: Point3, q: Point3, *, ref, section: Section):
+    return beams.line_inertia(p, q, ref=ref, section=section)
+
+
+truss = Element(
+    _truss,
+    stiffness=beams.truss_stiffness,
+    damping=beams.truss_damping,
+    inertia=_truss_inertia,
+    check=beams.check_length,
+)
+"""Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
+
+
+def _turned(rot: Rotation3, ref_rot: Rotation3) -> Float[Array, "3 3"]:
+    """Rotation of a triad since the undeformed state."""
+    return rotation_matrix(rot) @ rotation_matrix(ref_rot).T
+
+
+def _beam(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    *,
+    ref,
+    y: Float[Array, "3"] | None = None,
+    second_order: bool = True,
+) -> Float[Array, "6"]:
+    """Elongation, torsion and four bendings of a spatial beam.
+
+    Tutorial (4.1)-(4.6) with the second-order terms of FORMULATION.md 2: the shortening by bending, and the coupling
+    of torsion with bending in two planes.
+    """
+    l0 = beams.beam_length(ref)
+    frame = initial_frame(ref.p, ref.q, y)
+    triad_p, triad_q = _turned(rot_p, ref.rot_p) @ frame, _turned(rot_q, ref.rot_q) @ frame
+    chord = q - p
+    at_p, at_q, between = chord @ triad_p, chord @ triad_q, triad_p.T @ triad_q
+    twist = 0.5 * l0 * (between[2, 1] - between[1, 2])
+    e = jnp.stack([beams.length(chord) - l0, twist, -at_p[2], at_q[2], at_p[1], -at_q[1]])
+    return e + (SECOND_ORDER @ e) @ e / l0 if second_order else e
+
+
+# e_i = ebar_i + ebar . SECOND_ORDER[i] . ebar / l0, numbered from 0.
+SECOND_ORDER = np.zeros((6, 6, 6))
+for _p, _q in ((2, 3), (4, 5)):
+    SECOND_ORDER[0, _p, _p] = SECOND_ORDER[0, _q, _q] = 2 / 30
+    SECOND_ORDER[0, _p, _q] = 1 / 30
+SECOND_ORDER[1, 3, 4], SECOND_ORDER[1, 2, 5] = 1.0, -1.0
+for _i, _sign, _others in ((2, 1, (4, 5)), (3, -1, (4, 5)), (4, -1, (2, 3)), (5, 1, (2, 3))):
+    SECOND_ORDER[_i, 1, _others] = _sign / 6
+
+
+# Places of EA/l0, GIt/l0^3 and, for each bending plane, of the two coefficients of beams.bending_coefficients.
+STIFFNESS = np.zeros((6, 6, 6))
+STIFFNESS[0, 0, 0] = STIFFNESS[1, 1, 1] = 1.0
+for _k, _at in ((2, slice(2, 4)), (4, slice(4, 6))):
+    STIFFNESS[_k : _k + 2, _at, _at] = beams.BENDING
+
+
+def _beam_stiffness(*, ref, section: Section) -> Float[Array, "6 6"]:
+    s, l0 = section.rigidity(), beams.beam_length(ref)
+    bending_y = beams.bending_coefficients(s.EIy, l0, s.shear_z)
+    bending_z = beams.bending_coefficients(s.EIz, l0, s.shear_y)
+    return beams.combine([s.EA / l0, s.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
+
+
+def _beam_damping(*, ref, damping: Damping) -> Float[Array, "6 6"]:
+    d, l0 = damping, beams.beam_length(ref)
+    bending_y = beams.bending_coefficients(d.EIy, l0, 0.0)
+    bending_z = beams.bending_coefficients(d.EIz, l0, 0.0)
+    return beams.combine([d.EA / l0, d.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
+
+
+# Places of the mass per length and of the rotary inertias Jx, Jy, Jz, Jyz per length, times l0, among the vectors
+# (p, l0 x_p, q, l0 x_q, triad p, triad q). An inertia tensor J has the second moments tr(J)/2 I - J.
+INERTIA = np.zeros((5, 10, 10))
+INERTIA[0, :4, :4] = beams.CUBIC_MASS
+for _k in range(3):
+    INERTIA[_k + 1, 4:, 4:] = np.kron(beams.LINEAR_MASS, np.eye(3) / 2 - np.diag(np.arange(3) == _k))
+INERTIA[4, 4:, 4:] = np.kron(beams.LINEAR_MASS, -np.eye(3)[[0, 2, 1]] + np.diag([1.0, 0, 0]))
+
+
+def _beam_inertia(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    *,
+    ref,
+    section: Section,
+    y: Float[Array, "3"] | None = None,
+):
+    """Cubic interpolation of the position along the beam, linear interpolation of the section's triad."""
+    s, l0 = section.rigidity(), beams.beam_length(ref)
+    frame = initial_frame(ref.p, ref.q, y)
+    axes_p, axes_q = (_turned(rot_p, ref.rot_p) @ frame).T, (_turned(rot_q, ref.rot_q) @ frame).T
+    vectors = jnp.concatenate([jnp.stack([p, l0 * axes_p[0], q, l0 * axes_q[0]]), axes_p, axes_q])
+    return vectors, l0 * beams.combine([s.mass, s.Jx, s.Jy, s.Jz, s.Jyz], INERTIA)
+
+
+def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
+    faults = beams.check_length(ref=ref)
+    if faults or y is None:
+        return faults
+    axis, y = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y)
+    size = np.linalg.norm(y) * np.linalg.norm(axis)
+    if np.linalg.norm(np.cross(axis, y)) <= 1e-5 * size:
+        return ["has a local y vector that is zero or parallel to its axis: give one across it"]
+    return []
+
+
+beam = Element(_beam, stiffness=_beam_stiffness, damping=_beam_damping, inertia=_beam_inertia, check=_check_beam)
+"""Flexible beam: e1 elongation, e2 torsion (l0 times twist), e3, e4 bending along z, e5, e6 along y [m].
+
+Properties: section, damping, y (vector that fixes local y), second_order.
+"""
+
+
+def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:
+    """Offset of q from its place on the body of p, in axes of the body at the undeformed state [m]."""
+    return _turned(rot_p, ref.rot_p).T @ (q - p) - (ref.q - ref.p)
+
+
+def _rigid_beam_inertia(p: Point3, rot_p: Rotation3, q: Point3, *, ref, section: Section):
+    return beams.line_inertia(p, q, ref=ref, section=section)
+
+
+rigid_beam = Element(_rigid_beam, inertia=_rigid_beam_inertia, released=())
+"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. Properties: section (mass)."""
+
+
+def _hinge(
+    rot_p: Rotation3, rot_q: Rotation3, *, ref, near: Float[Array, "3"], axis: Float[Array, "3"]
+) -> Float[Array, "3"]:
+    """Rotation about the hinge axis, counted past full turns, and the two tilts of the axis [rad].
+
+    The relative Euler parameters are (cos a/2, sin a/2 along the axis) for a pure rotation a, so the half angle is
+    known up to full turns of it, and ``near`` picks the turn.
+    """
+    rel_p = relative_parameters(ref.rot_p, rot_p)
+    rel_q = relative_parameters(ref.rot_q, rot_q)
+    turned_p = _to_global(ref.rot_p, rel_p)
+    turned_q = _to_global(ref.rot_q, rel_q)
+    rel = relative_parameters(turned_p, turned_q)
+    frame = initial_frame(jnp.zeros(3), axis, None)
+    about, tilt_y, tilt_z = frame.T @ rel[1:]
+    angle = 2 * jnp.arctan2(about, rel[0])
+    turns = jnp.round((near[0] - angle) / (4 * jnp.pi))
+    return jnp.stack([angle + 4 * jnp.pi * turns, 2 * tilt_y, 2 * tilt_z])
+
+
+def _to_global(ref_rot: Rotation3, rel: Float[Array, "4"]) -> Float[Array, "4"]:
+    """Rotation since the undeformed state, its vector part turned from triad axes to global axes."""
+    return jnp.concatenate([rel[:1], rotation_matrix(ref_rot) @ rel[1:]])
+
+
+def _hinge_stiffness(*, ref, stiffness: float) -> Float[Array, "3 3"]:
+    return jnp.diag(jnp.broadcast_to(stiffness, (3,)))
+
+
+def _hinge_damping(*, ref, damping: float) -> Float[Array, "3 3"]:
+    return jnp.diag(jnp.broadcast_to(damping, (3,)))
+
+
+def _check_axis(*, ref, axis: Float[Array, "3"]) -> list[str]:
+    return [] if np.linalg.norm(np.asarray(axis)) > 0 else ["has a hinge axis of zero length"]
+
+
+hinge = Element(_hinge, stiffness=_hinge_stiffness, damping=_hinge_damping, check=_check_axis, released=(1,))
+"""Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
+
+Properties: axis (global, undeformed state), stiffness and damping (of e1, or one for each).
+"""
+
+
+def _nothing_at(p: Point3, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _mass_inertia(p: Point3, *, ref, mass: float):
+    return p[None], jnp.reshape(mass, (1, 1))
+
+
+mass = Element(_nothing_at, inertia=_mass_inertia)
+"""Point mass. Properties: mass [kg]."""
+
+
+def _nothing_on(rot: Rotation3, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _inertia_inertia(rot: Rotation3, *, ref, inertia: Float[Array, "6"]):
+    tensor = inertia[np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])]
+    return _turned(rot, ref.rot).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
+
+
+inertia = Element(_nothing_on, inertia=_inertia_inertia)
+"""Lumped rotary inertia. Properties: inertia (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, undeformed [kg m^2]."""
+
+
+def _moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float[Array, "4"]:
+    """Force dual to Euler parameters of a moment about fixed axes: 2 Lbar^T M."""
+    return 2 * lbar(rot).T @ moment
+
+
+moment = Element(_nothing_on, force=_moment)
+"""Moment about fixed axes: it has no potential, its tangent is not symmetric. Properties: moment (global) [N m]."""

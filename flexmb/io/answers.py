@@ -1,0 +1,267 @@
+"""The answer of each analysis mode as plain numbers: what the command line prints, writes and saves."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..analysis.buckling import buckling
+from ..analysis.compliance import directional_compliance
+from ..analysis.linearize import Linearization, linearize
+from ..analysis.mobility import Mobility, mobility
+from ..analysis.modal import modes, poles
+from ..errors import AnalysisError, MechanismError
+from ..model.model import Labels, Model
+from ..model.topology import RoleIndices
+from ..statespace import state_matrices
+
+# A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
+LOOSE = 1e-12
+
+
+@dataclasses.dataclass(frozen=True)
+class Answer:
+    """What an analysis found.
+
+    Attributes:
+        data: Keys and values, all numbers plain or numpy arrays.
+        exit_status: 0 answered, 1 not valid or not converged.
+        model: The mechanism, if it could be built.
+        lin: Its linearisation, if there is one.
+    """
+
+    data: dict[str, Any]
+    exit_status: int
+    model: Model | None = None
+    lin: Linearization | None = None
+
+
+def _number(name: str) -> int | str:
+    """Node or element number; a rotation that a name stands for keeps its name."""
+    return int(name) if name.isdigit() else name
+
+
+def _by_owner(values, entries, keep: Callable[[Any], bool] = lambda entry: True) -> dict[str, list[float]]:
+    """Entries of a vector by the node or element they belong to."""
+    grouped: dict[str, list[float]] = {}
+    for value, entry in zip(np.asarray(values).tolist(), entries, strict=True):
+        if entry.kind != "norm" and keep(entry):
+            grouped.setdefault(entry.of, []).append(value)
+    return grouped
+
+
+def _dofs(model: Model) -> list[dict[str, Any]]:
+    def named(kind: str, indices: RoleIndices, entries):
+        for i in np.asarray(indices.dof).tolist():
+            yield {"kind": kind, "of": _number(entries[i].of), "component": entries[i].component}
+
+    return [*named("x", model.topology.x, model.labels.x), *named("e", model.topology.e, model.labels.e)]
+
+
+def _reactions(lin: Linearization) -> dict[str, list[float]]:
+    """Support forces, moments of spatial rotations about global axes, at nodes where something is held."""
+    from ..math.rotation import lbar
+
+    labels, found = lin.labels, {}
+    held = lin.model.topology.x
+    held = set(np.concatenate([np.asarray(held.fixed), np.asarray(held.prescribed)]).tolist())
+    reactions, x = np.asarray(lin.matrices.reactions), np.asarray(lin.matrices.x)
+    for node in dict.fromkeys(entry.of for entry in labels.x):
+        indices = labels.coordinates(node)
+        if held.isdisjoint(indices):
+            continue
+        values = reactions[indices]
+        # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I, so M = Lbar f / 2.
+        found[node] = (np.asarray(lbar(x[indices])) @ values / 2 if len(indices) == 4 else values).tolist()
+    return found
+
+
+def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
+    def listed(shares, key):
+        return [{key: _number(s.of), "component": s.component, "share": s.share} for s in shares]
+
+    over = [
+        {
+            "kind": "overconstraint",
+            "deformations": listed(found.stresses(i), "element"),
+            "release": None if r is None else {"element": _number(r[0]), "component": r[1]},
+        }
+        for i, r in enumerate(found.release)
+    ]
+    under = [
+        {"kind": "underconstraint", "coordinates": listed(found.motions(i), "node")}
+        for i in range(found.underconstraints)
+    ]
+    return over + under
+
+
+def _state(lin: Linearization) -> dict[str, Any]:
+    """What modes 7 to 9 have in common."""
+    labels, m = lin.labels, lin.matrices
+    matrices = {name.lower(): np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
+    k = (np.asarray(m.K) + np.asarray(m.K).T) / 2
+    return {
+        "x": _by_owner(m.x, labels.x),
+        "e": _by_owner(m.e, labels.e),
+        "sig": _by_owner(m.sigma, labels.e),
+        "reactions": _reactions(lin),
+        **matrices,
+        "stable": bool(_positive_definite(k)),
+    }
+
+
+def _positive_definite(k) -> bool:
+    from ..math.linear import is_positive_definite
+
+    return bool(is_positive_definite(k))
+
+
+def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
+    damped = np.any(np.asarray(lin.matrices.C0 + lin.matrices.D0))
+    if not (always or damped or not lin.matrices.symmetric):
+        return {}
+    return {"poles": [[p.real, p.imag] for p in poles(lin).tolist()]}
+
+
+def _shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
+    return [_by_owner(column, labels.x) for column in np.asarray(columns).T]
+
+
+def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
+    if not lin.matrices.symmetric:
+        return {**_state(lin), **_poles(lin, always=True)}
+    found = modes(lin)
+    values, hertz = np.asarray(found.eigenvalues), np.asarray(found.frequencies)
+    return {
+        **_state(lin),
+        "stable": found.stable,
+        "eigenvalues": values,
+        "frequencies_hz": [None if v < 0 else f for v, f in zip(values.tolist(), hertz.tolist(), strict=True)],
+        "massless": found.massless,
+        "modes": _shapes(found.shapes, lin.labels),
+        **_poles(lin, always=False),
+    }
+
+
+def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
+    found = buckling(model)
+    return {
+        **_state(lin),
+        "load_multipliers": np.asarray(found.multipliers),
+        "modes": _shapes(found.shapes, lin.labels),
+        "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+    }
+
+
+def _statespace(model: Model, lin: Linearization) -> dict[str, Any]:
+    found, states = state_matrices(lin)
+    return {
+        **_state(lin),
+        **{name: np.asarray(value) for name, value in found._asdict().items()},
+        "inputs": [s.name for s in lin.labels.inputs],
+        "outputs": [s.name for s in lin.labels.outputs],
+        "states": states,
+        **_poles(lin, always=True),
+    }
+
+
+# Number and name of each mode; the analysis where there is one.
+MODES: dict[int, tuple[str, Callable[[Model, Linearization], dict[str, Any]] | None]] = {
+    0: ("mobility", None),
+    7: ("frequencies", _frequencies),
+    8: ("buckling", _buckling),
+    9: ("statespace", _statespace),
+}
+RESERVED = {
+    1: "simulate",
+    2: "inverse",
+    3: "trajectory-linearisation",
+    4: "simulate-linearise",
+    10: "path",
+}
+
+
+def _loose_warnings(lin: Linearization) -> list[str]:
+    """Degrees of freedom that move nothing stiff."""
+    m = lin.matrices
+    stiffness = np.abs(np.diag(np.asarray(m.K)))
+    coupled = np.max(np.abs(np.asarray(m.K)), axis=1, initial=0.0)
+    largest = max(stiffness.max(initial=0.0), np.abs(np.asarray(m.S)).max(initial=0.0))
+    return [
+        f"Degree of freedom {name} has neither stiffness nor load: nothing holds it."
+        for name, c in zip(lin.model.q_labels, coupled, strict=True)
+        if c <= LOOSE * largest
+    ]
+
+
+def answer(
+    builder,
+    name: str,
+    mode: int,
+    warnings: list[str] | None = None,
+    release: str = "none",
+    dofs: str = "named",
+) -> Answer:
+    """Run one analysis mode.
+
+    Args:
+        builder: Description of the mechanism.
+        name: Name of its file.
+        mode: A key of MODES.
+        warnings: What reading the file had to say.
+        release: "auto" releases over-constraints before modes other than 0.
+        dofs: "named" or "auto", see Builder.build.
+
+    Returns:
+        Answer, also where the mechanism is not valid or the analysis failed.
+    """
+    data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
+    data["warnings"] = list(warnings or [])
+    model = builder.build(check=False)
+    lin = None
+    failed = 0
+    try:
+        if mode == 0:
+            found = mobility(model)
+            extra = {
+                "status": found.status,
+                "message": found.report(),
+                "overconstraints": found.overconstraints,
+                "underconstraints": found.underconstraints,
+                "mobility": _mobility_modes(found),
+            }
+        else:
+            model = builder.build(dofs=dofs, release=release)
+            run = MODES[mode][1]
+            assert run is not None
+            lin = linearize(model)
+            data["warnings"] += _loose_warnings(lin)
+            extra = run(model, lin)
+    except (MechanismError, AnalysisError) as fault:
+        extra = {"status": fault.code, "message": str(fault)}
+        failed = 1
+    data.update(model.counts())
+    data["dofs"] = _dofs(model)
+    data.update(extra)
+    return Answer(data, failed, model, lin)
+
+
+def plain(value: Any) -> Any:
+    """Value with numpy arrays as lists and numbers that are not finite as None, for JSON.
+
+    Args:
+        value: Any value of an answer.
+    """
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,87 @@
+"""Files that appear whole or not at all: JSON, npz and mat."""
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .answers import plain
+
+
+def write_whole(path: str | os.PathLike, content: bytes) -> None:
+    """Write a file in one piece: a reader sees the old one or the new one, never half of it.
+
+    Args:
+        path: Where.
+        content: What.
+
+    Raises:
+        OSError: The folder is missing or not writable.
+    """
+    path = Path(path)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        # mkstemp makes the file private; give it what a plain open would.
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def to_json(data: dict[str, Any]) -> str:
+    """One JSON object, numbers that are not finite as null.
+
+    Args:
+        data: Keys and values of an answer.
+    """
+    return json.dumps(plain(data), allow_nan=False, indent=1)
+
+
+def _flat(data: dict[str, Any]) -> dict[str, Any]:
+    """Dictionaries inside dictionaries as "x_3": array; lists of them as JSON text."""
+    flat: dict[str, Any] = {}
+    for key, value in data.items():
+        if isinstance(value, dict):
+            flat.update({f"{key}_{of}".replace(".", "_"): np.asarray(v) for of, v in value.items()})
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            flat[key] = json.dumps(plain(value))
+        elif isinstance(value, list):
+            numbers = [np.nan if v is None else v for v in value]
+            flat[key] = np.asarray(numbers)
+        else:
+            flat[key] = value
+    return flat
+
+
+def save(data: dict[str, Any], path: str | os.PathLike) -> None:
+    """Save an answer as .npz or .mat, by the ending of the path.
+
+    Args:
+        data: Keys and values of an answer. Objects by node or element number become arrays "x_3", "sig_1"; what a
+            JSON file has as null is NaN here, since these formats have no null.
+        path: Where; ends in .npz or .mat.
+
+    Raises:
+        ValueError: Another ending.
+        OSError: The folder is missing or not writable.
+    """
+    import io
+
+    path, content = Path(path), io.BytesIO()
+    if path.suffix == ".npz":
+        np.savez(content, **{k: np.asarray(v) for k, v in _flat(data).items()})
+    elif path.suffix == ".mat":
+        import scipy.io
+
+        scipy.io.savemat(content, {k[:31]: v for k, v in _flat(data).items()}, oned_as="column")
+    else:
+        raise ValueError(f"Results are saved as .npz or .mat, not '{path.suffix or path}'.")
+    write_whole(path, content.getvalue())

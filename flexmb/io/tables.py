@@ -1,0 +1,119 @@
+"""Answers as text: the table on the terminal and the log file."""
+
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.inertia import mass_matrix, uniform_motion
+from ..model.model import Model
+from ..model.roles import Role
+from .answers import Answer
+
+SHOWN_VALUES = 12
+CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "R"}
+
+
+def _numbers(values, digits: int = 6) -> str:
+    return "  ".join(f"{v:.{digits}g}" for v in np.ravel(np.asarray(values, float)).tolist())
+
+
+def _matrix(name: str, values) -> list[str]:
+    values = np.atleast_2d(np.asarray(values, float))
+    if max(values.shape, default=0) > SHOWN_VALUES:
+        return [f"{name}: {values.shape[0]} x {values.shape[1]}, see --json or --save"]
+    return [f"{name}:", *("  " + "  ".join(f"{v:12.5g}" for v in row) for row in values.tolist())]
+
+
+def table(data: dict[str, Any]) -> str:
+    """Short table of an answer for the terminal.
+
+    Args:
+        data: Keys and values of an answer.
+    """
+    lines = [f"{data['model']}  mode {data['mode']}  status {data['status']}"]
+    lines.append("NDOF = NX - NXO - NEO = {nx} - {nxo} - {neo} = {ndof}".format(**data))
+    names = ", ".join(f"{d['kind']} {d['of']}.{d['component']}" for d in data["dofs"])
+    lines.append(f"degrees of freedom: {names or 'none named'}")
+    lines += [f"warning: {text}" for text in data["warnings"]]
+    if data["message"]:
+        lines.append(data["message"])
+    if "stable" in data:
+        lines.append(f"stable: {'yes' if data['stable'] else 'NO'}")
+    if "frequencies_hz" in data:
+        pairs = list(zip(data["eigenvalues"], data["frequencies_hz"], strict=True))
+        lines.append(f"natural frequencies [Hz] ({len(pairs)}, {data['massless']} motions without mass left out):")
+        shown = [f"unstable, omega^2 = {v:.6g}" if f is None else f"{f:.7g}" for v, f in pairs]
+        lines += [f"  {i + 1:3d}  {text}" for i, text in enumerate(shown[:SHOWN_VALUES])]
+        lines += [f"  ... {len(shown) - SHOWN_VALUES} more"] if len(shown) > SHOWN_VALUES else []
+    if "load_multipliers" in data:
+        lines.append("load multipliers:")
+        lines += [f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(data["load_multipliers"][:SHOWN_VALUES])]
+    if "A" in data:
+        lines.append(f"inputs: {', '.join(data['inputs']) or 'none'}")
+        lines.append(f"outputs: {', '.join(data['outputs']) or 'none'}")
+        for name in "ABCD":
+            lines += _matrix(name, data[name]) if np.size(data[name]) else [f"{name}: empty"]
+    return "\n".join(lines)
+
+
+def _entries(title: str, entries, roles) -> list[str]:
+    lines, grouped = [title], {}
+    for entry, role, i in zip(entries, roles, range(1, len(roles) + 1), strict=True):
+        if entry.kind != "norm":
+            grouped.setdefault(entry.of, []).append(f"{entry.symbol}: {i} {CLASS[role]}")
+    return lines + [f"  {name:<10}{'  '.join(parts)}" for name, parts in grouped.items()]
+
+
+def _counts(kind: str, roles) -> str:
+    found = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
+    return f"N{kind}O {found['O']}  N{kind}MM {found['M']}  N{kind}M {found['M'] + found['R']}  N{kind}C {found['C']}"
+
+
+def total_mass(model: Model) -> float:
+    """Mass of the whole mechanism, distributed mass included, () [kg].
+
+    Args:
+        model: Mechanism.
+    """
+    topology, parameters = model.topology, model.parameters
+    along = np.asarray(uniform_motion(topology, np.eye(model.labels.dimension)[0]))
+    return float(along @ np.asarray(mass_matrix(topology, parameters, parameters.reference)) @ along)
+
+
+def log(found: Answer, source: str) -> str:
+    """Log of a run: input, structure, numbers, transfer functions and results.
+
+    Args:
+        found: Answer of the analysis.
+        source: Text of the input file, echoed without its comments.
+    """
+    data, model, lin = found.data, found.model, found.lin
+    lines = [f"flexmb {data['flexmb']}   {data['model']}   mode {data['mode']}", "", "INPUT"]
+    stripped = (line.split("%")[0].split("#")[0].split(";")[0].rstrip() for line in source.splitlines())
+    lines += ["  " + line for line in stripped if line.strip()]
+    if model is not None:
+        x_roles, e_roles = model.roles()
+        lines += ["", "Classes: O fixed, C calculable, M degree of freedom, R prescribed"]
+        lines += _entries("ELEMENTS: deformation numbers and classes", model.labels.e, e_roles)
+        lines += _entries("NODES: coordinate numbers and classes", model.labels.x, x_roles)
+        lines += ["DEGREES OF FREEDOM", *(f"  {i + 1}  {name}" for i, name in enumerate(model.q_labels))]
+        lines += [_counts("E", e_roles), _counts("X", x_roles)]
+        lines.append("NX {nx}  NE {ne}  NXO {nxo}  NEO {neo}  NDOF {ndof}".format(**data))
+        lines += ["", "ELEMENT PROPERTIES (by type)"]
+        for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+            lines.append(f"  {block.element.name}, {block.x.shape[0]} elements: {properties}")
+        lines += ["LOADS", f"  {model.parameters.loads}", f"  increments: {model.parameters.increment}"]
+        lines.append(f"TOTAL MASS {total_mass(model):.9g} kg")
+    if lin is not None:
+        from ..analysis.linearize import second_transfer
+
+        m = lin.matrices
+        lines += ["", f"STATIC EQUILIBRIUM: {int(m.iterations)} iterations", f"  x   {_numbers(m.x)}"]
+        lines += [f"  e   {_numbers(m.e)}", f"  sig {_numbers(m.sigma)}", "TRANSFER FUNCTIONS"]
+        lines += [*_matrix("DF x", m.DFx), *_matrix("DF e", m.DFe)]
+        d2x, d2e = second_transfer(lin)
+        for i, name in enumerate(model.q_labels if model is not None and len(m.M0) <= 3 else []):
+            lines += [*_matrix(f"D2F x by {name}", d2x[:, :, i]), *_matrix(f"D2F e by {name}", d2e[:, :, i])]
+        for name in ("M0", "C0", "D0", "K0", "N0", "G0"):
+            lines += _matrix(name, getattr(m, name))
+    return "\n".join([*lines, "", "RESULT", table(data), ""])

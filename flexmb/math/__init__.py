@@ -1,0 +1,1 @@
+"""Arrays only: rotations and the linear algebra that structural mechanics needs."""

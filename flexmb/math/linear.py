@@ -1,0 +1,124 @@
+"""Factored linear systems and symmetric matrix pencils, with derivative rules that stay finite."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+
+class Factors(NamedTuple):
+    """LU factors of a square matrix, to solve with it and with its transpose.
+
+    Attributes:
+        lu: Factors in one matrix, (n, n).
+        permutation: Row order, (n,).
+    """
+
+    lu: Float[Array, "n n"]
+    permutation: Array
+
+    def solve(self, right: Float[Array, "n *k"]) -> Float[Array, "n *k"]:
+        """Solve A X = right.
+
+        Args:
+            right: Right-hand side, (n,) or (n, k).
+        """
+        y = right[self.permutation]
+        y = _triangular(self.lu, y, lower=True, unit_diagonal=True)
+        return _triangular(self.lu, y, lower=False)
+
+    def solve_transposed(self, right: Float[Array, "n *k"]) -> Float[Array, "n *k"]:
+        """Solve A^T X = right.
+
+        Args:
+            right: Right-hand side, (n,) or (n, k).
+        """
+        y = _triangular(self.lu, right, lower=False, transpose_a=True)
+        y = _triangular(self.lu, y, lower=True, unit_diagonal=True, transpose_a=True)
+        return jnp.zeros_like(y).at[self.permutation].set(y)
+
+    def regular(self) -> Bool[Array, ""]:
+        """Whether all pivots are finite and none is below 1e-13 of the largest."""
+        pivots = jnp.abs(jnp.diagonal(self.lu))
+        if pivots.shape[0] == 0:
+            return jnp.array(True)
+        return jnp.all(jnp.isfinite(self.lu)) & (jnp.min(pivots) > 1e-13 * jnp.max(pivots))
+
+
+def factorise(matrix: Float[Array, "n n"]) -> Factors:
+    """LU factors of a square matrix.
+
+    Args:
+        matrix: (n, n).
+    """
+    lu, _, permutation = jax.lax.linalg.lu(matrix)
+    return Factors(lu, permutation)
+
+
+def _triangular(matrix, right, **options):
+    columns = right if right.ndim == 2 else right[:, None]
+    solved = jax.lax.linalg.triangular_solve(matrix, columns, left_side=True, **options)
+    return solved.reshape(right.shape)
+
+
+def cholesky(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
+    """Lower Cholesky factor of a symmetric matrix; NaN where it is not positive definite.
+
+    Args:
+        matrix: (n, n), symmetric.
+    """
+    return jnp.tril(jax.lax.linalg.cholesky(matrix, symmetrize_input=False))
+
+
+def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
+    """Whether a symmetric matrix is positive definite to working precision.
+
+    The pivots of its Cholesky factor, with the matrix scaled to unit diagonal, must exceed round-off.
+
+    Args:
+        matrix: (n, n), symmetric.
+    """
+    n = matrix.shape[0]
+    if n == 0:
+        return jnp.array(True)
+    diagonal = jnp.diagonal(matrix)
+    scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+    pivots = jnp.diagonal(cholesky(matrix * scale[:, None] * scale)) ** 2
+    return jnp.all(diagonal > 0) & jnp.all(pivots > 10 * n * jnp.finfo(matrix.dtype).eps)
+
+
+@jax.custom_jvp
+def pencil(a: Float[Array, "n n"], b: Float[Array, "n n"]) -> tuple[Float[Array, "n"], Float[Array, "n n"]]:
+    """Eigenvalues mu and vectors W of A w = mu B w, with B positive definite and W^T B W = I.
+
+    Derivatives: those of simple eigenvalues and vectors, with the contribution of pairs closer than 1e-10 left out,
+    so that nothing becomes NaN at repeated eigenvalues; sums over a cluster of equal ones are right to first order.
+
+    Args:
+        a: Symmetric, (n, n).
+        b: Symmetric positive definite, (n, n); otherwise the result is NaN.
+
+    Returns:
+        mu ascending, (n,), and W, (n, n), one vector a column.
+
+    Source:
+        Reduction by the Cholesky factor of B; derivatives from differentiating both equations (Nelson 1976 for
+        simple eigenvalues).
+    """
+    factor = cholesky(b)
+    reduced = _triangular(factor, _triangular(factor, a, lower=True).T, lower=True)
+    vectors, values = jax.lax.linalg.eigh((reduced + reduced.T) / 2, symmetrize_input=False)
+    return values, _triangular(factor, vectors, lower=True, transpose_a=True)
+
+
+@pencil.defjvp
+def _pencil_jvp(primals, tangents):
+    mu, w = pencil(*primals)
+    da, db = (w.T @ t @ w for t in tangents)
+    change = da - mu[None, :] * db
+    gap = mu[None, :] - mu[:, None]
+    apart = jnp.abs(gap) > 1e-10 * jnp.maximum(jnp.abs(mu)[None, :], jnp.abs(mu)[:, None])
+    coefficients = jnp.where(apart, change / jnp.where(apart, gap, 1.0), 0.0)
+    coefficients = coefficients - jnp.diag(jnp.diagonal(db) / 2)
+    return (mu, w), (jnp.diagonal(change), w @ coefficients)

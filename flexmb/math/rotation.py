@@ -1,0 +1,122 @@
+"""Rotations in the plane by an angle, in space by Euler parameters (scalar first, unit norm).
+
+Every function here is polynomial in its arguments, so its derivatives are finite everywhere, zero rotation
+included. Equations: Jonker, Aarts and van Dijk (2009), Multibody System Dynamics 21, 99-122, and the relation
+``omega = 2 Lbar d(lambda)/dt`` that defines the dual of a moment.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+
+def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
+    """Rotation matrix in the plane.
+
+    Args:
+        angle: Counter-clockwise rotation, () [rad].
+
+    Returns:
+        Matrix that turns a vector, (2, 2) [-].
+
+    Source:
+        Definition.
+    """
+    c, s = jnp.cos(angle), jnp.sin(angle)
+    return jnp.array([[c, -s], [s, c]])
+
+
+# lbar(lam)[i, j] = LBAR[i, j, k] lam[k]; constant tensors keep the traced graph to one product.
+LBAR = np.zeros((3, 4, 4))
+LBODY = np.zeros((3, 4, 4))
+for _i, (_j, _k) in enumerate([(2, 3), (3, 1), (1, 2)]):
+    LBAR[_i, 0, _i + 1] = LBODY[_i, 0, _i + 1] = -1.0
+    LBAR[_i, _i + 1, 0] = LBODY[_i, _i + 1, 0] = 1.0
+    LBAR[_i, _j, _k], LBAR[_i, _k, _j] = -1.0, 1.0
+    LBODY[_i, _j, _k], LBODY[_i, _k, _j] = 1.0, -1.0
+ROTATION = np.einsum("iak,jal->ijkl", LBAR, LBODY)
+
+
+def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
+    """Matrix of the global angular velocity, ``omega = 2 lbar(lam) lam_dot``.
+
+    Args:
+        lam: Euler parameters, scalar first, (4,) [-].
+
+    Returns:
+        [[-l1, l0, -l3, l2], [-l2, l3, l0, -l1], [-l3, -l2, l1, l0]], (3, 4) [-]. ``2 lbar.T @ moment`` is the
+        force dual to ``lam``.
+
+    Source:
+        ``R = lbar @ lbody.T`` for the matrices of global and body-fixed rates; derived from quaternion products.
+    """
+    return LBAR @ lam
+
+
+def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
+    """Matrix of the body-fixed angular velocity, ``omega_body = 2 lbody(lam) lam_dot``.
+
+    Args:
+        lam: Euler parameters, scalar first, (4,) [-].
+
+    Returns:
+        [[-l1, l0, l3, -l2], [-l2, -l3, l0, l1], [-l3, l2, -l1, l0]], (3, 4) [-].
+
+    Source:
+        See :func:`lbar`.
+    """
+    return LBODY @ lam
+
+
+def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
+    """Rotation matrix of Euler parameters, ``R = lbar(lam) @ lbody(lam).T``.
+
+    Args:
+        lam: Euler parameters, scalar first, unit norm, (4,) [-].
+
+    Returns:
+        Matrix whose columns are the turned axes, (3, 3) [-].
+
+    Source:
+        See :func:`lbar`; homogeneous of degree two, so a norm that is off by d scales R by 1 + 2 d.
+    """
+    return (ROTATION @ lam) @ lam
+
+
+def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:
+    """Euler parameters of the rotation from triad p to triad q, in axes of p: conjugate(p) * q.
+
+    Args:
+        p: Euler parameters of the first triad, (4,) [-].
+        q: Euler parameters of the second triad, (4,) [-].
+
+    Returns:
+        (4,) [-], scalar first.
+
+    Source:
+        Quaternion product.
+    """
+    return jnp.concatenate([(p @ q)[None], lbody(p) @ q])
+
+
+def initial_frame(p: Float[Array, "3"], q: Float[Array, "3"], y: Float[Array, "3"] | None) -> Float[Array, "3 3"]:
+    """Initial frame of a spatial element: local x along p to q, local y as near to ``y`` as can be.
+
+    Args:
+        p: Position of the first end, (3,) [m].
+        q: Position of the second end, (3,) [m].
+        y: Vector that fixes the local y axis, need not be normal to x, (3,); by default the global axis along
+            which the direction p to q has its smallest component.
+
+    Returns:
+        Columns are the local x, y and z axes, (3, 3) [-].
+
+    Source:
+        Rule of the predecessor's 2015 edition; Gram-Schmidt.
+    """
+    ex = (q - p) / jnp.sqrt(jnp.sum((q - p) ** 2))
+    if y is None:
+        y = (jnp.arange(3) == jnp.argmin(jnp.abs(ex))).astype(ex.dtype)
+    ey = y - (y @ ex) * ex
+    ey = ey / jnp.sqrt(jnp.sum(ey**2))
+    return jnp.stack([ex, ey, jnp.cross(ex, ey)], axis=1)

@@ -1,0 +1,85 @@
+"""Call element functions on all elements of a block, and scatter what they return."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..model.parameters import Parameters
+from ..model.topology import Block, Topology
+
+
+def element_function(block: Block, companion, properties):
+    """One element's function of its coordinates alone but for ``ref`` and the properties, or None if it has none.
+
+    Args:
+        block: Block of the element.
+        companion: The deformation function or a companion of the block's element, or None.
+        properties: Stacked properties of the block; only which of them are None is looked at.
+
+    Returns:
+        ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. The function is called without nodes
+        where it takes none.
+    """
+    element = block.element
+    chosen = element.arguments(companion, {**dict(block.options), **properties})
+    if chosen is None:
+        return None
+    takes_nodes = companion not in (element.stiffness, element.damping)
+
+    def function(x, ref, own, **extra):
+        named = element.arguments(companion, {**dict(block.options), **own})
+        nodes = jnp.split(x, block.splits) if takes_nodes else ()
+        return companion(*nodes, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
+
+    return function
+
+
+def each_block(topology: Topology, parameters: Parameters, companion: str):
+    """Blocks that have a companion, with the function of one element and the stacked arguments it is mapped over.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        companion: Field of Element, such as "stiffness".
+
+    Yields:
+        Block, function of one element, stacked reference coordinates, stacked properties.
+    """
+    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+        if companion not in block.companions:
+            continue
+        function = element_function(block, getattr(block.element, companion), properties)
+        if function is not None:
+            yield block, function, parameters.reference[block.x], properties
+
+
+def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array]]) -> Float[Array, "rows columns"]:
+    """Sum of element matrices in a matrix of the whole.
+
+    Args:
+        size: Shape of the whole.
+        pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
+
+    Returns:
+        The assembled matrix.
+    """
+    whole = jnp.zeros(size)
+    for rows, columns, matrices in pieces:
+        at = whole.at[rows[:, :, None], columns[:, None, :]]
+        whole = at.add(matrices, mode="promise_in_bounds", wrap_negative_indices=False)
+    return whole
+
+
+def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array, "size"]:
+    """Sum of element vectors in a vector of the whole.
+
+    Args:
+        size: Length of the whole.
+        pieces: Indices (elements, r) and vectors (elements, r).
+
+    Returns:
+        The assembled vector.
+    """
+    whole = jnp.zeros(size)
+    for indices, vectors in pieces:
+        whole = whole.at[indices].add(vectors, mode="promise_in_bounds", wrap_negative_indices=False)
+    return whole

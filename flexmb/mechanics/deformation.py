@@ -1,0 +1,120 @@
+"""Deformations e = D(x) of all elements, their Jacobian, and their curvature under given stress resultants."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from .blocks import each_block, scatter_matrix, scatter_vector
+
+
+def _functions(topology: Topology, parameters: Parameters, near):
+    for block, function, ref, properties in each_block(topology, parameters, "deformation"):
+        if block.e.shape[1] == 0:
+            continue
+        if block.element.tracks_angle:
+            at = near[block.e]
+
+            def tracked(x, ref, own, at, function=function):
+                return function(x, ref, own, near=at)
+
+            yield block, tracked, (ref, properties, at)
+        else:
+            yield block, function, (ref, properties)
+
+
+def deformations(
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+) -> Float[Array, "n_e"]:
+    """Deformations of all elements, unit norms included.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad]: which turn an angle is counted in.
+
+    Returns:
+        e, (n_e,) [m, rad].
+
+    Source:
+        Each element's own function.
+    """
+    pieces = []
+    for block, function, arguments in _functions(topology, parameters, near):
+        pieces.append((block.e, jax.vmap(function)(x[block.x], *arguments)))
+    return scatter_vector(topology.n_e, pieces)
+
+
+def deformation_jacobian(
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_x"]]:
+    """Deformations and their derivatives by the nodal coordinates, element by element.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Returns:
+        e, (n_e,), and D_x, (n_e, n_x).
+
+    Source:
+        Derivative of :func:`deformations`.
+    """
+    values, matrices = [], []
+    for block, function, arguments in _functions(topology, parameters, near):
+
+        def with_value(x, *rest, function=function):
+            e = function(x, *rest)
+            return e, e
+
+        jacobian, e = jax.vmap(jax.jacfwd(with_value, has_aux=True))(x[block.x], *arguments)
+        values.append((block.e, e))
+        matrices.append((block.e, block.x, jacobian))
+    size = (topology.n_e, topology.n_x)
+    return scatter_vector(topology.n_e, values), scatter_matrix(size, matrices)
+
+
+def deformation_curvature(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+) -> Float[Array, "n_x n_x"]:
+    """Second derivative of ``sigma . D(x)`` at constant sigma: the stiffness of the stress resultants.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        sigma: Stress resultants, multipliers of FIXED deformations and unit norms included, (n_e,) [N, N m].
+
+    Returns:
+        (n_x, n_x) [N/m, N, N m], symmetric.
+
+    Source:
+        FORMULATION.md 6: Hessian of the Lagrangian, element by element.
+    """
+    pieces = []
+    for block, function, arguments in _functions(topology, parameters, near):
+
+        def energy(x, sigma, *rest, function=function):
+            return sigma @ function(x, *rest)
+
+        hessian = jax.vmap(jax.jacfwd(jax.grad(energy)))(x[block.x], sigma[block.e], *arguments)
+        pieces.append((block.x, block.x, hessian))
+    return scatter_matrix((topology.n_x, topology.n_x), pieces)
+
+
+def zero_near(topology: Topology) -> Float[Array, "n_e"]:
+    """``near`` of the undeformed mechanism, (n_e,) [m, rad].
+
+    Args:
+        topology: Structure.
+    """
+    return jnp.zeros(topology.n_e)

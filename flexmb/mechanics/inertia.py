@@ -1,0 +1,122 @@
+"""Mass matrix and weight from each element's vectors s(x) and constant matrix H: T = 1/2 s_dot^T H s_dot."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from .blocks import each_block, scatter_matrix, scatter_vector
+
+
+def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> Float[Array, "n_x n_x"]:
+    """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+
+    Returns:
+        M, (n_x, n_x) [kg, kg m, kg m^2].
+
+    Source:
+        FORMULATION.md 3.
+    """
+    pieces = []
+    for block, function, ref, properties in each_block(topology, parameters, "inertia"):
+
+        def matrix(x, ref, own, function=function):
+            def vectors(x):
+                return function(x, ref, own)
+
+            j, h = jax.jacfwd(vectors, has_aux=True)(x)
+            return jnp.einsum("akc,ab,bkd->cd", j, h, j)
+
+        pieces.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))
+    return scatter_matrix((topology.n_x, topology.n_x), pieces)
+
+
+def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Float[Array, "n_x"]:
+    """Nodal acceleration of a mechanism that translates as a whole.
+
+    Args:
+        topology: Structure.
+        acceleration: Of the whole, (axes,) [m/s^2].
+
+    Returns:
+        (n_x,), zero at rotations [m/s^2].
+    """
+    columns = jnp.broadcast_to(acceleration[:, None], topology.axes.shape)
+    return jnp.zeros(topology.n_x).at[topology.axes].set(columns)
+
+
+def _weight_potential(topology, parameters, gravity):
+    """Function whose gradient is an element's weight: s(x) . H (ds in the uniform motion)."""
+    motion = uniform_motion(topology, gravity)
+    for block, function, ref, properties in each_block(topology, parameters, "inertia"):
+
+        def work(x, at, along, ref, own, function=function):
+            def vectors(x):
+                return function(x, ref, own)
+
+            _, falling, h = jax.jvp(vectors, (at,), (along,), has_aux=True)
+            return jnp.einsum("ak,ab,bk->", vectors(x)[0], h, falling)
+
+        yield block, work, (motion[block.x], ref, properties)
+
+
+def weight(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    gravity: Float[Array, "axes"],
+) -> Float[Array, "n_x"]:
+    """Nodal forces of gravity on all mass, distributed mass included.
+
+    A uniform field acts as the inertia of a uniform acceleration: f = M(x) t with t the translation at g.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        gravity: Acceleration, (axes,) [m/s^2].
+
+    Returns:
+        (n_x,) [N, N m].
+
+    Source:
+        Equivalence of gravity and uniform acceleration; the kinetic energy is unchanged by translation.
+    """
+    pieces = []
+    for block, work, arguments in _weight_potential(topology, parameters, gravity):
+        at = x[block.x]
+        pieces.append((block.x, jax.vmap(jax.grad(work))(at, at, *arguments)))
+    return scatter_vector(topology.n_x, pieces)
+
+
+def weight_stiffness(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    gravity: Float[Array, "axes"],
+) -> Float[Array, "n_x n_x"]:
+    """Derivative of :func:`weight` by the nodal coordinates, symmetric.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        gravity: Acceleration, (axes,) [m/s^2].
+
+    Returns:
+        (n_x, n_x) [N/m, N, N m].
+
+    Source:
+        Hessian of the potential s(x) . H s_dot of the uniform motion, whose s_dot does not depend on x.
+    """
+    pieces = []
+    for block, work, arguments in _weight_potential(topology, parameters, gravity):
+        at = x[block.x]
+        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(jax.grad(work)))(at, at, *arguments)))
+    return scatter_matrix((topology.n_x, topology.n_x), pieces)

@@ -1,0 +1,143 @@
+"""Nodal forces of the constant loads at a configuration, and their derivative."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..model.parameters import Loads, Parameters
+from ..model.topology import Topology
+from .blocks import each_block, scatter_matrix, scatter_vector
+from .inertia import weight, weight_stiffness
+
+
+class LoadFactors(NamedTuple):
+    """By what the two sets of loads are multiplied.
+
+    Attributes:
+        initial: Factor of ``Parameters.loads`` and of load elements.
+        increment: Factor of ``Parameters.increment`` and of load elements with the option ``incremental``.
+    """
+
+    initial: Float[Array, ""] | float
+    increment: Float[Array, ""] | float
+
+
+def load_factors(load_factor: float = 1.0, increment: float = 0.0) -> LoadFactors:
+    """Load factors as the strongly typed scalars that compiled kernels take.
+
+    Args:
+        load_factor: Factor of the loads, () [-].
+        increment: Factor of the incremental loads, () [-].
+    """
+    return LoadFactors(jnp.asarray(load_factor, float), jnp.asarray(increment, float))
+
+
+def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
+    """Sum of the two sets of loads, each times its factor.
+
+    Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the
+    undeformed mechanism, which the caller supplies by scaling differences (see statics).
+
+    Args:
+        parameters: Numbers.
+        factors: Factors.
+
+    Returns:
+        Loads; None stays None where neither set has the load.
+    """
+    first = jax.tree.map(lambda a: factors.initial * a, parameters.loads)
+    if parameters.increment is None:
+        return first
+    second = jax.tree.map(lambda a: factors.increment * a, parameters.increment)
+    fields = {}
+    for name in ("force", "gravity", "prestress", "x", "e"):
+        a, b = getattr(first, name), getattr(second, name)
+        fields[name] = b if a is None else a if b is None else a + b
+    return Loads(**fields)
+
+
+def has_loads(topology: Topology, parameters: Parameters) -> bool:
+    """Whether anything moves the mechanism from its undeformed state or stresses it; known before tracing.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+    """
+    sets = (parameters.loads, parameters.increment, parameters.strain)
+    return bool(jax.tree.leaves(sets)) or has_load_elements(topology)
+
+
+def has_load_elements(topology: Topology) -> bool:
+    """Whether some load depends on the configuration without a potential, so that tangents are not symmetric.
+
+    Args:
+        topology: Structure.
+    """
+    return any(block.element.force is not None for block in topology.blocks)
+
+
+def _load_elements(topology, parameters, factors):
+    for block, function, ref, properties in each_block(topology, parameters, "force"):
+        incremental = dict(block.options).get("incremental", False)
+        factor = factors.increment if incremental else factors.initial
+
+        def scaled(x, ref, own, function=function, factor=factor):
+            return factor * function(x, ref, own)
+
+        yield block, scaled, (ref, properties)
+
+
+def nodal_forces(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
+) -> Float[Array, "n_x"]:
+    """Nodal forces of all constant loads at a configuration.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Factors of the two load sets.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+
+    Returns:
+        f dual to x, (n_x,) [N, N m].
+
+    Source:
+        FORMULATION.md 5.
+    """
+    loads = scaled_loads(parameters, factors)
+    force = jnp.zeros(topology.n_x) if loads.force is None else loads.force
+    if loads.gravity is not None:
+        force = force + weight(topology, parameters, x, loads.gravity)
+    pieces = []
+    for block, function, arguments in _load_elements(topology, parameters, factors):
+        pieces.append((block.x, jax.vmap(function)(x[block.x], *arguments)))
+    return force + scatter_vector(topology.n_x, pieces) if pieces else force
+
+
+def load_stiffness(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
+) -> Float[Array, "n_x n_x"]:
+    """Derivative of :func:`nodal_forces` by the nodal coordinates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Factors of the two load sets.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+
+    Returns:
+        df/dx, (n_x, n_x) [N/m, N, N m]; not symmetric for moments about fixed axes.
+
+    Source:
+        Derivative of :func:`nodal_forces`.
+    """
+    loads = scaled_loads(parameters, factors)
+    pieces = []
+    for block, function, arguments in _load_elements(topology, parameters, factors):
+        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
+    matrix = scatter_matrix((topology.n_x, topology.n_x), pieces)
+    if loads.gravity is not None:
+        matrix = matrix + weight_stiffness(topology, parameters, x, loads.gravity)
+    return matrix

@@ -1,0 +1,126 @@
+"""The reduced static equation at a configuration: residual, stiffnesses, and one Newton step."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..math.linear import factorise
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from .deformation import deformation_curvature, deformation_jacobian
+from .loads import LoadFactors, load_stiffness, nodal_forces, scaled_loads
+from .stress import element_stiffness, stress_resultants
+from .transfer import Transfer, correction, multipliers, transfer
+
+
+class State(NamedTuple):
+    """All first-order quantities of the static equations at a configuration.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        e: Deformations, (n_e,) [m, rad].
+        sigma: Stress resultants, multipliers included, (n_e,) [N, N m].
+        force: Nodal forces of the loads, (n_x,) [N, N m].
+        jacobian: D_x, (n_e, n_x).
+        transfer: DFx, DFe and the factors behind them.
+        S: Stiffness of the elements, (n_e, n_e) [N/m, N m/rad].
+        curvature: Stiffness of stress resultants and loads in the coordinates, (n_x, n_x), or None without loads.
+    """
+
+    x: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    sigma: Float[Array, "n_e"]
+    force: Float[Array, "n_x"]
+    jacobian: Float[Array, "n_e n_x"]
+    transfer: Transfer
+    S: Float[Array, "n_e n_e"]
+    curvature: Float[Array, "n_x n_x"] | None
+
+    @property
+    def K0(self) -> Float[Array, "n_q n_q"]:
+        """Structural stiffness DFe^T S DFe."""
+        return self.transfer.DFe.T @ self.S @ self.transfer.DFe
+
+    @property
+    def G0(self) -> Float[Array, "n_q n_q"]:
+        """Geometric stiffness of stress resultants, multipliers and loads."""
+        if self.curvature is None:
+            return jnp.zeros_like(self.K0)
+        return self.transfer.DFx.T @ self.curvature @ self.transfer.DFx
+
+    @property
+    def residual(self) -> Float[Array, "n_q"]:
+        """Force that is out of balance along each degree of freedom: DFe^T sigma - DFx^T f."""
+        return self.transfer.DFe.T @ self.sigma - self.transfer.DFx.T @ self.force
+
+
+def state(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    loaded: bool = True,
+) -> State:
+    """Evaluate the static equations at a configuration.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Factors of the two load sets.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        loaded: False for the undeformed mechanism without loads: nothing is stressed, nothing of it is traced.
+
+    Returns:
+        State.
+
+    Source:
+        FORMULATION.md 5 and 6.
+    """
+    e, jacobian = deformation_jacobian(topology, parameters, x, near)
+    tangent = transfer(topology, jacobian)
+    stiffness = element_stiffness(topology, parameters)
+    if not loaded:
+        nothing = jnp.zeros(topology.n_e)
+        return State(x, e, nothing, jnp.zeros(topology.n_x), jacobian, tangent, stiffness, None)
+    force = nodal_forces(topology, parameters, factors, x)
+    elastic = stress_resultants(parameters, scaled_loads(parameters, factors), stiffness, e)
+    sigma = multipliers(topology, tangent, jacobian, elastic, force)
+    curvature = deformation_curvature(topology, parameters, x, near, sigma)
+    curvature = curvature - load_stiffness(topology, parameters, factors, x)
+    return State(x, e, sigma, force, jacobian, tangent, stiffness, curvature)
+
+
+def linear_response(
+    topology: Topology,
+    at: State,
+    excess: Float[Array, "n_e"],
+    shift: Float[Array, "n_x"],
+    imbalance: Float[Array, "n_x"],
+) -> Float[Array, "n_x"]:
+    """Change of x that answers, to first order, an excess of held deformations and forces out of balance.
+
+    The same linear system serves Newton's step and the derivative of the equilibrium by any parameter.
+
+    Args:
+        topology: Structure.
+        at: State whose tangent is used.
+        excess: Held deformations minus their wanted values, the effect of ``shift`` included, (n_e,) [m, rad].
+        shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
+        imbalance: D_x^T sigma - f before the change, (n_x,) [N, N m].
+
+    Returns:
+        Change of x, (n_x,) [m, rad, -].
+
+    Source:
+        FORMULATION.md 6: the Hessian of the Lagrangian, projected with Z = DFx.
+    """
+    z = at.transfer.DFx
+    onto_constraints = correction(topology, at.transfer, excess, shift)
+    imbalance = imbalance + at.jacobian.T @ (at.S @ (at.jacobian @ onto_constraints))
+    if at.curvature is not None:
+        imbalance = imbalance + at.curvature @ onto_constraints
+    dq = factorise(at.K0 + at.G0).solve(-(z.T @ imbalance))
+    return onto_constraints + z @ dq

@@ -1,0 +1,115 @@
+"""Geometric transfer functions: how all coordinates and deformations follow from the degrees of freedom."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..math.linear import Factors, factorise
+from ..model.topology import Topology
+
+
+class Transfer(NamedTuple):
+    """First-order transfer functions at a configuration, and the factors of A = dD^{o,m}/dx_dep.
+
+    Attributes:
+        DFx: Derivative of the nodal coordinates by q, (n_x, n_q).
+        DFe: Derivative of the deformations by q, (n_e, n_q).
+        factors: LU factors of A. Rows: FIXED, PRESCRIBED and DOF deformations; columns: DEPENDENT coordinates.
+        regular: Whether A can be trusted.
+    """
+
+    DFx: Float[Array, "n_x n_q"]
+    DFe: Float[Array, "n_e n_q"]
+    factors: Factors
+    regular: Bool[Array, ""]
+
+
+def held_rows(topology: Topology) -> Array:
+    """Indices in e of the rows of A, in order: FIXED, PRESCRIBED, DOF.
+
+    Args:
+        topology: Structure.
+    """
+    return jnp.concatenate([topology.e.fixed, topology.e.prescribed, topology.e.dof])
+
+
+def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
+    """First-order transfer functions by implicit differentiation of D(x) = e.
+
+    Args:
+        topology: Structure.
+        jacobian: D_x, (n_e, n_x).
+
+    Returns:
+        DFx = -A^-1 dD/dq-part, DFe = D_x DFx.
+
+    Source:
+        FORMULATION.md 4; tutorial WA 1239 (2012), ch. 1 and reference [10] there.
+    """
+    rows, dependent = held_rows(topology), topology.x.dependent
+    held = jacobian[rows]
+    factors = factorise(held[:, dependent])
+    by_coordinates = -held[:, topology.x.dof]
+    n_held, n_dof = rows.shape[0], topology.e.dof.shape[0]
+    by_deformations = jnp.eye(n_held, n_dof, k=-(n_held - n_dof)) if n_dof else jnp.zeros((n_held, 0))
+    solved = factors.solve(jnp.concatenate([by_coordinates, by_deformations], axis=1))
+    n_coordinates = topology.x.dof.shape[0]
+    dfx = jnp.zeros((topology.n_x, topology.n_q)).at[dependent].set(solved)
+    dfx = dfx.at[topology.x.dof].set(jnp.eye(n_coordinates, topology.n_q))
+    return Transfer(dfx, jacobian @ dfx, factors, factors.regular())
+
+
+def multipliers(
+    topology: Topology,
+    tangent: Transfer,
+    jacobian: Float[Array, "n_e n_x"],
+    sigma: Float[Array, "n_e"],
+    force: Float[Array, "n_x"],
+) -> Float[Array, "n_e"]:
+    """Stress resultants with the multipliers of FIXED and PRESCRIBED deformations filled in.
+
+    They balance the forces on the DEPENDENT coordinates, A^T s = f - D_x^T sigma there. At an equilibrium the part of
+    s that belongs to DOF deformations vanishes.
+
+    Args:
+        topology: Structure.
+        tangent: Transfer functions at the configuration.
+        jacobian: D_x, (n_e, n_x).
+        sigma: Stress resultants of the elastic elements; entries of held deformations are ignored, (n_e,) [N, N m].
+        force: Nodal forces, (n_x,) [N, N m].
+
+    Returns:
+        sigma, (n_e,) [N, N m].
+
+    Source:
+        FORMULATION.md 5: multipliers of the FIXED deformations are their stress resultants.
+    """
+    fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
+    sigma = sigma.at[fixed].set(0.0)
+    out_of_balance = (force - jacobian.T @ sigma)[topology.x.dependent]
+    solved = tangent.factors.solve_transposed(out_of_balance)
+    return sigma.at[fixed].set(solved[: fixed.shape[0]])
+
+
+def correction(
+    topology: Topology, tangent: Transfer, excess: Float[Array, "n_e"], shift: Float[Array, "n_x"]
+) -> Float[Array, "n_x"]:
+    """Change of the DEPENDENT coordinates that removes, to first order, an excess of the held deformations.
+
+    Args:
+        topology: Structure.
+        tangent: Transfer functions at the configuration.
+        excess: Deformations minus their wanted values; DOF and DEPENDENT entries are ignored, (n_e,) [m, rad].
+        shift: Change of the other coordinates already decided on, whose effect ``excess`` includes, (n_x,).
+
+    Returns:
+        Change of x, (n_x,) [m, rad, -].
+
+    Source:
+        Newton's corrector of FORMULATION.md 4.
+    """
+    n_dof = topology.e.dof.shape[0]
+    held = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
+    right = jnp.concatenate([-excess[held], jnp.zeros(n_dof)])
+    return shift.at[topology.x.dependent].add(tangent.factors.solve(right))

@@ -1,0 +1,1 @@
+"""What is analysed: a Model, made by a Builder."""

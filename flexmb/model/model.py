@@ -1,0 +1,146 @@
+"""A mechanism ready for analysis."""
+
+import dataclasses
+
+import equinox as eqx
+import numpy as np
+
+from .parameters import Parameters
+from .roles import Role
+from .topology import RoleIndices, Topology
+
+
+@dataclasses.dataclass(frozen=True)
+class Entry:
+    """Name of one coordinate or deformation.
+
+    Attributes:
+        of: Node or element.
+        component: Its number there, from 1.
+        symbol: How it is written: "x", "phi", "e2".
+        kind: "position" or "rotation" for a coordinate, "deformation", or "norm" (counted by no one).
+    """
+
+    of: str
+    component: int
+    symbol: str
+    kind: str
+
+    def __str__(self) -> str:
+        return f"{self.of}.{self.symbol}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Signal:
+    """An input or output of the state-space model.
+
+    Attributes:
+        name: Its label.
+        quantity: "force", "stress", "position", "velocity", "acceleration", "deformation", "deformation rate",
+            "deformation acceleration".
+        index: Index in x or e.
+    """
+
+    name: str
+    quantity: str
+    index: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Labels:
+    """Names, kept beside the numbers and outside compiled code.
+
+    Attributes:
+        x: Name of each coordinate, in order.
+        e: Name of each deformation, in order.
+        elements: Name, type and nodes of each element, in order of addition.
+        inputs, outputs: Signals of the state-space model.
+        dimension: 2 or 3.
+    """
+
+    x: tuple[Entry, ...]
+    e: tuple[Entry, ...]
+    elements: tuple[tuple[str, str, tuple[str, ...]], ...]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    dimension: int
+
+    def coordinates(self, node: str) -> list[int]:
+        """Indices in x of a node, or of the rotation of a node as "name.rotation".
+
+        Args:
+            node: Name of the node.
+        """
+        return [i for i, entry in enumerate(self.x) if entry.of == node]
+
+
+class Model(eqx.Module):
+    """A checked mechanism: topology and parameters, with names beside them.
+
+    Attributes:
+        topology: Structure.
+        parameters: Numbers; differentiate and replace these.
+        labels: Names.
+    """
+
+    topology: Topology
+    parameters: Parameters
+    labels: Labels = eqx.field(static=True)
+
+    @property
+    def q_labels(self) -> list[str]:
+        """Name of each degree of freedom, in the order of q."""
+        t = self.topology
+        return [str(self.labels.x[i]) for i in _list(t.x.dof)] + [str(self.labels.e[i]) for i in _list(t.e.dof)]
+
+    def roles(self) -> tuple[list[Role], list[Role]]:
+        """Role of every coordinate and of every deformation, unit norms included."""
+        return _roles(self.topology.x), _roles(self.topology.e)
+
+    def counts(self) -> dict[str, int]:
+        """The numbers of NDOF = NX - NXO - NEO, tutorial (2.13); a spatial rotation counts as 3.
+
+        Returns:
+            nx, ne, nxo, neo, ndof; a PRESCRIBED entry counts as a constraint.
+
+        Source:
+            Tutorial WA 1239 (2012), eq. (2.13).
+        """
+        held = (Role.FIXED, Role.PRESCRIBED)
+        x_roles, e_roles = self.roles()
+        entries = list(zip(self.labels.x, x_roles, strict=True))
+        norms = sum(entry.kind == "norm" for entry in self.labels.e)
+        # A rotation that is fixed as a whole loses its norm with its four parameters: 3 coordinates, 3 constraints.
+        whole = {entry.of for entry, role in entries if entry.symbol == "l0"}
+        whole -= {entry.of for entry, role in entries if entry.symbol[0] == "l" and role not in held}
+        nx = len(entries) - sum(entry.symbol == "l0" for entry, _ in entries)
+        nxo = sum(role in held for _, role in entries) - len(whole)
+        ne = len(e_roles) - norms
+        neo = sum(r in held and n.kind != "norm" for n, r in zip(self.labels.e, e_roles, strict=True))
+        return {"nx": nx, "ne": ne, "nxo": nxo, "neo": neo, "ndof": nx - nxo - neo}
+
+    def overview(self) -> str:
+        """Table of every coordinate and deformation with its role, as the predecessor's DOF overview."""
+        lines = [f"NDOF = NX - NXO - NEO = {'{nx} - {nxo} - {neo} = {ndof}'.format(**self.counts())}"]
+        x_roles, e_roles = self.roles()
+        lines.append(f"degrees of freedom named: {self.topology.n_q}")
+        for title, entries, roles in (("node", self.labels.x, x_roles), ("element", self.labels.e, e_roles)):
+            lines.append(f"{title:<16}" + "components")
+            grouped: dict[str, list[str]] = {}
+            for entry, role in zip(entries, roles, strict=True):
+                if entry.kind != "norm":
+                    grouped.setdefault(entry.of, []).append(f"{entry.symbol} {role.value}")
+            lines += [f"{name:<16}" + ", ".join(parts) for name, parts in grouped.items()]
+        return "\n".join(lines)
+
+
+def _list(indices) -> list[int]:
+    return np.asarray(indices).tolist()
+
+
+def _roles(indices: RoleIndices) -> list[Role]:
+    roles = [Role.DEPENDENT] * indices.size
+    for role in Role:
+        for i in _list(getattr(indices, role.value)):
+            roles[i] = role
+    return roles

@@ -1,0 +1,42 @@
+"""Every number one might differentiate, as the engineer states it."""
+
+from typing import Any
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+
+class Loads(eqx.Module):
+    """Constant loads. What a scene does not have is None and is not traced.
+
+    Attributes:
+        force: Nodal forces dual to the coordinates, (n_x,) [N, N m].
+        gravity: Acceleration of gravity, (axes,) [m/s^2].
+        prestress: Stress resultants added to those of the stiffness, (n_e,) [N, N m].
+        x: Values of the PRESCRIBED coordinates, in their order [m, rad].
+        e: Values of the PRESCRIBED deformations, in their order [m, rad].
+    """
+
+    force: Float[Array, "n_x"] | None = None
+    gravity: Float[Array, "axes"] | None = None
+    prestress: Float[Array, "n_e"] | None = None
+    x: Float[Array, "_p"] | None = None
+    e: Float[Array, "_p"] | None = None
+
+
+class Parameters(eqx.Module):
+    """Numbers of a mechanism; a pytree to differentiate, batch and optimise.
+
+    Attributes:
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+        properties: Properties of each block, every leaf stacked over its elements.
+        loads: Constant loads.
+        increment: Loads that a path or a buckling analysis scales while ``loads`` stay, or None: then all scale.
+        strain: Deformations at which the elements are free of stress, (n_e,), or None: zero.
+    """
+
+    reference: Float[Array, "n_x"]
+    properties: tuple[dict[str, Any], ...]
+    loads: Loads
+    increment: Loads | None = None
+    strain: Float[Array, "n_e"] | None = None

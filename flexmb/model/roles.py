@@ -1,0 +1,16 @@
+"""The one role that each coordinate and each deformation has."""
+
+import enum
+
+
+class Role(enum.Enum):
+    """Role of a coordinate or deformation (FORMULATION.md 1).
+
+    FIXED: a coordinate at its start value, a deformation at zero. DEPENDENT: found from the others ("released" for a
+    deformation). DOF: a degree of freedom. PRESCRIBED: a given value.
+    """
+
+    FIXED = "fixed"
+    DEPENDENT = "dependent"
+    DOF = "dof"
+    PRESCRIBED = "prescribed"

@@ -1,0 +1,75 @@
+"""Shapes and element functions (static), connectivity and roles (integer arrays, leaves of the pytree)."""
+
+import equinox as eqx
+from jaxtyping import Array, Int
+
+from ..elements.element import Element
+
+
+class Block(eqx.Module):
+    """Elements of equal type and equal property structure, stacked.
+
+    Attributes:
+        element: Their type.
+        companions: Which of the element's functions this block is for.
+        options: Properties that choose code rather than numbers (booleans, strings), as sorted pairs.
+        x: Index of each element's coordinates, (elements, coordinates).
+        e: Index of each element's deformations, (elements, deformations).
+        splits: Where the coordinates of one node end and the next begin.
+    """
+
+    element: Element = eqx.field(static=True)
+    companions: tuple[str, ...] = eqx.field(static=True)
+    options: tuple[tuple[str, object], ...] = eqx.field(static=True)
+    x: Int[Array, "elements coordinates"]
+    e: Int[Array, "elements deformations"]
+    splits: tuple[int, ...] = eqx.field(static=True)
+
+
+class RoleIndices(eqx.Module):
+    """Which entries of x or of e have which role.
+
+    Attributes:
+        fixed, dependent, dof, prescribed: Indices, ascending; ``dof`` in the order of q.
+    """
+
+    fixed: Int[Array, "_f"]
+    dependent: Int[Array, "_d"]
+    dof: Int[Array, "_q"]
+    prescribed: Int[Array, "_p"]
+
+    @property
+    def size(self) -> int:
+        """Number of entries with any role."""
+        return sum(a.shape[0] for a in (self.fixed, self.dependent, self.dof, self.prescribed))
+
+
+class Topology(eqx.Module):
+    """Structure of a mechanism. What is compiled depends on its shapes and element functions alone.
+
+    Attributes:
+        blocks: Elements by block.
+        x: Roles of the nodal coordinates.
+        e: Roles of the deformations, the unit norms of Euler parameters among them.
+        axes: Index of the coordinate along each axis of every point, (axes, points).
+    """
+
+    blocks: tuple[Block, ...]
+    x: RoleIndices
+    e: RoleIndices
+    axes: Int[Array, "axes points"]
+
+    @property
+    def n_x(self) -> int:
+        """Number of nodal coordinates, Euler parameters counted as four."""
+        return self.x.size
+
+    @property
+    def n_e(self) -> int:
+        """Number of deformations, unit norms included."""
+        return self.e.size
+
+    @property
+    def n_q(self) -> int:
+        """Number of degrees of freedom."""
+        return self.x.dof.shape[0] + self.e.dof.shape[0]

@@ -1,0 +1,81 @@
+"""Why a solve succeeded or failed.
+
+Compiled kernels return the integer; the wrapper in Python turns it into a member or raises its text. An
+``equinox.Enumeration`` would do the same, but comparing its members runs array operations on the host, which a fresh
+process pays for.
+"""
+
+import enum
+
+from .errors import AnalysisError
+
+
+class RESULTS(enum.IntEnum):
+    """Outcome of an analysis; each message says what to try.
+
+    Attributes:
+        message: The text for a person.
+    """
+
+    message: str
+
+    def __new__(cls, value: int, message: str):
+        """Make a member with its text."""
+        member = int.__new__(cls, value)
+        member._value_ = value
+        member.message = message
+        return member
+
+    successful = 0, ""
+    not_finite = (
+        1,
+        "A matrix of the analysis is not finite. The mechanism may be in a configuration where an element is"
+        " undefined, such as a length of zero; check its numbers.",
+    )
+    singular_configuration = (
+        2,
+        "The degrees of freedom do not determine the configuration: the constraint matrix is singular."
+        " Name other degrees of freedom, or run the mobility analysis to see which nodes and elements take part.",
+    )
+    not_converged = (
+        3,
+        "The static equilibrium was not found, with load steps down to the smallest allowed. The load may be beyond"
+        " what the mechanism can carry (a limit load): lower it, or use more elements.",
+    )
+    unstable = (
+        4,
+        "The stiffness K0 + N0 at the equilibrium is not positive definite, and load multipliers are counted from a"
+        " stable state: support or stiffen the free motion, or lower the load.",
+    )
+    singular_mass = (
+        5,
+        "The mass matrix is singular: some motion carries no mass. Add mass or inertia to its nodes, or make that"
+        " degree of freedom dependent.",
+    )
+    singular_stiffness = (
+        6,
+        "The static equations are singular: a motion meets no stiffness, or the load is a critical load."
+        " Support or stiffen that motion, or change the load.",
+    )
+
+
+def check(result, throw: bool, about: str = "") -> None:
+    """Raise the text of a result that is not a success; does nothing under a trace or with ``throw=False``.
+
+    Args:
+        result: Integer code, () or a batch of them.
+        throw: Whether to raise.
+        about: What to add to the message, such as the names of nodes.
+
+    Raises:
+        AnalysisError: The result is a failure.
+    """
+    import jax
+    import numpy as np
+
+    if not throw or isinstance(result, jax.core.Tracer):
+        return
+    worst = int(np.max(np.asarray(result)))
+    if worst != RESULTS.successful:
+        member = RESULTS(worst)
+        raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))

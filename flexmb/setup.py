@@ -1,0 +1,37 @@
+"""Global settings of JAX that a user switches on by one call; importing flexmb changes none."""
+
+import os
+from pathlib import Path
+
+
+def enable_x64() -> None:
+    """Switch JAX to double precision, for the whole process."""
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+
+
+def cache_folder() -> Path:
+    """Default folder of compiled code: ``$FLEXMB_CACHE``, or flexmb in the user's cache folder."""
+    given = os.environ.get("FLEXMB_CACHE")
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(given) if given else Path(base) / "flexmb"
+
+
+def enable_cache(folder: str | os.PathLike | None = None) -> Path:
+    """Keep compiled code on disk, so that a fresh process starts quickly.
+
+    Args:
+        folder: Where; by default :func:`cache_folder`.
+
+    Returns:
+        The folder.
+    """
+    import jax
+
+    path = Path(folder) if folder is not None else cache_folder()
+    path.mkdir(parents=True, exist_ok=True)
+    jax.config.update("jax_compilation_cache_dir", str(path))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    return path

@@ -1,0 +1,1 @@
+import flexmb as fm; fm.enable_x64()
