@@ -36,6 +36,7 @@ _ROOMS = {
     "analysis.compliance": ("compliance", "directional_compliance"),
     "statespace": ("state_matrices", "to_statespace"),
     "io.spacar": ("read_spacar", "write_spacar"),
+    "math.compile": ("jit",),
     "setup": ("enable_cache", "enable_x64"),
 }
 _WHERE = {name: room for room, names in _ROOMS.items() for name in names}

@@ -8,7 +8,8 @@ from jaxtyping import Array, Float
 
 from .analysis.linearize import Linearization, Matrices, linearize
 from .errors import AnalysisError, ModelError
-from .math.compile import kernel
+from .math.compile import jit
+from .math.indices import put
 from .math.linear import factorise
 from .math.subspace import independent_rows
 from .model.model import Model, Signal
@@ -46,7 +47,7 @@ def _massless(lin: Linearization) -> list[int]:
     return sorted(chosen)
 
 
-@kernel(static=("inputs", "outputs", "condensed"))
+@jit
 def _state_matrices(
     m: Matrices, inputs: tuple[Signal, ...], outputs: tuple[Signal, ...], condensed: tuple[int, ...]
 ) -> StateMatrices:
@@ -60,8 +61,8 @@ def _state_matrices(
     keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, b.shape[1]))
     if condensed:
         # Columns of null span the motions without mass: M null = 0. Their equilibrium has no inertia in it.
-        null = jnp.zeros((n_q, len(out))).at[out].set(jnp.eye(len(out)))
-        null = null.at[kept].set(-factorise(m.M0[np.ix_(kept, kept)]).solve(m.M0[np.ix_(kept, out)]))
+        null = put(jnp.zeros((n_q, len(out))), out, jnp.eye(len(out)))
+        null = put(null, kept, -factorise(m.M0[np.ix_(kept, kept)]).solve(m.M0[np.ix_(kept, out)]))
         stiff = factorise(null.T @ m.K @ null)
         direct = null @ stiff.solve(null.T @ b)
         keep = keep - null @ stiff.solve(null.T @ m.K @ keep)

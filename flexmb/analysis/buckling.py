@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.compile import kernel
+from ..math.compile import jit
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.deformation import deformation_curvature
 from ..mechanics.loads import LoadFactors, has_load_elements, load_stiffness, nodal_forces
@@ -76,7 +76,7 @@ def _inverse_multipliers(topology: Topology, k, g):
     return values[order], vectors[:, order]
 
 
-@kernel
+@jit
 def _buckling(topology: Topology, parameters: Parameters):
     k, g, dfx, result = _stiffnesses(topology, parameters)
     inverse, vectors = _inverse_multipliers(topology, k, g)

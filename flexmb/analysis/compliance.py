@@ -5,7 +5,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..elements.nodes import ROTATION3
-from ..math.compile import kernel
+from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Labels, Model
@@ -20,7 +20,7 @@ def _axes(labels: Labels, node: str, x) -> tuple[list[int], Array]:
     return indices, jnp.eye(len(indices))
 
 
-@kernel
+@jit
 def _flexibility(found: Matrices):
     return factorise(found.K).solve(found.DFx.T)
 

@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..math.compile import kernel
+from ..math.compile import jit
+from ..math.indices import accumulate, put
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
@@ -75,7 +76,7 @@ def _sizes(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
     points = parameters.reference[topology.axes]
     extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
     extent = jnp.where(extent > 0, extent, 1.0)
-    return jnp.ones(topology.n_x).at[topology.axes].set(extent)
+    return put(jnp.ones(topology.n_x), topology.axes, extent)
 
 
 def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
@@ -92,9 +93,9 @@ def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors
     loads = scaled_loads(parameters, factors)
     x, e = parameters.reference, jnp.zeros(topology.n_e)
     if loads.x is not None:
-        x = x.at[topology.x.prescribed].add(loads.x)
+        x = accumulate(x, topology.x.prescribed, loads.x)
     if loads.e is not None:
-        e = e.at[topology.e.prescribed].set(loads.e)
+        e = put(e, topology.e.prescribed, loads.e)
     return x, e
 
 
@@ -119,7 +120,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         load = jnp.minimum(s.reached + s.step, 1.0)
         factors = LoadFactors(load * target.initial, load * target.increment)
         wanted_x, wanted_e = held_values(topology, parameters, factors)
-        shift = jnp.zeros(topology.n_x).at[held].set(wanted_x[held] - s.trial[held])
+        shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - s.trial[held])
         at = state(topology, parameters, factors, s.trial, s.trial_near)
         excess = at.e - wanted_e + at.jacobian @ shift
         imbalance = at.jacobian.T @ at.sigma - at.force
@@ -183,14 +184,14 @@ def _solve_jvp(primals, tangents):
         stiffness = element_stiffness(topology, parameters)
         sigma = stress_resultants(parameters, scaled_loads(parameters, target), stiffness, e)
         fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
-        sigma = sigma.at[fixed].set(at.sigma[fixed])
+        sigma = put(sigma, fixed, at.sigma[fixed])
         wanted_x, wanted_e = held_values(topology, parameters, target)
         force = nodal_forces(topology, parameters, target, solved.x)
         return jacobian.T @ sigma - force, e - wanted_e, wanted_x
 
     _, (imbalance, excess, wanted) = eqx.filter_jvp(equations, (parameters, target), (d_parameters, d_target))
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
-    shift = jnp.zeros(topology.n_x).at[held].set(wanted[held])
+    shift = put(jnp.zeros(topology.n_x), held, wanted[held])
     dx = linear_response(topology, at, excess + at.jacobian @ shift, shift, imbalance)
     return solved, _Solved(dx, None, None, None)
 
@@ -232,10 +233,10 @@ def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
         D_x^T sigma - f there, (n_x,) [N, N m].
     """
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
-    return jnp.zeros(topology.n_x).at[held].set((at.jacobian.T @ at.sigma - at.force)[held])
+    return put(jnp.zeros(topology.n_x), held, (at.jacobian.T @ at.sigma - at.force)[held])
 
 
-@kernel
+@jit
 def _equilibrium(topology, parameters, target):
     at, _, result, iterations = solve_state(topology, parameters, target)
     return at.x, at.e, at.sigma, reactions_of(topology, at), iterations, result

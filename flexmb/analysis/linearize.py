@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..math.compile import kernel
+from ..math.compile import jit
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.loads import LoadFactors, has_load_elements, load_factors
@@ -129,7 +129,7 @@ def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) ->
     )
 
 
-_matrices = eqx.filter_jit(matrices)
+_matrices = jit(matrices)
 
 
 def linearize(model: Model, *, load_factor: float = 1.0, increment: float = 0.0, throw: bool = True) -> Linearization:
@@ -157,7 +157,7 @@ def linearize(model: Model, *, load_factor: float = 1.0, increment: float = 0.0,
     return lin
 
 
-@kernel
+@jit
 def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
     near = jax.lax.stop_gradient(m.e)
     _, jacobian = deformation_jacobian(topology, parameters, m.x, near)

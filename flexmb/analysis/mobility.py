@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from ..math.compile import kernel
+from ..math.compile import jit
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..model.model import Model
@@ -13,7 +13,7 @@ from ..model.model import Model
 SHOWN = 1e-3
 
 
-@kernel
+@jit
 def _reference_jacobian(topology, parameters):
     return deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))[1]
 

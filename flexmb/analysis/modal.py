@@ -6,7 +6,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
-from ..math.compile import kernel
+from ..math.compile import jit
 from ..math.linear import is_positive_definite, pencil
 from ..mechanics.loads import LoadFactors, has_load_elements
 from ..model.model import Model
@@ -125,7 +125,7 @@ def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
     return jnp.where(usual, jnp.sign(eigenvalues) * root, eigenvalues)
 
 
-@kernel
+@jit
 def _frequencies(topology: Topology, parameters: Parameters):
     found = matrices(topology, parameters, LoadFactors(1.0, 0.0))
     values, _, _, result = spectrum(found.K, found.M0)
@@ -162,7 +162,7 @@ def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     return values
 
 
-@kernel
+@jit
 def _modes(found: Matrices):
     values, vectors, stable, result = spectrum(found.K, found.M0)
     return values, to_frequency(values), found.DFx @ vectors, vectors, stable, result

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3, unit_norm
+from ..math.indices import put
 from ..model.model import Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
 from ..model.roles import Role
@@ -197,7 +198,7 @@ def _sparse(entries, size: int, index) -> Any:
         dense = np.zeros(size)
         dense[places] = values
         return dense
-    return jnp.zeros(size).at[places].set(values)
+    return put(jnp.zeros(size), places, values)
 
 
 def _loads(entries: dict, topology: Topology, index) -> Loads:

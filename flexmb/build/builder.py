@@ -14,11 +14,11 @@ import numpy as np
 from ..elements import planar, spatial
 from ..elements.element import ALL, Element, as_element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
-from .assemble import assemble, is_concrete, number_of_deformations, stack
-from .dofs import complete
 from ..errors import ModelError
 from ..model.model import Model
 from ..model.roles import Role
+from .assemble import assemble, is_concrete, number_of_deformations, stack
+from .dofs import complete
 
 AXES = ("x", "y", "z")
 

@@ -3,6 +3,7 @@
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
 """
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -33,9 +34,16 @@ truss = Element(
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
 
-def _turned(rot: Rotation3, ref_rot: Rotation3) -> Float[Array, "3 3"]:
-    """Rotation of a triad since the undeformed state."""
-    return rotation_matrix(rot) @ rotation_matrix(ref_rot).T
+def _turned(rot: Rotation3, ref_rot: Rotation3, vectors: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
+    """Columns that turn with a triad, as they lie now; given as they lay in the undeformed state."""
+    return rotation_matrix(rot) @ (rotation_matrix(ref_rot).T @ vectors)
+
+
+def _triads(rot_p: Rotation3, rot_q: Rotation3, ref, y) -> Float[Array, "2 3 3"]:
+    """Local axes at both ends as columns. Both ends go through the same few products, which compile once."""
+    frame = initial_frame(ref.p, ref.q, y)
+    rotations, references = jnp.stack([rot_p, rot_q]), jnp.stack([ref.rot_p, ref.rot_q])
+    return jax.vmap(_turned, (0, 0, None))(rotations, references, frame)
 
 
 def _beam(
@@ -54,10 +62,10 @@ def _beam(
     of torsion with bending in two planes.
     """
     l0 = beams.beam_length(ref)
-    frame = initial_frame(ref.p, ref.q, y)
-    triad_p, triad_q = _turned(rot_p, ref.rot_p) @ frame, _turned(rot_q, ref.rot_q) @ frame
+    triads = _triads(rot_p, rot_q, ref, y)
     chord = q - p
-    at_p, at_q, between = chord @ triad_p, chord @ triad_q, triad_p.T @ triad_q
+    at_p, at_q = jnp.einsum("i,nij->nj", chord, triads)
+    between = triads[0].T @ triads[1]
     twist = 0.5 * l0 * (between[2, 1] - between[1, 2])
     e = jnp.stack([beams.length(chord) - l0, twist, -at_p[2], at_q[2], at_p[1], -at_q[1]])
     return e + (SECOND_ORDER @ e) @ e / l0 if second_order else e
@@ -94,13 +102,18 @@ def _beam_damping(*, ref, damping: Damping) -> Float[Array, "6 6"]:
     return beams.combine([d.EA / l0, d.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
 
 
-# Places of the mass per length and of the rotary inertias Jx, Jy, Jz, Jyz per length, times l0, among the vectors
-# (p, l0 x_p, q, l0 x_q, triad p, triad q). An inertia tensor J has the second moments tr(J)/2 I - J.
-INERTIA = np.zeros((5, 10, 10))
-INERTIA[0, :4, :4] = beams.CUBIC_MASS
+# Mass per length and rotary inertias Jx, Jy, Jz, Jyz per length among the vectors (p, q, triad p, triad q). The cubic
+# mass has slopes times length: CUBIC[k] goes with l0^k. An inertia tensor J has the second moments tr(J)/2 I - J.
+_PLACES = np.array([0, 2, 1, 5])  # p, x axis at p, q, x axis at q
+CUBIC = np.zeros((3, 8, 8))
+for _i in range(4):
+    for _j in range(4):
+        CUBIC[(_i % 2) + (_j % 2), _PLACES[_i], _PLACES[_j]] = beams.CUBIC_MASS[_i, _j]
+ROTARY = np.zeros((4, 8, 8))
 for _k in range(3):
-    INERTIA[_k + 1, 4:, 4:] = np.kron(beams.LINEAR_MASS, np.eye(3) / 2 - np.diag(np.arange(3) == _k))
-INERTIA[4, 4:, 4:] = np.kron(beams.LINEAR_MASS, -np.eye(3)[[0, 2, 1]] + np.diag([1.0, 0, 0]))
+    ROTARY[_k, 2:, 2:] = np.kron(beams.LINEAR_MASS, np.eye(3) / 2 - np.diag(np.arange(3) == _k))
+ROTARY[3, 2:, 2:] = np.kron(beams.LINEAR_MASS, -np.eye(3)[[0, 2, 1]] + np.diag([1.0, 0, 0]))
+INERTIA = np.concatenate([CUBIC, ROTARY])
 
 
 def _beam_inertia(
@@ -115,10 +128,10 @@ def _beam_inertia(
 ):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's triad."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
-    frame = initial_frame(ref.p, ref.q, y)
-    axes_p, axes_q = (_turned(rot_p, ref.rot_p) @ frame).T, (_turned(rot_q, ref.rot_q) @ frame).T
-    vectors = jnp.concatenate([jnp.stack([p, l0 * axes_p[0], q, l0 * axes_q[0]]), axes_p, axes_q])
-    return vectors, l0 * beams.combine([s.mass, s.Jx, s.Jy, s.Jz, s.Jyz], INERTIA)
+    axes = jnp.swapaxes(_triads(rot_p, rot_q, ref, y), 1, 2).reshape(6, 3)
+    vectors = jnp.concatenate([jnp.stack([p, q]), axes])
+    mass = [s.mass, s.mass * l0, s.mass * l0**2]
+    return vectors, l0 * beams.combine([*mass, s.Jx, s.Jy, s.Jz, s.Jyz], INERTIA)
 
 
 def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
@@ -141,7 +154,7 @@ Properties: section, damping, y (vector that fixes local y), second_order.
 
 def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:
     """Offset of q from its place on the body of p, in axes of the body at the undeformed state [m]."""
-    return _turned(rot_p, ref.rot_p).T @ (q - p) - (ref.q - ref.p)
+    return _turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
 
 
 def _rigid_beam_inertia(p: Point3, rot_p: Rotation3, q: Point3, *, ref, section: Section):
@@ -214,7 +227,7 @@ def _nothing_on(rot: Rotation3, *, ref) -> Float[Array, "0"]:
 
 def _inertia_inertia(rot: Rotation3, *, ref, inertia: Float[Array, "6"]):
     tensor = inertia[np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])]
-    return _turned(rot, ref.rot).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
+    return _turned(rot, ref.rot, jnp.eye(3)).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
 
 
 inertia = Element(_nothing_on, inertia=_inertia_inertia)

@@ -6,29 +6,35 @@ from typing import Any
 
 import jax
 
-# The kernels are many small products around a few calls of LAPACK: the compiler's optimisation passes halve no run
-# time here and double the time to compile (benchmarks/first_impression.py).
+# An analysis is many small products around a few calls of LAPACK: optimising their code doubles the time to compile
+# and changes the time of a run by less than a third (benchmarks/first_impression.py).
 QUICK = {"xla_backend_optimization_level": 0}
 
 
-def kernel(function: Callable[..., Any] | None = None, *, static: tuple[str, ...] = ()) -> Callable[..., Any]:
+def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of pytrees of arrays, quickly where it is called on concrete numbers.
 
-    JAX takes compiler options at the outermost call only, so under a trace the function is compiled as part of the
-    user's.
+    The same as ``jax.jit`` but for the compiler's optimisation level. A batch of thousands of designs is better
+    compiled by ``jax.jit``. JAX takes compiler options at the outermost call only, so that under a trace the function
+    is compiled as part of the caller's.
 
     Args:
-        function: Function to compile.
-        static: Names of arguments that are not arrays.
+        function: Function of pytrees of arrays; arguments given by keyword are options that choose code.
+
+    Returns:
+        The compiled function.
     """
-    if function is None:
-        return functools.partial(kernel, static=static)
-    outermost = jax.jit(function, static_argnames=static, compiler_options=QUICK)
-    nested = jax.jit(function, static_argnames=static)
+    def flat(structure, options, *leaves):
+        return function(*jax.tree.unflatten(structure, leaves), **dict(options))
+
+    outermost = jax.jit(flat, static_argnums=(0, 1), compiler_options=QUICK)
+    nested = jax.jit(flat, static_argnums=(0, 1))
 
     @functools.wraps(function)
-    def call(*arguments, **named):
-        traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves((arguments, named)))
-        return (nested if traced else outermost)(*arguments, **named)
+    def call(*arguments, **options):
+        # Flattened once, here: a model is a tree of some thirty arrays.
+        leaves, structure = jax.tree.flatten(arguments)
+        traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
+        return (nested if traced else outermost)(structure, tuple(sorted(options.items())), *leaves)
 
     return call

@@ -6,6 +6,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .indices import put
+
 
 class Factors(NamedTuple):
     """LU factors of a square matrix, to solve with it and with its transpose.
@@ -36,7 +38,7 @@ class Factors(NamedTuple):
         """
         y = _triangular(self.lu, right, lower=False, transpose_a=True)
         y = _triangular(self.lu, y, lower=True, unit_diagonal=True, transpose_a=True)
-        return jnp.zeros_like(y).at[self.permutation].set(y)
+        return put(jnp.zeros_like(y), self.permutation, y)
 
     def regular(self) -> Bool[Array, ""]:
         """Whether all pivots are finite and none is below 1e-13 of the largest."""

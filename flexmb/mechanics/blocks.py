@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.indices import accumulate
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 
@@ -64,8 +65,7 @@ def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array
     """
     whole = jnp.zeros(size)
     for rows, columns, matrices in pieces:
-        at = whole.at[rows[:, :, None], columns[:, None, :]]
-        whole = at.add(matrices, mode="promise_in_bounds", wrap_negative_indices=False)
+        whole = accumulate(whole, (rows[:, :, None], columns[:, None, :]), matrices)
     return whole
 
 
@@ -81,5 +81,5 @@ def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array,
     """
     whole = jnp.zeros(size)
     for indices, vectors in pieces:
-        whole = whole.at[indices].add(vectors, mode="promise_in_bounds", wrap_negative_indices=False)
+        whole = accumulate(whole, indices, vectors)
     return whole

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
@@ -48,7 +49,7 @@ def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Fl
         (n_x,), zero at rotations [m/s^2].
     """
     columns = jnp.broadcast_to(acceleration[:, None], topology.axes.shape)
-    return jnp.zeros(topology.n_x).at[topology.axes].set(columns)
+    return put(jnp.zeros(topology.n_x), topology.axes, columns)
 
 
 def _weight_potential(topology, parameters, gravity):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.topology import Topology
 
@@ -55,8 +56,8 @@ def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     by_deformations = jnp.eye(n_held, n_dof, k=-(n_held - n_dof)) if n_dof else jnp.zeros((n_held, 0))
     solved = factors.solve(jnp.concatenate([by_coordinates, by_deformations], axis=1))
     n_coordinates = topology.x.dof.shape[0]
-    dfx = jnp.zeros((topology.n_x, topology.n_q)).at[dependent].set(solved)
-    dfx = dfx.at[topology.x.dof].set(jnp.eye(n_coordinates, topology.n_q))
+    dfx = put(jnp.zeros((topology.n_x, topology.n_q)), dependent, solved)
+    dfx = put(dfx, topology.x.dof, jnp.eye(n_coordinates, topology.n_q))
     return Transfer(dfx, jacobian @ dfx, factors, factors.regular())
 
 
@@ -86,10 +87,10 @@ def multipliers(
         FORMULATION.md 5: multipliers of the FIXED deformations are their stress resultants.
     """
     fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
-    sigma = sigma.at[fixed].set(0.0)
+    sigma = put(sigma, fixed, 0.0)
     out_of_balance = (force - jacobian.T @ sigma)[topology.x.dependent]
     solved = tangent.factors.solve_transposed(out_of_balance)
-    return sigma.at[fixed].set(solved[: fixed.shape[0]])
+    return put(sigma, fixed, solved[: fixed.shape[0]])
 
 
 def correction(
@@ -112,4 +113,4 @@ def correction(
     n_dof = topology.e.dof.shape[0]
     held = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
     right = jnp.concatenate([-excess[held], jnp.zeros(n_dof)])
-    return shift.at[topology.x.dependent].add(tangent.factors.solve(right))
+    return accumulate(shift, topology.x.dependent, tangent.factors.solve(right))

@@ -1,0 +1,109 @@
+"""How long a user waits: cold and cached start, one evaluation, its gradient, a thousand designs.
+
+``python benchmarks/first_impression.py`` prints the table that README quotes and writes results/first_impression.json.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).parent
+START = """
+import flexmb as fm
+fm.enable_x64()
+{cache}
+from scenes import guide
+print(float(fm.frequencies(guide())[0]))
+"""
+RUNS = 7
+DESIGNS = 1000
+
+
+def fresh_process(cache: str | None) -> float:
+    """Frequency from a fresh process, import included.
+
+    Args:
+        cache: Folder of compiled code, or None to compile without one.
+    """
+    code = START.format(cache=f"fm.enable_cache({cache!r})" if cache else "")
+    environment = {**os.environ, "PYTHONPATH": str(HERE), "JAX_PLATFORMS": "cpu"}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    return float(run.stdout)
+
+
+def main() -> None:
+    """Measure, check the answers, print and save."""
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+    from record import interleaved, save, show
+    from scenes import guide
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    with tempfile.TemporaryDirectory() as folder:
+        fresh_process(folder)
+        starts = interleaved(
+            {
+                "fresh process, nothing cached": lambda: fresh_process(None),
+                "fresh process, compiled code cached": lambda: fresh_process(folder),
+                "python -c 'import jax.numpy'": lambda: subprocess.run(
+                    [sys.executable, "-c", "import jax.numpy"], check=True
+                ),
+            },
+            RUNS,
+        )
+    show("Start to first frequencies, spatial guide of two beams a leaf spring", starts)
+
+    model = guide()
+    n_q = model.topology.n_q
+    names = model.q_labels
+
+    def lowest(parameters):
+        return fm.frequencies(fm.Model(model.topology, parameters, model.labels))[0]
+
+    def of_dimensions(dimensions):
+        return fm.frequencies(guide(*dimensions, dofs=names))[0]
+
+    lowest_and_gradient = jax.jit(jax.value_and_grad(lowest))
+    optimised = jax.jit(lowest)
+    batch = jax.jit(lambda d: jax.lax.map(of_dimensions, d, batch_size=50))
+    symmetric = np.random.default_rng(0).standard_normal((n_q, n_q))
+    symmetric = jnp.asarray(symmetric + symmetric.T)
+    eigh = jax.jit(jnp.linalg.eigh)
+    rng = np.random.default_rng(1)
+    dimensions = jnp.asarray(rng.uniform([4e-4, 0.015], [6e-4, 0.02], (DESIGNS, 2)))
+
+    warm = interleaved(
+        {
+            "frequencies(model)": lambda: fm.frequencies(model).block_until_ready(),
+            "jit(frequency of parameters)": lambda: optimised(model.parameters).block_until_ready(),
+            "frequency and gradient by every number": lambda: jax.block_until_ready(
+                lowest_and_gradient(model.parameters)
+            ),
+            f"jnp.linalg.eigh, {n_q} x {n_q}": lambda: jax.block_until_ready(eigh(symmetric)),
+        },
+        RUNS,
+        repeat=100,
+    )
+    show("One evaluation, compiled", warm)
+    many = interleaved({f"{DESIGNS} designs of thickness and width": lambda: batch(dimensions).block_until_ready()}, RUNS)
+    show("Many designs, compiled", many)
+
+    # The answers: a design of the batch as if alone, the gradient against a central difference.
+    found = batch(dimensions)
+    alone = [float(fm.frequencies(guide(*map(float, d), dofs=names))[0]) for d in dimensions[:3]]
+    np.testing.assert_allclose(found[:3], alone, rtol=1e-9)
+    t, step = 5e-4, 5e-9
+    slope = float(fm.jit(jax.grad(lambda t: of_dimensions((t, 0.018))))(t))
+    value = fm.jit(lambda t: of_dimensions((t, 0.018)))
+    np.testing.assert_allclose(slope, float(value(t + step) - value(t - step)) / (2 * step), rtol=1e-6)
+    save("first_impression", {"starts": starts, "warm": warm, "many": many, "degrees_of_freedom": n_q})
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(HERE))
+    main()

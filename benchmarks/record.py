@@ -1,0 +1,78 @@
+"""Timing of interleaved variants, and results with the machine and versions they were measured on."""
+
+import datetime
+import importlib.metadata
+import json
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+RESULTS = Path(__file__).parent / "results"
+PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "equinox")
+
+
+def interleaved(variants: dict[str, Callable[[], Any]], runs: int = 7, repeat: int = 1) -> dict[str, dict[str, float]]:
+    """Time variants in turn, so that a drift of the machine falls on all.
+
+    Args:
+        variants: Functions that return when their result is there; each is called once before, uncounted.
+        runs: Counted runs of each.
+        repeat: Calls a run; the time is that of one call.
+
+    Returns:
+        Median, minimum and maximum of each [s].
+    """
+    times: dict[str, list[float]] = {name: [] for name in variants}
+    for function in variants.values():
+        function()
+    for _ in range(runs):
+        for name, function in variants.items():
+            start = time.perf_counter()
+            for _ in range(repeat):
+                function()
+            times[name].append((time.perf_counter() - start) / repeat)
+    return {n: {"median": statistics.median(t), "min": min(t), "max": max(t)} for n, t in times.items()}
+
+
+def processor() -> str:
+    """Model name of the processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()
+
+
+def save(name: str, data: dict[str, Any]) -> None:
+    """Write results with versions, processor and date.
+
+    Args:
+        name: File name without its ending.
+        data: Results.
+    """
+    import os
+
+    about = {
+        "date": datetime.date.today().isoformat(),
+        "python": platform.python_version(),
+        "processor": processor(),
+        "cores": os.cpu_count(),
+        "versions": {p: importlib.metadata.version(p) for p in PACKAGES},
+    }
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / f"{name}.json").write_text(json.dumps({"about": about, **data}, indent=1) + "\n")
+
+
+def show(title: str, times: dict[str, dict[str, float]]) -> None:
+    """Print a table of times.
+
+    Args:
+        title: Heading.
+        times: As from :func:`interleaved`.
+    """
+    print(title)
+    for name, t in times.items():
+        print(f"  {name:<44}{1e3 * t['median']:10.3f} ms   ({1e3 * t['min']:.3f} to {1e3 * t['max']:.3f})")

@@ -1,0 +1,1 @@
+"""Files: SPACAR input files read and written, answers of the analyses saved."""

@@ -1,0 +1,355 @@
+"""SPACAR input files (.dat) to a Builder: every line is acted on, refused, or named in a warning."""
+
+import codecs
+import dataclasses
+import difflib
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..build.builder import Builder
+from ..errors import ModelError, SpacarError
+from . import spacar_actions as act
+from .spacar_elements import KINDS
+from .spacar_lines import (
+    BLOCKS,
+    DRAWING,
+    DYNAMICS,
+    KINEMATICS,
+    SIGNALS,
+    Fault,
+    Statement,
+    first_parameter,
+    parse,
+    statements,
+)
+from .spacar_reading import AlreadyReported, Declared, Reading
+from .spacar_write import write_spacar as write_spacar
+
+# When a line is acted on: nodes follow from elements, properties and positions must be known before they are built.
+DECLARE, DESCRIBE, APPLY = range(3)
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One keyword in one block.
+
+    Attributes:
+        keyword: Keyword.
+        block: Block it stands in.
+        form: Its parameters; see spacar_lines.parse.
+        action: What it does.
+        stage: When.
+    """
+
+    keyword: str
+    block: str
+    form: str
+    action: Callable[[Reading, Statement, dict[str, Any]], None]
+    stage: int = APPLY
+
+
+ROWS = (
+    *(Row(kind.keyword, KINEMATICS, kind.form, partial(act.declare, kind=kind), DECLARE) for kind in KINDS),
+    Row("X", KINEMATICS, "node x [y] [z]", act.position, DESCRIBE),
+    Row("FIX", KINEMATICS, "node [coordinate ...]", act.fix),
+    Row("RLSE", KINEMATICS, "element deformation ...", act.release),
+    Row("DYNX", KINEMATICS, "node coordinate ...", act.degree_of_freedom),
+    Row("DYNE", KINEMATICS, "element deformation ...", act.degree_of_freedom),
+    Row("INPUTX", KINEMATICS, "node coordinate ...", act.prescribed),
+    Row("INPUTE", KINEMATICS, "element deformation ...", act.prescribed),
+    *(
+        Row(keyword, block, "log store", act.log_level)
+        for keyword in ("OUTLEVEL", "LEVELLOG")
+        for block in (KINEMATICS, DYNAMICS)
+    ),
+    Row("ESTIFF", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("EM", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("EDAMP", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("XM", DYNAMICS, "node value ...", act.lumped),
+    Row("XF", DYNAMICS, "node value ...", act.force),
+    Row("DELXF", DYNAMICS, "node value ...", act.force),
+    Row("ESIG", DYNAMICS, "element value ...", act.prestress),
+    Row("DELESIG", DYNAMICS, "element value ...", act.prestress),
+    Row("EINIT", DYNAMICS, "element value ...", act.strain),
+    Row("INPUTX", DYNAMICS, "node coordinate value [velocity] [acceleration]", act.motion),
+    Row("INPUTE", DYNAMICS, "element deformation value [velocity] [acceleration]", act.motion),
+    Row("DELINPX", DYNAMICS, "node coordinate increment", act.motion_increment),
+    Row("DELINPE", DYNAMICS, "element deformation increment", act.motion_increment),
+    Row("GRAVITY", DYNAMICS, "gx gy [gz]", act.gravity),
+    Row("ITERSTEP", DYNAMICS, "iterations steps tolerance [fourth] [path] [initial]", act.setting),
+    Row("TIMESTEP", DYNAMICS, "end steps", act.setting),
+    Row("ERROR", DYNAMICS, "absolute relative", act.setting),
+    Row("STARTDX", DYNAMICS, "node coordinate value [velocity]", act.start_value),
+    Row("STARTDE", DYNAMICS, "element deformation value [velocity]", act.start_value),
+    Row("USERSIG", DYNAMICS, "name", act.routine),
+    Row("USERINP", DYNAMICS, "name", act.routine),
+    *(Row(keyword, SIGNALS, "number node coordinate", act.signal) for keyword in ("INPUTF", "OUTX", "OUTXP", "OUTXDP")),
+    *(
+        Row(keyword, SIGNALS, "number element deformation", act.signal)
+        for keyword in ("INPUTS", "OUTE", "OUTEP", "OUTEDP", "OUTS")
+    ),
+)
+_TABLE = {(row.keyword, row.block): row for row in ROWS}
+
+DRAWN = (
+    *("VISUALIZATION", "INITIAL", "COLOR", "BEAMPROPS", "CROSSTYPE", "CROSSDIM", "GRAPHICS", "FACECOLOR", "OPACITY"),
+    *("DONOTDRAW", "VIBRATIONMODE", "VIBREND", "ENLARGEFACTOR", "TRANSPARENCY", "BEAMVIS", "TRUSSVIS"),
+)
+
+_LATER = "is not available yet"
+_UNCLEAR = "is refused, since its form is not known; use an element of flexmb through the Python Builder"
+_KINEMATIC = (
+    "is refused: no analysis here holds a degree of freedom out of the dynamic set; use DYNX/DYNE or INPUTX/INPUTE"
+)
+_INVERSE = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
+REFUSED = {
+    **dict.fromkeys(("BEAMW", "SCREW", "PLBELT", "TUBE", "PLTUBE", "SBEAM", "PLSBEAM"), f"element type {_LATER}"),
+    **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
+    **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
+    **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), _INVERSE),
+    **dict.fromkeys(("TROT", "TREPMAX", "TRM", "TRFRONT"), _INVERSE),
+    **dict.fromkeys(("ENHC", "TIMENORM", "INTEGRAL"), "is refused, since its meaning is not known"),
+    **dict.fromkeys(("INX", "INE"), f"(prescribed motion as an input of the state space) {_LATER}"),
+    "OUTF": f"(a force as an output of the state space) {_LATER}",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class SpacarModel:
+    """What a SPACAR input file says.
+
+    Attributes:
+        builder: The mechanism; nodes and elements are named by their numbers, "3" and "1".
+        warnings: What was read without effect, one text each with file, line and keyword.
+        name: Name of the file.
+        settings: What is not part of the mechanism, by keyword: TIMESTEP, ERROR and ITERSTEP as dictionaries; STARTDX,
+            STARTDE as lists of (node or element, component, value, velocity); INPUTX, INPUTE as lists of (.., value,
+            velocity, acceleration); USERSIG, USERINP as (name, function); VISUALIZATION as a list of lines.
+    """
+
+    builder: Builder
+    warnings: list[str]
+    name: str
+    settings: dict[str, Any]
+
+
+def read_spacar(
+    path_or_text: str | os.PathLike, *, callables: Mapping[str, Callable[..., Any]] | None = None
+) -> SpacarModel:
+    """Read a SPACAR input file.
+
+    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise.
+
+    Args:
+        path_or_text: Path of a file, or its text if it has more than one line.
+        callables: User routines by the names that USERSIG and USERINP give.
+
+    Returns:
+        SpacarModel with an unbuilt Builder, so that more can be added.
+
+    Raises:
+        SpacarError: The file is wrong: one line a fault, each with file, line number and keyword.
+        OSError: The file cannot be read.
+    """
+    name, text = _source(path_or_text)
+    faults: list[tuple[int, str]] = []
+    r = Reading(dict(callables or {}))
+    found = statements(text)
+    placed = list(_Blocks(r, faults).rows(found))
+    for stage in (DECLARE, DESCRIBE):
+        _run(r, placed, stage, faults)
+    _build(r, faults)
+    _run(r, placed, APPLY, faults)
+    _connect_signals(r, faults)
+    if not r.elements and not faults:
+        what = "has no element" if found else "is empty"
+        faults.append((1, f"file {what}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
+    if faults:
+        raise SpacarError("\n".join(f"{name}:{line}: {text}" for line, text in sorted(faults)))
+    warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
+    return SpacarModel(r.builder, warnings, name, r.settings)
+
+
+def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
+    """Name and text of what is to be read."""
+    if isinstance(path_or_text, str) and ("\n" in path_or_text or not path_or_text.strip()):
+        return "text", path_or_text
+    path = Path(path_or_text)
+    # Comments may be in any 8-bit encoding of old; what counts is ASCII in all of them.
+    return path.name, path.read_bytes().removeprefix(codecs.BOM_UTF8).decode("latin-1")
+
+
+def _blame(faults: list[tuple[int, str]], s: Statement, text: str, form: str = "") -> None:
+    """Add a fault, with the node or element that a line is about."""
+    about = first_parameter(form)
+    if about == "number":
+        about = "input" if s.keyword.startswith("IN") else "output"
+    if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
+        subject = f"{about} {s.words[0]}"
+        text = f"{subject}: {text.removeprefix(subject).lstrip()}"
+    faults.append((s.line, f"{s.keyword[:40]}: {text}"))
+
+
+class _Blocks:
+    """Where in the file a line stands: in a block, after END, or in the visualization section."""
+
+    def __init__(self, r: Reading, faults: list[tuple[int, str]]):
+        self.reading, self.faults = r, faults
+        self.block, self.ends, self.drawing = 0, 0, False
+
+    def rows(self, found: list[Statement]) -> Iterator[tuple[Row, Statement]]:
+        """Rows of the keyword table for the lines that have one; the others are acted on here."""
+        for s in found:
+            try:
+                row = self._row(s)
+            except Fault as fault:
+                _blame(self.faults, s, str(fault), _form(s.keyword))
+                if _may_declare(s.keyword):
+                    self.reading.excused |= s.numbers
+            else:
+                if row is not None:
+                    yield row, s
+        if found and self.ends < 2:
+            last = Statement(found[-1].line, "END", (), "")
+            self.reading.warnings.append((last, f"{2 - self.ends} END missing at the end; read as if it stood there"))
+
+    def _row(self, s: Statement) -> Row | None:
+        if s.keyword in ("END", "HALT"):
+            parse(s.keyword, "", s.words)
+            return self._end() if s.keyword == "END" else self._halt(s)
+        self.drawing = self.drawing or s.keyword == DRAWING.upper()
+        if s.keyword in DRAWN or (self.drawing and not _homes(s.keyword)):
+            return act.drawing(self.reading, s)
+        if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
+            if s.keyword in ("INX", "INE", "OUTF") and s.words and s.words[0].isdecimal():
+                act.number_signal(self.reading, s, int(s.words[0]))
+            raise Fault(REFUSED.get(s.keyword, _INVERSE))
+        if self.drawing:
+            raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
+        if self.ends and _homes(s.keyword):
+            self._resume(s)
+        return _row(s, BLOCKS[self.block])
+
+    def _end(self) -> None:
+        self.ends += 1
+        if self.ends > 2 and not self.drawing:
+            raise Fault("stands after the last END; a file ends with END END")
+
+    def _halt(self, s: Statement) -> None:
+        if self.block + 1 == len(BLOCKS):
+            raise Fault(f"announces another block, but none is known after {BLOCKS[-1]}")
+        if self.ends != 1:
+            _blame(self.faults, s, "must follow the END of a block" if not self.ends else "stands after the last END")
+        self.block, self.ends = self.block + 1, 0
+
+    def _resume(self, s: Statement) -> None:
+        """Go on after END as if HALT stood there, so that one missing line is one fault."""
+        later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
+        if self.ends > 1 or not later:
+            raise Fault("stands after END; only HALT and a later block, or a VISUALIZATION section, may follow")
+        _blame(self.faults, s, f"HALT is missing before the {BLOCKS[later[0]]} block; END, HALT lead to it")
+        self.block, self.ends = later[0], 0
+
+
+def _homes(keyword: str) -> list[str]:
+    return [row.block for row in ROWS if row.keyword == keyword]
+
+
+def _form(keyword: str) -> str:
+    """Form of a keyword; of a refused one, what it is about."""
+    if keyword in REFUSED:
+        return {"KINX": "node", "INX": "number", "INE": "number", "OUTF": "number"}.get(keyword, "element")
+    return next((row.form for row in ROWS if row.keyword == keyword), "")
+
+
+def _near(keyword: str) -> str | None:
+    known = [row.keyword for row in ROWS] + list(REFUSED) + list(DRAWN) + ["END", "HALT"]
+    return next(iter(difflib.get_close_matches(keyword, known, 1, 0.7)), None)
+
+
+def _may_declare(keyword: str) -> bool:
+    """Whether a line that is not understood may have been one that names nodes and elements first."""
+    near = _near(keyword)
+    return near is None or near in REFUSED or near in {kind.keyword for kind in KINDS}
+
+
+def _row(s: Statement, block: str) -> Row:
+    if (s.keyword, block) in _TABLE:
+        return _TABLE[s.keyword, block]
+    if homes := _homes(s.keyword):
+        raise Fault(f"belongs in the {homes[0]} block, but stands in the {block} block; END, HALT lie between them")
+    near = _near(s.keyword)
+    raise Fault("unknown keyword" + (f"; did you mean {near}?" if near else ""))
+
+
+def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: list) -> None:
+    """Act on the lines of one stage, each by itself."""
+    for row, s in placed:
+        if row.stage != stage:
+            continue
+        try:
+            row.action(r, s, parse(row.keyword, row.form, s.words))
+        except AlreadyReported:
+            pass
+        except (Fault, ModelError) as fault:
+            _blame(faults, s, _without_name(str(fault)), row.form)
+            if stage == DECLARE:
+                r.excused |= s.numbers
+            elif row.action is act.position:
+                r.misplaced |= s.numbers
+
+
+def _without_name(text: str) -> str:
+    """A message without the name of the element, which stands before it."""
+    return re.sub(r"^Element '\d+' (\(\w+\) )?", "", text)
+
+
+def _build(r: Reading, faults: list) -> None:
+    """Nodes in the order of their numbers, then elements in the order of the file."""
+    first = next(iter(r.elements.values()), None)
+    r.builder.dimension = first.kind.dimension if first else None
+    for number, (kind, line) in sorted(r.nodes.items()):
+        if kind.part == "rotation":
+            r.builder.rotation(str(number))
+            continue
+        if number in r.misplaced:
+            # Anywhere, but apart from the others, so that further faults of its elements are found too.
+            r.positions.setdefault(number, [float(number) ** (i + 1) for i in range(kind.size)])
+        if number not in r.positions:
+            r.warnings.append((line, f"node {number} has no X and stands at the origin"))
+        r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
+    for number, declared in r.elements.items():
+        kind, names = declared.kind, [str(n) for n in declared.nodes]
+        try:
+            _check_rigid(r, declared)
+            properties = kind.properties(r.lines.get(number, {}), declared.vector)
+            r.builder.add(kind.element, *names, name=str(number), released=(), **properties)
+        except (Fault, ModelError) as fault:
+            if r.misplaced.isdisjoint(declared.nodes):
+                _blame(faults, declared.statement, _without_name(str(fault)), kind.form)
+
+
+def _check_rigid(r: Reading, declared: Declared) -> None:
+    """A rigid beam needs a length, though its element type does not."""
+    if declared.kind.keyword in ("RBEAM", "PLRBEAM"):
+        p, q = (r.builder.nodes[str(n)].start for n in (declared.nodes[0], declared.nodes[-1]))
+        if not np.linalg.norm(np.subtract(q, p)):
+            pin = "PINBODY" if declared.kind.dimension == 3 else "PLPINBODY"
+            raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
+
+
+def _connect_signals(r: Reading, faults: list) -> None:
+    """Add inputs and outputs in the order of their numbers, which must be complete."""
+    for side, signals in r.signals.items():
+        for place, (number, (s, add)) in enumerate(sorted(signals.items()), 1):
+            if number > place and place not in signals:
+                _blame(faults, s, f"{side} {place} is missing; {side}s are numbered from 1 without gap", "number")
+                break
+            if add is not None:
+                add()

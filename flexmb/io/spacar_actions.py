@@ -1,0 +1,324 @@
+"""What each keyword of a SPACAR input file does: one function a keyword, on the state of one reading.
+
+Each takes the reading, the line, and its parameters by name.
+"""
+
+from typing import Any
+
+from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..model.roles import Role
+from .spacar_elements import NOTHING, ElementKind
+from .spacar_lines import DRAWING, Fault, Statement
+from .spacar_reading import Declared, Reading
+
+Values = dict[str, Any]
+
+# -- kinematics ---------------------------------------------------------------------------------------------------
+
+
+def declare(r: Reading, s: Statement, p: Values, kind: ElementKind) -> None:
+    """An element line: what nodes there are follows from it."""
+    number, nodes = p["element"], [p[name] for name in kind.node_names]
+    if number in r.elements:
+        raise Fault(f"is defined already on line {r.elements[number].statement.line}; give each element its own number")
+    first = next(iter(r.elements.values()), None)
+    if first is not None and first.kind.dimension != kind.dimension:
+        names = {2: "planar", 3: "spatial"}
+        raise Fault(
+            f"{kind.keyword} is {names[kind.dimension]}, but {first.kind.keyword} on line {first.statement.line} is"
+            f" {names[first.kind.dimension]}; a mechanism is one or the other"
+        )
+    _check_ends(kind, p)
+    named: dict[int, tuple[NodeKind, Statement]] = {}
+    for node, node_kind in zip(nodes, kind.element.nodes.values(), strict=True):
+        known, line = r.nodes.get(node) or named.setdefault(node, (node_kind, s))
+        if known.part != node_kind.part:
+            raise Fault(
+                f"takes node {node} for a {_part(node_kind)} node, but it is a {_part(known)} node on line"
+                f" {line.line} ({line.keyword}); expected: {kind.keyword} {kind.form}"
+            )
+    r.nodes |= named
+    vector = [p[name] for name in ("y1", "y2", "y3", "axis1", "axis2", "axis3") if name in p]
+    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None)
+
+
+def _check_ends(kind: ElementKind, p: Values) -> None:
+    p_end, q_end = ("xp", "xq") if "xp" in p else ("rotp", "rotq")
+    if p[p_end] == p[q_end]:
+        raise Fault(f"joins node {p[p_end]} to itself; {kind.keyword} needs two nodes {p_end} and {q_end}")
+
+
+def _part(kind: NodeKind) -> str:
+    return "translational" if kind.part == "position" else "rotational"
+
+
+def position(r: Reading, s: Statement, p: Values) -> None:
+    """X: position of a translational node."""
+    kind = r.kind_of(p["node"])
+    if kind.part == "rotation":
+        line = r.nodes[p["node"]][1]
+        raise Fault(
+            f"is a rotational node ({line.keyword} on line {line.line}): only a translational node has a position"
+        )
+    values = [p[name] for name in ("x", "y", "z") if name in p]
+    if len(values) > kind.size:
+        raise Fault(f"has {kind.size} coordinates in a planar mechanism, but {len(values)} are given")
+    r.once(s, p["node"])
+    r.positions[p["node"]] = values + [0.0] * (kind.size - len(values))
+
+
+def numbers(r: Reading, s: Statement, p: Values) -> None:
+    """ESTIFF, EM, EDAMP: numbers of an element's section."""
+    declared = r.declared(p["element"])
+    kind, values = declared.kind, p["value"]
+    names = {"ESTIFF": kind.stiffness, "EM": kind.mass, "EDAMP": kind.damping}[s.keyword]
+    if not names:
+        instead = "put mass on nodes with XM" if s.keyword == "EM" else "it has no stiffness of its own"
+        raise Fault(f"{kind.keyword} takes no {s.keyword}: {instead}")
+    if len(values) > len(names):
+        raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
+    for name, value in zip(names, values, strict=False):
+        if name == NOTHING and value != 0:
+            raise Fault(f"{kind.keyword} has no cross-section that turns: a rotary inertia of {value} must be 0")
+        if name not in ("stiffness", "damping", "Jyz") and value < 0:
+            raise Fault(f"{name} must not be negative, but is {value}")
+    r.once(s, p["element"])
+    r.lines.setdefault(p["element"], {})[s.keyword] = values
+
+
+def _counted(names: tuple[str, ...]) -> str:
+    shown = [name for name in dict.fromkeys(names) if name != NOTHING]
+    return f"{len(names)} number{'s' if len(names) > 1 else ''} ({', '.join(shown)})"
+
+
+def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: str, repeatable: bool) -> None:
+    r.entries(of, components, kind)
+    what = "coordinate" if kind == "node" else "deformation"
+    for i, component in enumerate(components):
+        first = r.roles.get((kind, of, component))
+        if component in components[:i]:
+            raise Fault(f"{what} {component} is named twice")
+        if first is not None and (first.keyword != s.keyword or not repeatable):
+            raise Fault(
+                f"{what} {component} has a role already by {first.keyword} on line {first.line}; it can have one only"
+            )
+    r.roles |= {(kind, of, component): s for component in components}
+
+
+def fix(r: Reading, s: Statement, p: Values) -> None:
+    """FIX: coordinates at their start values; none named means all."""
+    size = r.kind_of(p["node"]).size
+    components = p.get("coordinate", list(range(1, size + 1)))
+    _take_role(r, s, p["node"], components, "node", repeatable=True)
+    r.builder.fix(str(p["node"]), *components)
+
+
+def release(r: Reading, s: Statement, p: Values) -> None:
+    """RLSE: deformations that may change."""
+    _take_role(r, s, p["element"], p["deformation"], "element", repeatable=True)
+    r.builder.release(str(p["element"]), *p["deformation"])
+    if r.declared(p["element"]).kind.keyword in ("RBEAM", "PINBODY", "PLRBEAM", "PLPINBODY"):
+        r.warnings.append((s, "deformations of a rigid offset are taken along axes that start global and turn with p"))
+
+
+def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
+    """DYNX, DYNE: degrees of freedom."""
+    kind, of, components = _target(p)
+    _take_role(r, s, of, components, kind, repeatable=False)
+    r.builder.dof(str(of), *components, kind=kind)
+
+
+def prescribed(r: Reading, s: Statement, p: Values) -> None:
+    """INPUTX, INPUTE in the kinematics block: what is prescribed, at its start value so far."""
+    kind, of, components = _target(p)
+    _take_role(r, s, of, components, kind, repeatable=True)
+    for component in components:
+        r.builder.prescribe(str(of), component, kind=kind)
+
+
+def _target(p: Values) -> tuple[str, int, Any]:
+    if "node" in p:
+        return "node", p["node"], p["coordinate"]
+    return "element", p["element"], p["deformation"]
+
+
+# -- dynamics -----------------------------------------------------------------------------------------------------
+
+
+def lumped(r: Reading, s: Statement, p: Values) -> None:
+    """XM: mass of a translational node, rotary inertia of a rotational one."""
+    kind, values = r.kind_of(p["node"]), p["value"]
+    r.entries(p["node"], [], "node")
+    wanted = {"position": 1, "rotation": 1 if kind is ANGLE else 6}[kind.part]
+    if len(values) != wanted:
+        names = "mass" if kind.part == "position" else "J" if kind is ANGLE else "Ixx Ixy Ixz Iyy Iyz Izz"
+        raise Fault(f"{_part(kind)} node takes {wanted} ({names}), but {len(values)} are given")
+    r.once(s, p["node"])
+    if kind.part == "position":
+        if values[0] < 0:
+            raise Fault(f"mass must not be negative, but is {values[0]}; only a rotational node may have that")
+        r.builder.mass(str(p["node"]), values[0])
+    else:
+        r.builder.inertia(str(p["node"]), values[0] if kind is ANGLE else values)
+
+
+def force(r: Reading, s: Statement, p: Values) -> None:
+    """XF, DELXF: forces; of a spatial rotation 3 moment components, or 4 duals of the Euler parameters."""
+    kind, values, increment = r.kind_of(p["node"]), p["value"], s.keyword == "DELXF"
+    r.entries(p["node"], [], "node")
+    spatial = kind is ROTATION3
+    if spatial and len(values) not in (3, 4):
+        raise Fault(
+            f"rotational node takes 3 moment components, or 4 duals of the Euler parameters; {len(values)} are given"
+        )
+    if len(values) > kind.size:
+        raise Fault(f"{_part(kind)} node takes at most {kind.size} components, but {len(values)} are given")
+    moment = spatial and len(values) == 3
+    r.once(s, p["node"], moment)
+    (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
+
+
+def motion(r: Reading, s: Statement, p: Values) -> None:
+    """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
+    kind, of, component = _target(p)
+    r.require(of, component, kind, Role.PRESCRIBED)
+    r.once(s, of, component)
+    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
+    r.builder.prescribe(str(of), component, p["value"] - start, kind=kind)
+    rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
+    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
+    if any(rates):
+        r.warnings.append((s, "velocity and acceleration are kept in settings; static analyses do not use them"))
+
+
+def motion_increment(r: Reading, s: Statement, p: Values) -> None:
+    """DELINPX, DELINPE: increment of a prescribed value over the load path."""
+    kind, of, component = _target(p)
+    r.require(of, component, kind, Role.PRESCRIBED)
+    r.once(s, of, component)
+    r.builder.prescribe(str(of), component, p["increment"], increment=True, kind=kind)
+
+
+def _element_values(r: Reading, s: Statement, p: Values) -> str:
+    roles = r.entries(p["element"], list(range(1, len(p["value"]) + 1)), "element")
+    r.once(s, p["element"])
+    if all(role is Role.FIXED for role, value in zip(roles, p["value"], strict=True) if value):
+        r.warnings.append((s, "acts on deformations that are fixed and has no effect there"))
+    return str(p["element"])
+
+
+def prestress(r: Reading, s: Statement, p: Values) -> None:
+    """ESIG, DELESIG: stress resultants added to those of the stiffness."""
+    r.builder.prestress(_element_values(r, s, p), *p["value"], increment=s.keyword == "DELESIG")
+
+
+def strain(r: Reading, s: Statement, p: Values) -> None:
+    """EINIT: deformations without stress."""
+    r.builder.strain(_element_values(r, s, p), *p["value"])
+
+
+def gravity(r: Reading, s: Statement, p: Values) -> None:
+    """GRAVITY: acceleration."""
+    r.once(s)
+    values = [p[name] for name in ("gx", "gy", "gz") if name in p]
+    if r.builder.dimension == 3 and len(values) != 3:
+        raise Fault("a spatial mechanism needs three components: gx gy gz")
+    if r.builder.dimension == 2 and values[2:] not in ([], [0.0]):
+        raise Fault(f"a planar mechanism has no third axis: gz must be 0, but is {values[2]}")
+    r.builder.gravity(values[: r.builder.dimension])
+
+
+# -- settings -----------------------------------------------------------------------------------------------------
+
+
+def setting(r: Reading, s: Statement, p: Values) -> None:
+    """TIMESTEP, ERROR, ITERSTEP: numbers for an analysis."""
+    r.once(s)
+    for name in ("end", "absolute", "relative", "tolerance"):
+        if name in p and p[name] <= 0:
+            raise Fault(f"{name} must be positive, but is {p[name]}")
+    r.settings[s.keyword] = p
+
+
+def start_value(r: Reading, s: Statement, p: Values) -> None:
+    """STARTDX, STARTDE: start values of a degree of freedom."""
+    kind, of, component = _target(p)
+    r.require(of, component, kind, Role.DOF)
+    r.once(s, of, component)
+    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], p.get("velocity", 0.0)))
+
+
+def routine(r: Reading, s: Statement, p: Values) -> None:
+    """USERSIG, USERINP: a Python function given beside the file."""
+    r.once(s)
+    if p["name"] not in r.callables:
+        raise Fault(
+            f"needs the user routine '{p['name']}': pass read_spacar(..., callables={{'{p['name']}': function}})"
+        )
+    r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
+
+
+def log_level(r: Reading, s: Statement, p: Values) -> None:
+    """OUTLEVEL, LEVELLOG: how much the predecessor wrote to its log."""
+    r.settings[s.keyword] = (p["log"], p["store"])
+    r.warnings.append((s, "has no effect: all transfer functions are always available"))
+
+
+def drawing(r: Reading, s: Statement) -> None:
+    """A line of the visualization section, kept as it stands; one warning names them all."""
+    r.settings.setdefault(DRAWING.upper(), []).append(s.raw)
+    first = r.given.setdefault((DRAWING,), s)
+    if first is s:
+        r.warnings.append((s, "drawing keywords are kept in settings and have no effect on results:"))
+    i, (_, text) = next((i, w) for i, w in enumerate(r.warnings) if w[0] is first)
+    r.warnings[i] = first, f"{text}{'' if first is s else ','} {s.keyword} (line {s.line})"
+
+
+# -- inputs and outputs -------------------------------------------------------------------------------------------
+
+QUANTITIES = {
+    "OUTX": "position",
+    "OUTXP": "velocity",
+    "OUTXDP": "acceleration",
+    "OUTE": "deformation",
+    "OUTEP": "deformation rate",
+    "OUTEDP": "deformation acceleration",
+    "OUTS": "stress",
+}
+
+
+def signal(r: Reading, s: Statement, p: Values) -> None:
+    """INPUTF, INPUTS, OUTX, OUTE and the like: one input or output, added when all are known."""
+    kind, of, component = _target(p)
+    side = "input" if s.keyword.startswith("IN") else "output"
+    number_signal(r, s, p["number"])
+    r.entries(of, [component], kind)
+    quantity = QUANTITIES.get(s.keyword)
+
+    def add():
+        what = quantity or ("force" if kind == "node" else "stress")
+        label, names = f"{what} {of}.{component}", {known[0] for known in r.builder.signals[side]}
+        options = {"name": f"{label} ({p['number']})" if label in names else label, "kind": kind}
+        if quantity:
+            r.builder.output(str(of), component, quantity, **options)
+        else:
+            r.builder.input(str(of), component, **options)
+
+    r.signals[side][p["number"]] = s, add
+
+
+def number_signal(r: Reading, s: Statement, number: int) -> None:
+    """Take a number of an input or output, of which each is used once.
+
+    Args:
+        r: State.
+        s: The line.
+        number: Its number.
+    """
+    side = "input" if s.keyword.startswith("IN") else "output"
+    first = r.signals[side].get(number)
+    if first is not None:
+        raise Fault(
+            f"{side} {number} is defined already on line {first[0].line}; inputs share one numbering, so do outputs"
+        )
+    r.signals[side][number] = s, None

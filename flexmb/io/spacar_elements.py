@@ -1,0 +1,103 @@
+"""Element types as SPACAR input files name them, and the order of their numbers; read and written alike."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from ..elements import planar, spatial
+from ..elements.element import Element
+from ..elements.sections import Damping, Rigidity
+
+# A place in a line of numbers that must be zero, since the element has nothing for it.
+NOTHING = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class ElementKind:
+    """How a file describes one element type.
+
+    Attributes:
+        keyword: Keyword.
+        element: Element type.
+        form: Parameters of the keyword; see spacar_lines.parse.
+        stiffness: Names in Rigidity of the numbers of ESTIFF, in order; ("stiffness",) * n for a hinge.
+        mass: Names in Rigidity of the numbers of EM.
+        damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
+    """
+
+    keyword: str
+    element: Element
+    form: str
+    stiffness: tuple[str, ...] = ()
+    mass: tuple[str, ...] = ()
+    damping: tuple[str, ...] = ()
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return next(iter(self.element.nodes.values())).dimension
+
+    @property
+    def node_names(self) -> list[str]:
+        """Names of the node numbers in the form."""
+        return [name for name in self.form.split() if name in ("xp", "rotp", "xq", "rotq")]
+
+    def properties(self, lines: dict[str, list[float]], vector: list[float] | None) -> dict[str, Any]:
+        """Properties for ``Builder.add``.
+
+        Args:
+            lines: Numbers of ESTIFF, EM and EDAMP, where given.
+            vector: Local y vector or hinge axis, where given.
+        """
+        found: dict[str, Any] = {}
+        if vector is not None and "y" in self.element.properties:
+            found["y"] = np.array(vector)
+        if vector is not None and "axis" in self.element.properties:
+            found["axis"] = np.array(vector)
+        if "stiffness" in self.stiffness:
+            for keyword, name in (("ESTIFF", "stiffness"), ("EDAMP", "damping")):
+                if keyword in lines:
+                    padded = np.array(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
+                    found[name] = padded if len(padded) > 1 else float(padded[0])
+            return found
+        if "ESTIFF" in lines or "EM" in lines:
+            named = [
+                *zip(self.stiffness, lines.get("ESTIFF", []), strict=False),
+                *zip(self.mass, lines.get("EM", []), strict=False),
+            ]
+            found["section"] = Rigidity(**{name: value for name, value in named if name != NOTHING})
+        if "EDAMP" in lines:
+            found["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
+        return found
+
+
+_BEAM = ("EA", "GIt", "EIy", "EIz", "shear_z", "shear_y")
+_TURNS = ("stiffness",) * 3, (), ("damping",) * 3
+
+KINDS = (
+    ElementKind(
+        "BEAM",
+        spatial.beam,
+        "element xp rotp xq rotq [y1 y2 y3]",
+        _BEAM,
+        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _BEAM[:4],
+    ),
+    ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
+    ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
+    ElementKind("HINGE", spatial.hinge, "element rotp rotq axis1 axis2 axis3", *_TURNS),
+    ElementKind("TRUSS", spatial.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
+    ElementKind(
+        "PLBEAM",
+        planar.beam,
+        "element xp rotp xq rotq",
+        ("EA", "EIy", "shear_z"),
+        ("mass", "Jy"),
+        ("EA", "EIy"),
+    ),
+    ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
+    ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),
+    ElementKind("PLTRUSS", planar.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
+    ElementKind("PLTOR", planar.hinge, "element rotp rotq", ("stiffness",), (), ("damping",)),
+)

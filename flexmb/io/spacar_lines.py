@@ -1,0 +1,140 @@
+"""Lines of a SPACAR input file: comments, blocks, and parameters checked against the form of their keyword."""
+
+import dataclasses
+import math
+import re
+from typing import Any
+
+KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
+BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
+
+# Parameters that are whole numbers, and the least that each may be. Every other one is a real number.
+WHOLE = dict.fromkeys(("element", "node", "xp", "rotp", "xq", "rotq", "coordinate", "deformation", "number"), 1)
+WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0}
+TEXT = ("name",)
+
+_WHOLE = re.compile(r"[+-]?\d{1,9}", re.ASCII)
+# Fortran programs write 1.0D-3.
+_REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([EeDd][+-]?\d+)?", re.ASCII)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
+
+
+class Fault(Exception):
+    """What is wrong with one line."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Statement:
+    """One line of a file.
+
+    Attributes:
+        line: Its number, from 1.
+        keyword: In capitals.
+        words: Its parameters.
+        raw: The line as it stands, without comment.
+    """
+
+    line: int
+    keyword: str
+    words: tuple[str, ...]
+    raw: str
+
+    @property
+    def numbers(self) -> set[int]:
+        """Whole numbers among the parameters."""
+        return {int(w) for w in self.words if _WHOLE.fullmatch(w)}
+
+
+def statements(text: str) -> list[Statement]:
+    """Lines of a file that say something.
+
+    Args:
+        text: Contents of the file.
+    """
+    found = []
+    for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+        raw = re.split("[%#;]", line, maxsplit=1)[0].strip()
+        if raw:
+            keyword, *words = raw.split()
+            found.append(Statement(number, keyword.upper(), tuple(words), raw))
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class _Group:
+    names: tuple[str, ...]
+    required: bool
+    repeats: bool
+
+
+def _groups(form: str) -> list[_Group]:
+    """Parts of a form: "node x [y] [z]", "element value ...", "node [coordinate ...]"."""
+    groups: list[_Group] = []
+    for inside, word in re.findall(r"\[([^\]]*)\]|(\S+)", form):
+        if word == "...":
+            groups[-1] = dataclasses.replace(groups[-1], repeats=True)
+            continue
+        names = (inside or word).split()
+        groups.append(_Group(tuple(n for n in names if n != "..."), not inside, names[-1] == "..."))
+    return groups
+
+
+def first_parameter(form: str) -> str:
+    """Name of the first parameter of a form, or nothing.
+
+    Args:
+        form: See :func:`parse`.
+    """
+    return form.split()[0].strip("[]") if form else ""
+
+
+def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
+    """Parameters by name; a repeated one is a list, an optional one that is not given is left out.
+
+    Args:
+        keyword: Keyword, for the message.
+        form: Names of the parameters in order; "[y1 y2 y3]" may be left out as a whole, "value ..." is one or more,
+            "[value ...]" any number. Names in WHOLE are whole numbers.
+        words: What the file gives.
+
+    Raises:
+        Fault: Wrong count, or a parameter that is not a number of the right kind.
+    """
+    expected = f"expected: {keyword} {form}".rstrip()
+    groups = _groups(form)
+    left, found = list(words), {}
+    for group in groups:
+        size = len(group.names)
+        if len(left) < size or not left:
+            if group.required:
+                raise Fault(f"too few parameters ({len(words)}); {expected}")
+            continue
+        if group.repeats:
+            found[group.names[0]], left = left, []
+            continue
+        found |= zip(group.names, left, strict=False)
+        left = left[size:]
+    if left:
+        most = sum(len(group.names) for group in groups)
+        what = "too many parameters" if len(words) > most else "not all parameters of a group"
+        raise Fault(f"{what} ({len(words)}); {expected}")
+    return {name: _value(name, given, expected) for name, given in found.items()}
+
+
+def _value(name: str, given: Any, expected: str) -> Any:
+    if isinstance(given, list):
+        return [_value(name, word, expected) for word in given]
+    if name in TEXT:
+        return given
+    if name in WHOLE:
+        if not _WHOLE.fullmatch(given) or int(given) < WHOLE[name]:
+            raise Fault(f"{name} must be a whole number from {WHOLE[name]}, but is '{given}'; {expected}")
+        return int(given)
+    if _NOT_FINITE.fullmatch(given):
+        raise Fault(f"{name} must be a finite number, but is '{given}'; {expected}")
+    if not _REAL.fullmatch(given):
+        raise Fault(f"{name} must be a number, but is '{given}'; {expected}")
+    value = float(given.lower().replace("d", "e"))
+    if not math.isfinite(value):
+        raise Fault(f"{name} must be a finite number, but '{given}' is too large; {expected}")
+    return value

@@ -1,0 +1,33 @@
+"""Write and add at index arrays that hold no negative and no repeated entry, which JAX would otherwise provide for."""
+
+from jaxtyping import Array
+
+TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
+
+
+def put(whole: Array, indices, values) -> Array:
+    """Copy of an array with rows replaced.
+
+    Args:
+        whole: Array.
+        indices: Where, each at most once; arrays within bounds.
+        values: What.
+
+    Returns:
+        Array of the shape of ``whole``.
+    """
+    return whole.at[indices].set(values, unique_indices=True, **TRUSTED)
+
+
+def accumulate(whole: Array, indices, values) -> Array:
+    """Copy of an array with values added; an index may repeat.
+
+    Args:
+        whole: Array.
+        indices: Where; arrays within bounds.
+        values: What.
+
+    Returns:
+        Array of the shape of ``whole``.
+    """
+    return whole.at[indices].add(values, **TRUSTED)
