@@ -31,7 +31,7 @@ _ROOMS = {
     "analysis.mobility": ("Mobility", "mobility"),
     "analysis.equilibrium": ("Equilibrium", "equilibrium"),
     "analysis.linearize": ("Linearization", "linearize", "second_transfer"),
-    "analysis.modal": ("Modes", "frequencies", "modes"),
+    "analysis.modal": ("Modes", "frequencies", "modes", "poles"),
     "analysis.buckling": ("Buckling", "buckling", "buckling_loads"),
     "analysis.compliance": ("compliance", "directional_compliance"),
     "statespace": ("state_matrices", "to_statespace"),

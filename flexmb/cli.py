@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -23,7 +23,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an un
 EXIT_WRONG_CALL = 2
 
 
-def _refuse(message: str) -> Any:
+def _refuse(message: str) -> NoReturn:
     """End with one line on standard error for each fault of the file or the call."""
     print(message, file=sys.stderr)
     raise typer.Exit(EXIT_WRONG_CALL)
@@ -35,7 +35,7 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     names = {name: number for number, (name, _) in MODES.items()}
     wanted = analysis if analysis is not None else mode
     if wanted is None or (mode is not None and analysis is not None):
-        return _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
+        _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
     text = str(wanted)
     if text in names:
         return names[text]
@@ -44,8 +44,8 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
         return number
     known = ", ".join(f"{n} ({name})" for n, (name, _) in MODES.items())
     if number in RESERVED or text in RESERVED.values():
-        return _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
-    return _refuse(f"flexmb run: there is no mode '{text}'. Available: {known}.")
+        _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
+    _refuse(f"flexmb run: there is no mode '{text}'. Available: {known}.")
 
 
 def _check_call(release: str, json_path: str | None, save: Path | None, log: Path | None) -> None:

@@ -70,7 +70,7 @@ def check(result, throw: bool, about: str = "") -> None:
     Raises:
         AnalysisError: The result is a failure.
     """
-    import jax
+    import jax.core
     import numpy as np
 
     if not throw or isinstance(result, jax.core.Tracer):

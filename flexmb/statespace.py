@@ -1,6 +1,6 @@
 """The linearised mechanism as a state-space model of python-control."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,6 +15,9 @@ from .math.subspace import independent_rows
 from .model.model import Model, Signal
 from .model.roles import Role
 from .results import RESULTS
+
+if TYPE_CHECKING:
+    import control
 
 # A motion whose mass is below this share of the largest, every degree of freedom scaled to unit mass, has none.
 MASSLESS = 1e-13
@@ -117,7 +120,7 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K, -M0^-1 (C0 + D0)]],
         a stress input adds to sigma: B = -M0^-1 DFe^T.
     """
-    import jax
+    import jax.core
 
     lin = model if isinstance(model, Linearization) else linearize(model)
     labels = lin.labels
@@ -138,7 +141,7 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
     return found, names + [f"d {name}" for name in names]
 
 
-def to_statespace(model: Model | Linearization):
+def to_statespace(model: Model | Linearization) -> "control.StateSpace":
     """The linearised mechanism as a ``control.StateSpace`` with names for states, inputs and outputs.
 
     Args:
@@ -163,4 +166,4 @@ def to_statespace(model: Model | Linearization):
     found, states = state_matrices(lin)
     # control refuses a dot in a name.
     clean = [[name.replace(".", " ") for name in names] for names in (states, inputs, outputs)]
-    return control.ss(*(np.asarray(m) for m in found), states=clean[0], inputs=clean[1], outputs=clean[2])
+    return control.StateSpace(*(np.asarray(m) for m in found), states=clean[0], inputs=clean[1], outputs=clean[2])

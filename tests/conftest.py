@@ -1,1 +1,3 @@
-import flexmb as fm; fm.enable_x64()
+import flexmb as fm
+
+fm.enable_x64()

@@ -16,8 +16,8 @@ def steel() -> fm.Material:
     return fm.Material(E=210e9, G=80e9, rho=7850.0)
 
 
-def leaf(thickness=THICKNESS, width=WIDTH, torsion="series", rotary=False) -> fm.Rectangle:
-    return fm.Rectangle(width, thickness, steel(), torsion=torsion, rotary=rotary)
+def leaf(thickness=THICKNESS, width=WIDTH, rotary=False) -> fm.Rectangle:
+    return fm.Rectangle(width, thickness, steel(), rotary=rotary)
 
 
 def truss_guide(dof: str = "x", damped: bool = True) -> fm.Builder:

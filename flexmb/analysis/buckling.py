@@ -131,4 +131,4 @@ def buckling(model: Model, *, throw: bool = True) -> Buckling:
     bounded = int(np.sum(np.isfinite(multiplier)))
     shapes = np.asarray(shapes[:, :bounded])
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
-    return Buckling(multiplier[:bounded], shapes / largest, linearize(model, throw=throw))
+    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), linearize(model, throw=throw))

@@ -66,9 +66,9 @@ class Equilibrium(eqx.Module):
 
 class _Solved(NamedTuple):
     x: Float[Array, "n_x"]
-    near: Float[Array, "n_e"]
-    iterations: Int[Array, ""]
-    result: Int[Array, ""]
+    near: Float[Array, "n_e"] | None
+    iterations: Int[Array, ""] | None
+    result: Int[Array, ""] | None
 
 
 def _sizes(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
@@ -264,6 +264,7 @@ def equilibrium(model: Model, *, load_factor: float = 1.0, increment: float = 0.
         FORMULATION.md 4, 5 and 7.
     """
     target = load_factors(load_factor, increment)
-    solved = Equilibrium(*_equilibrium(model.topology, model.parameters, target), model.labels)
+    x, e, sigma, reactions, iterations, result = _equilibrium(model.topology, model.parameters, target)
+    solved = Equilibrium(x, e, sigma, reactions, iterations, result, model.labels)
     check(solved.result, throw)
     return solved

@@ -220,7 +220,7 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     eye, zero = np.eye(n), np.zeros((n, n))
     left = np.block([[zero, eye], [-np.asarray(found.K), -np.asarray(found.C0 + found.D0)]])
     right = np.block([[eye, zero], [zero, np.asarray(found.M0)]])
-    top, bottom = scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True)
+    top, bottom = np.asarray(scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True))
     finite = np.abs(bottom) > 100 * n * np.finfo(float).eps * np.abs(top) / np.max(np.abs(left))
     found_poles = top[finite] / bottom[finite]
     return found_poles[np.lexsort((found_poles.imag, np.round(np.abs(found_poles.imag), 9)))]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 
@@ -63,7 +65,7 @@ def number_of_deformations(element: Element, properties: dict[str, Any]) -> int:
 _COUNTS: dict[Any, int] = {}
 
 
-def stack(values: list[Any]) -> Any:
+def stack(values: Sequence[Any]) -> Any:
     """Stack scalars or arrays to float64, on the host where none is traced.
 
     Args:
@@ -108,7 +110,7 @@ def assemble(builder: Builder) -> Model:
 
     blocks, properties = _blocks(builder, members, first_x)
     points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
-    axes = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
+    axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
 
     def index(key):
         kind, of, number = key
@@ -137,7 +139,8 @@ def assemble(builder: Builder) -> Model:
         builder.dimension or 2,
     )
     # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
-    return Model(*jax.device_put((topology, parameters)), labels)
+    topology, parameters = jax.device_put((topology, parameters))
+    return Model(topology, parameters, labels)
 
 
 # Companions that are evaluated together; deformations apart, so that a rigid and a flexible beam share their trace.
@@ -169,8 +172,8 @@ def _blocks(builder, members, first_x):
             groups.setdefault(key, []).append((x, e, leaves, splits))
     blocks, stacked = [], []
     for (element, companions, options, structure, _), found in groups.items():
-        x = np.array([f[0] for f in found], int)
-        e = np.array([f[1] for f in found], int).reshape(len(found), -1)
+        x: Any = np.array([f[0] for f in found], int)
+        e: Any = np.array([f[1] for f in found], int).reshape(len(found), -1)
         blocks.append(Block(element, companions, options, x, e, found[0][3]))
         columns = zip(*(f[2] for f in found), strict=True)
         stacked.append(jax.tree.unflatten(structure, [stack(list(c)) for c in columns]))
@@ -178,10 +181,11 @@ def _blocks(builder, members, first_x):
 
 
 def _indices(roles: list[Role], dofs: list[int]) -> RoleIndices:
-    def of(role):
+    def of(role) -> Any:
         return np.array([i for i, r in enumerate(roles) if r is role], int)
 
-    return RoleIndices(of(Role.FIXED), of(Role.DEPENDENT), np.array(dofs, int), of(Role.PRESCRIBED))
+    chosen: Any = np.array(dofs, int)
+    return RoleIndices(of(Role.FIXED), of(Role.DEPENDENT), chosen, of(Role.PRESCRIBED))
 
 
 def _concatenate(parts: list[list]) -> Any:

@@ -65,7 +65,7 @@ class Builder:
     """
 
     def __init__(self):
-        if not jax.config.jax_enable_x64:
+        if jax.dtypes.canonicalize_dtype(np.float64) != np.float64:
             raise RuntimeError(
                 "flexmb needs double precision: a leaf spring is 1e5 times stiffer in tension than in bending."
                 " Call flexmb.enable_x64() before building a model."
@@ -152,9 +152,9 @@ class Builder:
         n_e = number_of_deformations(element, properties)
         self.members[name] = Member(element, nodes, properties, [Role.FIXED] * n_e)
         stiff = element.arguments(element.stiffness, properties) is not None
-        if released is None:
-            released = element.released if element.released is not None else (ALL if stiff else ())
-        self.release(name, *(range(1, n_e + 1) if released == ALL else released))
+        usual = (ALL if stiff else ()) if element.released is None else element.released
+        wanted = usual if released is None else released
+        self.release(name, *(range(1, n_e + 1) if isinstance(wanted, str) else wanted))
         return name
 
     def release(self, element: str, *deformations: int) -> None:
@@ -231,7 +231,7 @@ class Builder:
             self._assign(of, component, Role.PRESCRIBED, kind)
         self._load("prescribed", increment)[entry] = value
 
-    def mass(self, node: str, mass: float, *, inertia: Any = None) -> None:
+    def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
 
         Args:
@@ -292,7 +292,11 @@ class Builder:
             acceleration: Components along the global axes [m/s^2].
             increment: Whether it belongs to the incremental loads.
         """
-        self._load("gravity", increment)["all"] = list(acceleration)
+        acceleration = list(acceleration)
+        if len(acceleration) != (self.dimension or len(acceleration)):
+            raise ModelError(f"Gravity must have {self.dimension} components, but has {len(acceleration)}.")
+        self._check_finite("Gravity", acceleration)
+        self._load("gravity", increment)["all"] = acceleration
 
     def prestress(self, element: str, *values: float, increment: bool = False) -> None:
         """Add constant stress resultants to those of an element's stiffness.

@@ -138,9 +138,9 @@ def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
     faults = beams.check_length(ref=ref)
     if faults or y is None:
         return faults
-    axis, y = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y)
-    size = np.linalg.norm(y) * np.linalg.norm(axis)
-    if np.linalg.norm(np.cross(axis, y)) <= 1e-5 * size:
+    axis, across = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y, float)
+    size = np.linalg.norm(across) * np.linalg.norm(axis)
+    if np.linalg.norm(np.cross(axis, across)) <= 1e-5 * size:
         return ["has a local y vector that is zero or parallel to its axis: give one across it"]
     return []
 

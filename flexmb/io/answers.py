@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
 from .. import __version__
@@ -13,6 +14,8 @@ from ..analysis.linearize import Linearization, linearize
 from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
 from ..errors import AnalysisError, MechanismError
+from ..math.linear import is_positive_definite
+from ..math.rotation import lbar
 from ..model.model import Labels, Model
 from ..model.topology import RoleIndices
 from ..statespace import state_matrices
@@ -62,8 +65,6 @@ def _dofs(model: Model) -> list[dict[str, Any]]:
 
 def _reactions(lin: Linearization) -> dict[str, list[float]]:
     """Support forces, moments of spatial rotations about global axes, at nodes where something is held."""
-    from ..math.rotation import lbar
-
     labels, found = lin.labels, {}
     held = lin.model.topology.x
     held = set(np.concatenate([np.asarray(held.fixed), np.asarray(held.prescribed)]).tolist())
@@ -74,7 +75,7 @@ def _reactions(lin: Linearization) -> dict[str, list[float]]:
             continue
         values = reactions[indices]
         # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I, so M = Lbar f / 2.
-        found[node] = (np.asarray(lbar(x[indices])) @ values / 2 if len(indices) == 4 else values).tolist()
+        found[node] = (np.asarray(lbar(jnp.asarray(x[indices]))) @ values / 2 if len(indices) == 4 else values).tolist()
     return found
 
 
@@ -101,21 +102,14 @@ def _state(lin: Linearization) -> dict[str, Any]:
     """What modes 7 to 9 have in common."""
     labels, m = lin.labels, lin.matrices
     matrices = {name.lower(): np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
-    k = (np.asarray(m.K) + np.asarray(m.K).T) / 2
     return {
         "x": _by_owner(m.x, labels.x),
         "e": _by_owner(m.e, labels.e),
         "sig": _by_owner(m.sigma, labels.e),
         "reactions": _reactions(lin),
         **matrices,
-        "stable": bool(_positive_definite(k)),
+        "stable": bool(is_positive_definite((m.K + m.K.T) / 2)),
     }
-
-
-def _positive_definite(k) -> bool:
-    from ..math.linear import is_positive_definite
-
-    return bool(is_positive_definite(k))
 
 
 def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
@@ -147,11 +141,13 @@ def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
 
 def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
     found = buckling(model)
+    silent = "No load acts in any motion: there is no load multiplier." if not len(found.multipliers) else None
     return {
         **_state(lin),
         "load_multipliers": np.asarray(found.multipliers),
         "modes": _shapes(found.shapes, lin.labels),
         "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+        "warnings": [silent] if silent else [],
     }
 
 
@@ -244,6 +240,7 @@ def answer(
         failed = 1
     data.update(model.counts())
     data["dofs"] = _dofs(model)
+    data["warnings"] += extra.pop("warnings", [])
     data.update(extra)
     return Answer(data, failed, model, lin)
 

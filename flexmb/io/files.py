@@ -77,7 +77,7 @@ def save(data: dict[str, Any], path: str | os.PathLike) -> None:
 
     path, content = Path(path), io.BytesIO()
     if path.suffix == ".npz":
-        np.savez(content, **{k: np.asarray(v) for k, v in _flat(data).items()})
+        np.savez(content, allow_pickle=False, **{k: np.asarray(v) for k, v in _flat(data).items()})
     elif path.suffix == ".mat":
         import scipy.io
 

@@ -253,7 +253,7 @@ class _Blocks:
         later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
         if self.ends > 1 or not later:
             raise Fault("stands after END; only HALT and a later block, or a VISUALIZATION section, may follow")
-        _blame(self.faults, s, f"HALT is missing before the {BLOCKS[later[0]]} block; END, HALT lead to it")
+        _blame(self.faults, s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
         self.block, self.ends = later[0], 0
 
 

@@ -9,7 +9,9 @@ KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and o
 BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
 
 # Parameters that are whole numbers, and the least that each may be. Every other one is a real number.
-WHOLE = dict.fromkeys(("element", "node", "xp", "rotp", "xq", "rotq", "coordinate", "deformation", "number"), 1)
+WHOLE: dict[str, int] = dict.fromkeys(
+    ("element", "node", "xp", "rotp", "xq", "rotq", "coordinate", "deformation", "number"), 1
+)
 WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0}
 TEXT = ("name",)
 

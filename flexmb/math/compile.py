@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import jax.core
 
 # An analysis is many small products around a few calls of LAPACK: optimising their code doubles the time to compile
 # and changes the time of a run by less than a third (benchmarks/first_impression.py).
@@ -24,6 +25,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     Returns:
         The compiled function.
     """
+
     def flat(structure, options, *leaves):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 

@@ -50,7 +50,7 @@ def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     Source:
         ``R = lbar @ lbody.T`` for the matrices of global and body-fixed rates; derived from quaternion products.
     """
-    return LBAR @ lam
+    return jnp.asarray(LBAR) @ lam
 
 
 def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
@@ -65,7 +65,7 @@ def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     Source:
         See :func:`lbar`.
     """
-    return LBODY @ lam
+    return jnp.asarray(LBODY) @ lam
 
 
 def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
@@ -80,7 +80,7 @@ def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
     Source:
         See :func:`lbar`; homogeneous of degree two, so a norm that is off by d scales R by 1 + 2 d.
     """
-    return (ROTATION @ lam) @ lam
+    return (jnp.asarray(ROTATION) @ lam) @ lam
 
 
 def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:

@@ -1,5 +1,7 @@
 """Call element functions on all elements of a block, and scatter what they return."""
 
+from typing import Any
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -27,7 +29,7 @@ def element_function(block: Block, companion, properties):
     takes_nodes = companion not in (element.stiffness, element.damping)
 
     def function(x, ref, own, **extra):
-        named = element.arguments(companion, {**dict(block.options), **own})
+        named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
         nodes = jnp.split(x, block.splits) if takes_nodes else ()
         return companion(*nodes, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
 

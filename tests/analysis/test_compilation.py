@@ -12,9 +12,9 @@ def compilations():
     """Counts programs handed to the compiler, cached on disk or not."""
     count = []
 
-    def listen(event: str, duration: float, **_):
+    def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
         if event == "/jax/core/compile/backend_compile_duration":
-            count.append(duration)
+            count.append(duration_secs)
 
     jax.monitoring.register_event_duration_secs_listener(listen)
     yield count

@@ -37,10 +37,10 @@ def test_truss_guide_printed_numbers():
     assert lin.K0[0, 0] == pytest.approx(945, rel=1e-12)
     assert fm.frequencies(lin.model)[0] == pytest.approx(10.658436, rel=1e-6)
     ss = fm.to_statespace(lin)
-    assert ss.A[1, 0] == pytest.approx(-4484.84, abs=5e-3)
+    assert np.asarray(ss.A)[1, 0] == pytest.approx(-4484.84, abs=5e-3)
     # From the printed damping 0.00365: 3 digits.
-    assert ss.A[1, 1] == pytest.approx(-0.1732, abs=5e-5)
-    assert ss.B[1, 0] == pytest.approx(4.745859, abs=5e-7)
+    assert np.asarray(ss.A)[1, 1] == pytest.approx(-0.1732, abs=5e-5)
+    assert np.asarray(ss.B)[1, 0] == pytest.approx(4.745859, abs=5e-7)
     np.testing.assert_allclose(ss.C, [[1, 0]], atol=1e-15)
     np.testing.assert_allclose(ss.D, [[0]], atol=1e-15)
     b.force("2", (1.0, 0.0))
@@ -54,10 +54,10 @@ def test_planar_guide_frequency_and_state_space():
     assert fm.frequencies(lin.model)[0] == pytest.approx(10.6448474, abs=5e-8)
     assert lin.K0[0, 0] == pytest.approx(945, rel=1e-12)
     ss = fm.to_statespace(lin)
-    assert ss.A[1, 0] == pytest.approx(-4473.409, abs=5e-4)
+    assert np.asarray(ss.A)[1, 0] == pytest.approx(-4473.409, abs=5e-4)
     # The tutorial enters EdI = 5.3e-6, two digits of 5.274e-6.
-    assert ss.A[1, 1] == pytest.approx(-0.602135 * 5.274e-6 / 5.3e-6, rel=1e-4)
-    assert ss.B[1, 0] == pytest.approx(4.733766, abs=5e-7)
+    assert np.asarray(ss.A)[1, 1] == pytest.approx(-0.602135 * 5.274e-6 / 5.3e-6, rel=1e-4)
+    assert np.asarray(ss.B)[1, 0] == pytest.approx(4.733766, abs=5e-7)
     # Outputs x3 y3 x5 y5 phi4 phi6: rows 1 and 3 [1 0], the others zero in the straight state.
     expected = np.zeros((6, 2))
     expected[[0, 2], 0] = 1
@@ -107,9 +107,9 @@ def test_spatial_guide():
     model = mechanisms.spatial_guide(extra=(5,), ratio=0.005).build()
     assert fm.frequencies(model)[0] == pytest.approx(10.646359, rel=1e-6)
     ss = fm.to_statespace(model)
-    assert ss.A[1, 0] == pytest.approx(-4474.680, rel=1e-6)
-    assert ss.A[1, 1] == pytest.approx(-0.602306 * 5.274e-6 / 5.3e-6, rel=1e-4)
-    assert ss.B[1, 0] == pytest.approx(4.735111, abs=5e-7)
+    assert np.asarray(ss.A)[1, 0] == pytest.approx(-4474.680, rel=1e-6)
+    assert np.asarray(ss.A)[1, 1] == pytest.approx(-0.602306 * 5.274e-6 / 5.3e-6, rel=1e-4)
+    assert np.asarray(ss.B)[1, 0] == pytest.approx(4.735111, abs=5e-7)
     expected = np.zeros((6, 2))
     expected[[1, 4], 0] = 1
     np.testing.assert_allclose(ss.C, expected, atol=1e-12)

@@ -250,7 +250,7 @@ X 3 0 0 0
 X 4 1 0 0
 X 5 0 0 0
 X 7 2 0 0
-X 9 0 1 0
+X 9 0.5 1 0
 FIX 1
 FIX 3
 FIX 9 2 3
@@ -550,7 +550,7 @@ SPATIAL = [
     ("HINGE 1 1 2 0 0 1\nHALT\n", "text:2: HALT: must follow the END of a block"),
     (
         "HINGE 1 1 2 0 0 1\nEND\nXF 2 1 2 3\n",
-        "text:3: XF: node 2: HALT is missing before the dynamics block; END, HALT",
+        "text:3: XF: node 2: HALT is missing before the dynamics block",
     ),
     ("HINGE 1 1 2 0 0 1\nEND\nEND\nFIX 1\n", "text:4: FIX: node 1: stands after END; only HALT and a later block"),
     ("HINGE 1 1 2 0 0 1\nEND\nEND\nEND\n", "text:4: END: stands after the last END; a file ends with END END"),
