@@ -157,11 +157,14 @@ def _blocks(builder, members, first_x):
         first += len(roles)
         splits = tuple(np.cumsum([builder.nodes[n].kind.size for n in nodes])[:-1].tolist())
         for companions in TOGETHER:
+            # Nothing stiff is asked of an element whose deformations are all FIXED.
             if companions == ("deformation",):
                 own = element.arguments(element.deformation, properties)
                 present = bool(roles)
             else:
                 own = properties
+                rigid = all(role is Role.FIXED for role in roles)
+                companions = tuple(c for c in companions if not (rigid and c in ("stiffness", "damping")))
                 present = any(element.arguments(getattr(element, c), properties) is not None for c in companions)
             if not present:
                 continue

@@ -7,9 +7,9 @@ from typing import Any
 import jax
 import jax.core
 
-# An analysis is many small products around a few calls of LAPACK: optimising their code doubles the time to compile
-# and changes the time of a run by less than a third (benchmarks/first_impression.py).
-QUICK = {"xla_backend_optimization_level": 0}
+# An analysis is many small products around a few calls of LAPACK. Optimising their code costs five times the time to
+# compile and saves a third of the time of a run (benchmarks/first_impression.py).
+QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -40,3 +40,17 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         return (nested if traced else outermost)(structure, tuple(sorted(options.items())), *leaves)
 
     return call
+
+
+def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Keep the trace of a function of pytrees of arrays, for the other kernels that call it with equal shapes.
+
+    Python's part in compiling, which no cache on disk saves, is paid once a process instead of once a kernel.
+
+    Args:
+        function: Function of positional arguments.
+
+    Returns:
+        The same function.
+    """
+    return functools.wraps(function)(jax.jit(function))

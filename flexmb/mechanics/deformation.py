@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.compile import traced_once
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
@@ -24,6 +25,7 @@ def _functions(topology: Topology, parameters: Parameters, near):
             yield block, function, (ref, properties)
 
 
+@traced_once
 def deformations(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
@@ -47,6 +49,7 @@ def deformations(
     return scatter_vector(topology.n_e, pieces)
 
 
+@traced_once
 def deformation_jacobian(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_x"]]:
@@ -78,6 +81,7 @@ def deformation_jacobian(
     return scatter_vector(topology.n_e, values), scatter_matrix(size, matrices)
 
 
+@traced_once
 def deformation_curvature(
     topology: Topology,
     parameters: Parameters,

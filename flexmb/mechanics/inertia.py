@@ -4,12 +4,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.compile import traced_once
 from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
 
 
+@traced_once
 def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> Float[Array, "n_x n_x"]:
     """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx.
 
@@ -67,6 +69,7 @@ def _weight_potential(topology, parameters, gravity):
         yield block, work, (motion[block.x], ref, properties)
 
 
+@traced_once
 def weight(
     topology: Topology,
     parameters: Parameters,
@@ -96,6 +99,7 @@ def weight(
     return scatter_vector(topology.n_x, pieces)
 
 
+@traced_once
 def weight_stiffness(
     topology: Topology,
     parameters: Parameters,

@@ -3,6 +3,7 @@
 import jax
 from jaxtyping import Array, Float
 
+from ..math.compile import traced_once
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix
@@ -15,6 +16,7 @@ def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Flo
     return scatter_matrix((topology.n_e, topology.n_e), pieces)
 
 
+@traced_once
 def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Stiffness S between deformations and stress resultants, block diagonal.
 
@@ -31,6 +33,7 @@ def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array
     return _assemble(topology, parameters, "stiffness")
 
 
+@traced_once
 def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Damping S_d between deformation rates and stress resultants, block diagonal.
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..math.compile import traced_once
 from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.topology import Topology
@@ -35,6 +36,7 @@ def held_rows(topology: Topology) -> Array:
     return jnp.concatenate([topology.e.fixed, topology.e.prescribed, topology.e.dof])
 
 
+@traced_once
 def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     """First-order transfer functions by implicit differentiation of D(x) = e.
 
