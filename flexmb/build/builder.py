@@ -204,8 +204,11 @@ class Builder:
             kind: "node" or "element", where both bear the name.
         """
         for component in components:
+            key = self._entry(of, component, kind)
+            if key in self.dofs:
+                raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
             self._assign(of, component, Role.DOF, kind)
-        self.dofs += [self._entry(of, c, kind) for c in components]
+            self.dofs.append(key)
 
     def prescribe(
         self,

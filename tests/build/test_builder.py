@@ -1,0 +1,158 @@
+"""A wrong description is answered by one message that names the culprit and says what is right."""
+
+import jax
+import mechanisms
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+
+LEAF = mechanisms.leaf()
+
+
+def two_nodes(dimension=2):
+    b = fm.Builder()
+    b.node("A", (0.0,) * dimension)
+    b.node("B", (0.1, *(0.0,) * (dimension - 1)))
+    return b
+
+
+def beam(b, **properties):
+    return b.add(planar.beam, "A", "B", name="leaf", **{"section": LEAF, **properties})
+
+
+WRONG = {
+    "unknown node": (lambda b: b.add(planar.truss, "A", "C", name="bar"), r"No node 'C' \(element 'bar', q\)"),
+    "misspelt node": (lambda b: (b.node("middle", (1, 1)), b.fix("midle")), r"Did you mean 'middle'"),
+    "node twice": (lambda b: b.node("A", (1, 1)), r"Node 'A' is defined twice"),
+    "element twice": (lambda b: (beam(b), beam(b)), r"Element 'leaf' is defined twice"),
+    "three coordinates in the plane": (lambda b: b.node("C", (0, 0, 0)), r"'C' has 3 coordinates, but .* planar"),
+    "one coordinate": (lambda b: b.node("C", (0,)), r"'C' must have 2 or 3 coordinates, but has 1"),
+    "not a number": (lambda b: b.node("C", (float("nan"), 0)), r"Node 'C' has a value that is not a finite number"),
+    "property not a number": (
+        lambda b: beam(b, section=fm.Rectangle(0.018, float("inf"), mechanisms.steel())),
+        r"Property 'section' of element 'leaf'",
+    ),
+    "spatial element in the plane": (lambda b: b.add(spatial.truss, "A", "B", name="s"), r"'s' \(truss\) is spatial"),
+    "wrong number of nodes": (lambda b: b.add(planar.beam, "A", name="one"), r"'one' \(beam\) joins 4 nodes: p \(pos"),
+    "unknown property": (lambda b: beam(b, sections=LEAF), r"'leaf' \(beam\) has no property 'sections'. It takes"),
+    "needed property": (
+        lambda b: (b.rotation("r"), b.rotation("s"), b.add(needy, "r", "s", name="gear")),
+        r"'gear' \(needy\) needs the property 'ratio'",
+    ),
+    "zero length": (lambda b: (b.node("C", (0, 0)), b.add(planar.truss, "A", "C", name="z")), r"'z' has zero length"),
+    "deformation out of range": (lambda b: beam(b, released=(1, 4)), r"'leaf' has deformations 1 to 3, not 4"),
+    "two roles": (lambda b: (beam(b), b.fix("A"), b.dof("A", "x")), r"'A' is fixed already and cannot be dof too"),
+    "degree of freedom twice": (lambda b: (beam(b), b.dof("B", "x"), b.dof("B", "x")), r"B.x.* twice"),
+    "unknown coordinate": (lambda b: b.dof("A", "z"), r"no coordinate 'z'. It has: phi|has no coordinate 'z'"),
+    "unknown element": (lambda b: (beam(b), b.release("leav", 1)), r"No element 'leav'. Did you mean 'leaf'"),
+    "force too long": (lambda b: b.force("B", (1, 2, 3)), r"Force on node 'B' has 3 components, but the node has 2"),
+    "gravity too long": (lambda b: b.gravity((0, 0, -9.81)), r"Gravity must have 2 components"),
+    "wrong output": (lambda b: b.output("A", "x", "stress"), r"must be one of position, velocity, acceleration"),
+}
+
+
+def needy(a: fm.Angle, b: fm.Angle, *, ref, ratio: float):
+    return a - ref.a + ratio * (b - ref.b)
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_description(case):
+    act, message = WRONG[case]
+    with pytest.raises(fm.ModelError, match=message):
+        act(two_nodes())
+
+
+def test_parallel_y_vector():
+    b = two_nodes(3)
+    with pytest.raises(fm.ModelError, match="'leaf' has a local y vector that is zero or parallel"):
+        b.add(spatial.beam, "A", "B", name="leaf", section=LEAF, y=(2.0, 0, 0))
+
+
+def test_empty_model():
+    with pytest.raises(fm.ModelError, match="no elements"):
+        fm.Builder().build()
+
+
+def test_degree_of_freedom_that_cannot_move():
+    b = mechanisms.planar_guide(dofs=False)
+    b.dof("left1", "y")
+    with pytest.raises(fm.MechanismError, match=r"left1.y cannot move"):
+        b.build()
+
+
+def test_degrees_of_freedom_that_repeat_each_other():
+    b = mechanisms.planar_guide(elongation=True, dofs=False)
+    b.dof("left1", "x")
+    b.dof("right1", "x", "y")
+    with pytest.raises(fm.MechanismError, match=r"do not determine the rest"):
+        b.build()
+
+
+def test_too_few_and_too_many_degrees_of_freedom():
+    few = mechanisms.planar_guide(elongation=True, dofs=False)
+    few.dof("left1", "x")
+    with pytest.raises(fm.MechanismError, match="NDOF = 3, but 1 degrees of freedom are named"):
+        few.build()
+    many = mechanisms.planar_guide(dofs=False)
+    many.dof("left1", "x")
+    many.dof("left 1", 2)
+    with pytest.raises(fm.MechanismError, match="NDOF = 1, but 2 degrees of freedom are named"):
+        many.build()
+
+
+def test_double_precision_is_asked_for():
+    with jax.enable_x64(False), pytest.raises(RuntimeError, match=r"flexmb\.enable_x64\(\)"):
+        fm.Builder()
+
+
+def test_found_degrees_of_freedom_are_said_and_can_be_named():
+    found = mechanisms.planar_guide(elongation=True, dofs=False).build()
+    assert len(found.q_labels) == 3
+    assert all(name.split(".")[1][0] == "e" for name in found.q_labels)  # deformations of the leaf springs
+    named = mechanisms.planar_guide(elongation=True).build()
+    # Another choice of coordinates, the same mechanism.
+    np.testing.assert_allclose(fm.frequencies(found), fm.frequencies(named), rtol=1e-9)
+
+
+def test_traced_geometry_needs_named_degrees_of_freedom():
+    def frequency(height):
+        b = fm.Builder()
+        b.node("A", (0, 0))
+        b.node("B", (0, height))
+        b.add(planar.beam, "A", "B", section=LEAF)
+        b.fix("A")
+        return fm.frequencies(b.build())[0]
+
+    with pytest.raises(fm.ModelError, match="Name them with dof"):
+        jax.grad(frequency)(0.1)
+
+
+def test_own_element_from_a_notebook():
+    """A gear pair on a turning arm: the wheel turns by -1/ratio of the pinion."""
+
+    def gear(p: fm.Point2, a: fm.Angle, q: fm.Point2, b: fm.Angle, *, ref, ratio: float):
+        def direction(v):
+            return jax.numpy.arctan2(v[1], v[0])
+
+        arm = direction(q - p) - direction(ref.q - ref.p)
+        return (a - ref.a - arm) + ratio * (b - ref.b - arm)
+
+    b = two_nodes()
+    b.add(gear, "A", "B", name="gears", ratio=3.0)
+    b.fix("A", "position")
+    b.fix("B", "position")
+    b.inertia("A", 0.2)
+    b.inertia("B", 0.3)
+    b.dof("A", "phi")
+    model = b.build()
+    # Kinetic energy of both wheels seen at the first: 0.2 + 0.3/9.
+    assert fm.linearize(model).M0[0, 0] == pytest.approx(0.2 + 0.3 / 9, rel=1e-12)
+
+
+def test_overview_lists_every_entry():
+    text = mechanisms.planar_guide().build().overview()
+    assert "NDOF = NX - NXO - NEO = 12 - 6 - 5 = 1" in text
+    assert "left1           x dof, y dependent" in text
+    assert "left 1          e1 fixed, e2 dependent, e3 dependent" in text
