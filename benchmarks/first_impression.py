@@ -90,7 +90,9 @@ def main() -> None:
         repeat=100,
     )
     show("One evaluation, compiled", warm)
-    many = interleaved({f"{DESIGNS} designs of thickness and width": lambda: batch(dimensions).block_until_ready()}, RUNS)
+    many = interleaved(
+        {f"{DESIGNS} designs of thickness and width": lambda: batch(dimensions).block_until_ready()}, RUNS
+    )
     show("Many designs, compiled", many)
 
     # The answers: a design of the batch as if alone, the gradient against a central difference.

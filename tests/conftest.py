@@ -1,3 +1,15 @@
+import hypothesis
+import jax
+
 import flexmb as fm
+from flexmb.setup import cache_folder
 
 fm.enable_x64()
+# Compiled code is kept beside the user's own, so that a second run is quick.
+fm.enable_cache(cache_folder() / "tests")
+# Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
+jax.config.update("jax_numpy_dtype_promotion", "strict")
+
+# The same examples in every run, few of them; the first call compiles, so that no deadline holds.
+hypothesis.settings.register_profile("flexmb", deadline=None, derandomize=True, max_examples=10, database=None)
+hypothesis.settings.load_profile("flexmb")

@@ -1,0 +1,656 @@
+"""Laws that every element type must obey; the types are found by walking the modules, their arguments by signature.
+
+What a law needs of an element (its deformations, the companions, and the derivatives of all of them by coordinates,
+reference coordinates and properties) is compiled once for each type, since that is most of the time these tests take.
+"""
+
+import functools
+import types
+import typing
+
+import hypothesis
+import hypothesis.extra.numpy as npst
+import hypothesis.strategies as st
+import jax
+import jax.numpy as jnp
+import mechanisms
+import numpy as np
+import pytest
+from hypothesis import given
+from jax.flatten_util import ravel_pytree
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.build.assemble import UNIT_NORM
+from flexmb.elements.element import Element
+
+EPS = np.finfo(float).eps
+
+
+def found_in(module: types.ModuleType) -> dict[str, Element]:
+    room = module.__name__.rpartition(".")[2]
+    return {f"{room}.{name}": value for name, value in vars(module).items() if isinstance(value, Element)}
+
+
+ELEMENTS = {**found_in(planar), **found_in(spatial), "unit_norm": UNIT_NORM}
+MASSIVE = {name: element for name, element in ELEMENTS.items() if element.inertia is not None}
+every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+every_massive_element = pytest.mark.parametrize("element", MASSIVE.values(), ids=MASSIVE)
+
+
+# -- what is drawn ------------------------------------------------------------------------------------------------
+
+NUMBER = st.floats(-1, 1).map(lambda x: round(x, 3))
+POSITIVE = st.floats(0.1, 10).map(lambda x: round(x, 3))
+
+
+def vectors(size: int, bound: float = 1.0):
+    return npst.arrays(float, size, elements=NUMBER).map(lambda v: bound * v)
+
+
+@st.composite
+def rigidities(draw):
+    # Of a real section: Jx = Jy + Jz, and Jyz^2 < Jy Jz.
+    jy, jz, share = draw(POSITIVE), draw(POSITIVE), draw(NUMBER)
+    names = ("EA", "EIy", "EIz", "GIt", "shear_z", "shear_y", "mass")
+    numbers = {name: draw(POSITIVE) for name in names}
+    return fm.Rigidity(**numbers, Jx=jy + jz, Jy=jy, Jz=jz, Jyz=0.9 * share * np.sqrt(jy * jz))
+
+
+def dampings():
+    return st.builds(fm.Damping, EA=POSITIVE, EIy=POSITIVE, EIz=POSITIVE, GIt=POSITIVE)
+
+
+@st.composite
+def inertia_tensors(draw):
+    # J = tr(P) I - P of a body with second moments P.
+    second = np.eye(3) + (half := draw(vectors(9)).reshape(3, 3)) @ half.T
+    return (np.trace(second) * np.eye(3) - second)[np.triu_indices(3)]
+
+
+# By name of the property; two share a name where the annotation tells them apart.
+PROPERTIES = {
+    "section": lambda hint: rigidities(),
+    "damping": lambda hint: POSITIVE if hint is float else dampings(),
+    "stiffness": lambda hint: POSITIVE,
+    "mass": lambda hint: POSITIVE,
+    "inertia": lambda hint: POSITIVE if hint is float else inertia_tensors(),
+    "moment": lambda hint: vectors(3),
+    "axis": lambda hint: vectors(3),
+    "y": lambda hint: st.none() | vectors(3),
+    "second_order": lambda hint: st.booleans(),
+}
+
+
+def hints_of(element: Element) -> dict[str, typing.Any]:
+    functions = [element.deformation, element.stiffness, element.damping, element.inertia, element.force]
+    hints = {}
+    for function in functions:
+        if function is not None:
+            hints |= {k: v for k, v in typing.get_type_hints(function).items() if k in element.properties}
+    return hints
+
+
+class Drawn(typing.NamedTuple):
+    """An element with numbers: node by node where it is (x) and where it was undeformed (ref), and its properties."""
+
+    element: Element
+    x: list[np.ndarray]
+    ref: list[np.ndarray]
+    numbers: dict
+    options: tuple
+
+    @property
+    def properties(self) -> dict:
+        return {**self.numbers, **dict(self.options)}
+
+
+def quaternion(turn: np.ndarray) -> np.ndarray:
+    """Euler parameters of a rotation whose vector part goes with ``turn``; zero for the unturned one."""
+    return np.r_[1.0, turn] / np.sqrt(1 + turn @ turn)
+
+
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.r_[a[0] * b[0] - a[1:] @ b[1:], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])]
+
+
+@st.composite
+def drawn(draw, element: Element) -> Drawn:
+    dimension = max(kind.dimension for kind in element.nodes.values())
+    axis = draw(st.integers(0, dimension - 1))
+    turned = draw(st.booleans())  # False: every rotation and every change zero, where a branch could have a kink
+    x, ref = [], []
+    for i, kind in enumerate(element.nodes.values()):
+        by = draw(vectors(3, 0.5)) if turned else np.zeros(3)
+        if kind.part == "position":
+            # Ends between 1 and 3 apart, in every direction: differences then have derivatives of order one.
+            start = draw(vectors(dimension, 0.5)) + 2 * i * (np.arange(dimension) == axis)
+            now = start + 0.6 * by[:dimension]
+        elif dimension == 2:
+            start = draw(vectors(1, 3.0)) if turned else np.zeros(1)
+            now = start + 2 * by[:1]
+        else:
+            start = quaternion(draw(vectors(3, 2.0)) if turned else np.zeros(3))
+            now = product(quaternion(by), start)
+        ref.append(start)
+        x.append(now)
+    hints, numbers, options = hints_of(element), {}, {}
+    for name in element.properties:
+        if name not in PROPERTIES:
+            pytest.fail(f"Property '{name}' of element '{element.name}' is new: add to PROPERTIES how to draw it.")
+        value = draw(PROPERTIES[name](hints.get(name)))
+        if isinstance(value, bool):
+            options[name] = value
+        else:
+            numbers[name] = jax.tree.map(lambda leaf: np.asarray(leaf, float), value)
+    sample = Drawn(element, x, ref, numbers, tuple(sorted(options.items())))
+    if element.check is not None:
+        faults = element.check(
+            ref=element.reference(ref), **(element.arguments(element.check, sample.properties) or {})
+        )
+        hypothesis.assume(not faults)
+    if numbers.get("y") is not None:
+        along = ref[2] - ref[0]
+        sine = np.linalg.norm(np.cross(along, numbers["y"])) / np.linalg.norm(along)
+        hypothesis.assume(sine > 0.1)  # or its derivatives by y and ref are large
+    if "axis" in numbers:
+        size = np.sort(np.abs(numbers["axis"]))
+        # No derivative where two components are smallest: the second axis is chosen by that.
+        hypothesis.assume(size[2] > 0.1 and size[1] - size[0] > 0.01)
+    elif "y" in numbers and numbers["y"] is None:
+        size = np.sort(np.abs(ref[2] - ref[0]))
+        hypothesis.assume(size[1] - size[0] > 0.01)
+    return sample
+
+
+# -- what is measured ---------------------------------------------------------------------------------------------
+
+
+def answers(element: Element, x, ref, properties) -> dict:
+    """Deformations and all companions of an element."""
+    where = element.reference(ref)
+
+    def chosen(companion) -> dict[str, typing.Any]:
+        return element.arguments(companion, properties) or {}
+
+    near = {"near": jnp.zeros(3)} if element.tracks_angle else {}
+    found = {"e": element.deformation(*x, ref=where, **chosen(element.deformation), **near)}
+    for name in ("stiffness", "damping"):
+        companion = getattr(element, name)
+        if companion is not None:
+            found[name] = companion(ref=where, **chosen(companion))
+    if element.inertia is not None:
+        found["vectors"], found["H"] = element.inertia(*x, ref=where, **chosen(element.inertia))
+    if element.force is not None:
+        found["force"] = element.force(*x, ref=where, **chosen(element.force))
+    return found
+
+
+@functools.cache
+def _compiled(element, options, structure, shapes):
+    """Functions of one flat vector of coordinates, reference coordinates and properties."""
+    example = jax.tree.unflatten(structure, [np.zeros(shape) for shape in shapes])
+    _, unravel = ravel_pytree(example)
+
+    def whole(point):
+        x, ref, own = unravel(point)
+        return answers(element, x, ref, {**own, **dict(options)})
+
+    def flat(point):
+        return ravel_pytree(whole(point))[0]
+
+    def with_jacobians(point):
+        return flat(point), jax.jacfwd(flat)(point), jax.jacrev(flat)(point)
+
+    def curvature(point):
+        return jax.jacfwd(jax.jacrev(lambda p: whole(p)["e"]))(point)
+
+    shapes_out = jax.eval_shape(whole, ravel_pytree(example)[0])
+    return fm.jit(with_jacobians), fm.jit(jax.vmap(flat)), fm.jit(curvature), shapes_out
+
+
+class Measured:
+    """Answers of an element and their derivatives, by name."""
+
+    def __init__(self, sample: Drawn):
+        tree = (sample.x, sample.ref, sample.numbers)
+        leaves, structure = jax.tree.flatten(tree)
+        functions = _compiled(sample.element, sample.options, structure, tuple(np.shape(leaf) for leaf in leaves))
+        self.with_jacobians, self.batch, self.curvature, shapes = functions
+        self.point = np.asarray(ravel_pytree(tree)[0])
+        self.n_x = sum(part.size for part in sample.x)
+        self.value, self.forward, self.reverse = map(np.asarray, self.with_jacobians(self.point))
+        self.slices, start = {}, 0
+        for name in sorted(shapes):  # as ravel_pytree orders a dict
+            size = int(np.prod(shapes[name].shape))
+            self.slices[name] = slice(start, start + size), shapes[name].shape
+            start += size
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        rows, shape = self.slices[name]
+        return self.value[rows].reshape(shape)
+
+    def by_x(self, name: str) -> np.ndarray:
+        rows, shape = self.slices[name]
+        return self.forward[rows, : self.n_x].reshape(*shape, self.n_x)
+
+    def mass(self) -> np.ndarray:
+        j = self.by_x("vectors")
+        return np.einsum("akc,ab,bkd->cd", j, self["H"], j)
+
+
+def moved(sample: Drawn, turn: np.ndarray, shift: np.ndarray) -> Drawn:
+    """The same after a rigid motion of the whole: positions turned and shifted, rotations turned."""
+    planar_angle, lam = turn[0], quaternion(turn)
+    matrix = Rotation.from_quat(lam, scalar_first=True).as_matrix()
+    c, s = np.cos(planar_angle), np.sin(planar_angle)
+    x = []
+    for kind, part in zip(sample.element.nodes.values(), sample.x, strict=True):
+        if kind.part == "position":
+            rotation = np.array([[c, -s], [s, c]]) if kind.dimension == 2 else matrix
+            x.append(rotation @ part + shift[: kind.dimension])
+        else:
+            x.append(part + planar_angle if kind.dimension == 2 else product(lam, part))
+    return sample._replace(x=x)
+
+
+def rigid_velocity(sample: Drawn, velocity: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Rates of the coordinates in a rigid motion: velocity of the first node, and angular velocity."""
+    rates = []
+    for kind, part in zip(sample.element.nodes.values(), sample.x, strict=True):
+        if kind.part == "position":
+            arm = np.zeros(3)
+            arm[: kind.dimension] = part - sample.x[0]
+            rates.append((velocity + np.cross(omega, arm))[: kind.dimension])
+        elif kind.dimension == 2:
+            rates.append(omega[2:])
+        else:
+            rates.append(product(np.r_[0.0, omega], part) / 2)
+    return np.concatenate(rates)
+
+
+def turned_rates(sample: Drawn, rates: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Rates of the coordinates as a rotation of the whole carries them along; that of an angle stays."""
+    ends = np.cumsum([part.size for part in sample.x])[:-1]
+    at_origin = [np.zeros_like(part) for part in sample.x]
+    change = [
+        a - b
+        for a, b in zip(
+            moved(sample._replace(x=np.split(rates, ends)), turn, np.zeros(3)).x,
+            moved(sample._replace(x=at_origin), turn, np.zeros(3)).x,
+            strict=True,
+        )
+    ]
+    return np.concatenate(change)
+
+
+def energy(sample: Drawn, rates: np.ndarray) -> float:
+    return float(0.5 * rates @ Measured(sample).mass() @ rates)
+
+
+def length(sample: Drawn) -> float:
+    ends = [r for kind, r in zip(sample.element.nodes.values(), sample.ref, strict=True) if kind.part == "position"]
+    return float(np.linalg.norm(ends[-1] - ends[0]))
+
+
+# -- laws of every element ----------------------------------------------------------------------------------------
+
+
+def test_elements_are_found():
+    # The walk itself: an empty one would let every law pass.
+    assert {"planar.beam", "planar.hinge", "spatial.beam", "spatial.hinge", "spatial.moment"} <= set(ELEMENTS)
+
+
+@every_element
+@given(st.data())
+def test_deformations_are_zero_at_the_reference(element, data):
+    sample = data.draw(drawn(element))
+    # Coordinates up to 4, some ten rounded products.
+    np.testing.assert_allclose(Measured(sample._replace(x=sample.ref))["e"], 0, atol=50 * EPS)
+
+
+@every_element
+@given(st.data())
+def test_rigid_motion_changes_no_deformation(element, data):
+    sample = data.draw(drawn(element))
+    there = moved(sample, data.draw(vectors(3, 2.0)), data.draw(vectors(3, 5.0)))
+    # Positions up to 10, rounded, times the triads; the second-order terms multiply by e/l0 < 4.
+    np.testing.assert_allclose(Measured(there)["e"], Measured(sample)["e"], rtol=0, atol=1000 * EPS)
+
+
+@every_massive_element
+@given(st.data())
+def test_rigid_motion_changes_no_kinetic_energy(element, data):
+    sample = data.draw(drawn(element))
+    turn, rates = data.draw(vectors(3, 2.0)), data.draw(vectors(Measured(sample).n_x))
+    there = moved(sample, turn, data.draw(vectors(3, 5.0)))
+    # Round-off of the energy, which cancels from terms of size mass times rates squared, below 100.
+    assert energy(there, turned_rates(sample, rates, turn)) == pytest.approx(
+        energy(sample, rates), rel=1e-12, abs=1e-12
+    )
+
+
+@every_element
+@given(st.data())
+def test_forward_reverse_and_central_differences_agree(element, data):
+    measured = Measured(data.draw(drawn(element)))
+    assert np.all(np.isfinite(measured.forward))
+    scale = 1 + np.abs(measured.value)[:, None] + np.abs(measured.forward)
+    # The same numbers summed in another order.
+    assert np.max(np.abs(measured.reverse - measured.forward) / scale, initial=0) < 1000 * EPS
+    n, step = measured.point.size, EPS ** (1 / 3)
+    around = measured.point + step * np.concatenate([np.eye(n), -np.eye(n)])
+    plus, minus = np.split(np.asarray(measured.batch(around)), 2)
+    difference = (plus - minus).T / (2 * step)
+    # Truncation step^2/6 times the third derivative, up to 60 value/l0^3; round-off eps/step = 4e-11.
+    assert np.max(np.abs(difference - measured.forward) / scale, initial=0) < 1e-8
+
+
+@every_element
+@given(st.data())
+def test_second_derivatives_are_finite_and_symmetric(element, data):
+    measured = Measured(data.draw(drawn(element)))
+    curvature = np.asarray(measured.curvature(measured.point))
+    assert np.all(np.isfinite(curvature))
+    size = 1 + np.max(np.abs(curvature), initial=0)
+    np.testing.assert_allclose(curvature, np.swapaxes(curvature, 1, 2), rtol=0, atol=1000 * EPS * size)
+
+
+@every_element
+@given(st.data())
+def test_vmap_is_a_loop(element, data):
+    measured = Measured(data.draw(drawn(element)))
+    n = measured.point.size
+    points = measured.point + 0.01 * np.concatenate([np.eye(n), -np.eye(n)])
+    together = np.asarray(measured.batch(points))
+    for i in (0, n // 2, 2 * n - 1):
+        alone = np.asarray(measured.with_jacobians(points[i])[0])
+        # The compiler may contract and order differently.
+        np.testing.assert_allclose(together[i], alone, rtol=1000 * EPS, atol=1000 * EPS)
+
+
+@every_element
+@given(st.data())
+def test_stiffness_damping_and_mass_are_symmetric_and_semidefinite(element, data):
+    measured = Measured(data.draw(drawn(element)))
+    found = {name: measured[name] for name in ("stiffness", "damping") if name in measured.slices}
+    if "H" in measured.slices:
+        found["mass"] = measured.mass()
+    for name, matrix in found.items():
+        size = np.max(np.abs(matrix))
+        assert size > 0, name
+        np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=10 * EPS * size, err_msg=name)
+        # Round-off of the eigenvalues: a few eps times the size of the matrix.
+        assert np.linalg.eigvalsh((matrix + matrix.T) / 2)[0] > -100 * EPS * size, name
+
+
+@every_massive_element
+@given(st.data())
+def test_energy_of_a_translation_is_that_of_the_whole_mass(element, data):
+    sample = data.draw(drawn(element))
+    velocity = data.draw(vectors(3))
+    has_position = any(kind.part == "position" for kind in element.nodes.values())
+    axes = 2 if any(kind.dimension == 2 for kind in element.nodes.values()) else 3
+    mass = 0.0
+    if has_position:
+        mass = (
+            sample.numbers["section"].mass * length(sample) if "section" in sample.numbers else sample.numbers["mass"]
+        )
+    expected = 0.5 * mass * velocity[:axes] @ velocity[:axes]
+    found = energy(sample, rigid_velocity(sample, velocity, np.zeros(3)))
+    assert found == pytest.approx(float(expected), rel=1e-13, abs=1e-14)
+
+
+@every_massive_element
+@given(st.data())
+def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
+    """Undeformed and turning about its first node: a line with the rotary inertia of its section, or a body."""
+    sample = data.draw(drawn(element))
+    sample = sample._replace(x=sample.ref)
+    omega = data.draw(vectors(3))
+    if len(sample.x[0]) == 2 or element.nodes[next(iter(element.nodes))].dimension == 2:
+        omega[:2] = 0
+    tensor = np.zeros((3, 3))
+    if "section" in sample.numbers:
+        s, arm = sample.numbers["section"], np.zeros(3)
+        start, end = [r for k, r in zip(element.nodes.values(), sample.ref, strict=True) if k.part == "position"]
+        arm[: start.size] = end - start
+        tensor += s.mass * length(sample) / 3 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        if element is planar.beam:
+            tensor[2, 2] += s.Jy * length(sample)
+        elif element is spatial.beam:
+            frame = local_frame(arm, sample.numbers["y"])
+            own = np.diag([float(s.Jx), float(s.Jy), float(s.Jz)])
+            own[1, 2] = own[2, 1] = s.Jyz
+            tensor += length(sample) * frame @ own @ frame.T
+    elif element is planar.inertia:
+        tensor[2, 2] = sample.numbers["inertia"]
+    elif element is spatial.inertia:
+        tensor[np.triu_indices(3)] = sample.numbers["inertia"]
+        tensor = tensor + np.triu(tensor, 1).T
+    found = energy(sample, rigid_velocity(sample, np.zeros(3), omega))
+    assert found == pytest.approx(0.5 * omega @ tensor @ omega, rel=1e-12, abs=1e-12)
+
+
+def local_frame(axis: np.ndarray, y: np.ndarray | None) -> np.ndarray:
+    """SPACAR.md 3.2: local x along the axis, y as near as can be to the vector given."""
+    ex = axis / np.linalg.norm(axis)
+    across = np.eye(3)[np.argmin(np.abs(ex))] if y is None else np.asarray(y)
+    ez = np.cross(ex, across)
+    ez /= np.linalg.norm(ez)
+    return np.stack([ex, np.cross(ez, ex), ez], axis=1)
+
+
+# -- beams --------------------------------------------------------------------------------------------------------
+
+BEAMS = {"planar": (planar.beam, slice(1, 3)), "y": (spatial.beam, slice(2, 4)), "z": (spatial.beam, slice(4, 6))}
+
+
+def stiffness_of(element: typing.Any, section: fm.Rigidity, l0: float) -> np.ndarray:
+    dimension = next(iter(element.nodes.values())).dimension
+    starts = [np.array(kind.start) for kind in element.nodes.values()]
+    starts[2] = l0 * np.eye(dimension)[0]
+    return np.asarray(element.stiffness(ref=element.reference(starts), section=section))
+
+
+@pytest.mark.parametrize("plane", BEAMS)
+@given(POSITIVE, POSITIVE, POSITIVE, NUMBER, NUMBER)
+def test_bending_energy_of_a_linear_curvature(plane, l0, ei, other, a, b):
+    """Curvature a + b s/l: end deformations are its moments about the far ends, the energy EI/2 times its square."""
+    element, at = BEAMS[plane]
+    section = fm.Rigidity(EIy=other, EIz=ei) if plane == "z" else fm.Rigidity(EIy=ei, EIz=other)
+    bending = l0**2 * np.array([a / 2 + b / 6, a / 2 + b / 3])
+    e = np.zeros(6 if element is spatial.beam else 3)
+    e[at] = bending
+    expected = 0.5 * ei * l0 * (a**2 + a * b + b**2 / 3)
+    assert 0.5 * e @ stiffness_of(element, section, l0) @ e == pytest.approx(expected, rel=1e-13, abs=1e-14)
+
+
+@pytest.mark.parametrize("plane", BEAMS)
+@given(POSITIVE, POSITIVE, POSITIVE)
+def test_sway_of_a_beam_with_shear(plane, l0, ei, compliance):
+    """Ends kept parallel: the compliances of bending and of shear add, l^3/(12 EI) + l/(GAk)."""
+    element, at = BEAMS[plane]
+    # EI/(GAk) is given, so that 1/(GAk) = compliance/EI.
+    names = ("EIz", "shear_y") if plane == "z" else ("EIy", "shear_z")
+    stiffness = stiffness_of(element, fm.Rigidity(**dict(zip(names, (ei, compliance), strict=True))), l0)[at, at]
+    sway = np.array([-1.0, 1.0])
+    assert 1 / (sway @ stiffness @ sway) == pytest.approx(l0**3 / (12 * ei) + l0 * compliance / ei, rel=1e-13)
+
+
+@given(POSITIVE, POSITIVE, POSITIVE)
+def test_extension_and_torsion_energy(l0, ea, git):
+    section = fm.Rigidity(EA=ea, GIt=git)
+    beams: typing.Any = (planar.beam, spatial.beam, planar.truss, spatial.truss)
+    for element in beams:
+        if element in (planar.truss, spatial.truss):
+            starts = [np.zeros(kind.dimension) for kind in element.nodes.values()]
+            starts[1] = starts[1] + l0 * np.eye(len(starts[1]))[0]
+            stiffness = np.asarray(element.stiffness(ref=element.reference(starts), section=section))
+        else:
+            stiffness = stiffness_of(element, section, l0)
+        assert stiffness[0, 0] == pytest.approx(ea / l0, rel=1e-13)
+        assert not np.any(stiffness[0, 1:])
+    # e2 = l0 times twist, and twist over length squared times GIt l0/2 is the energy.
+    assert stiffness_of(spatial.beam, section, l0)[1, 1] == pytest.approx(git / l0**3, rel=1e-13)
+
+
+@pytest.mark.parametrize("element", [planar.beam, spatial.beam], ids=["planar", "spatial"])
+@given(st.data())
+def test_beam_mass_is_that_of_the_cubic_interpolation(element, data):
+    """Kinetic energy of a cubic with the end positions and end directions, by a quadrature exact for its square."""
+    sample = data.draw(drawn(element))
+    section = fm.Rigidity(mass=data.draw(POSITIVE))
+    sample = sample._replace(numbers={**sample.numbers, "section": jax.tree.map(np.asarray, section)})
+    rates = data.draw(vectors(Measured(sample).n_x))
+    l0, d = length(sample), len(sample.x[0])
+    axis = (sample.ref[2] - sample.ref[0]) / l0
+
+    def direction(x, ref):
+        """End direction of a node's triad."""
+        if d == 2:
+            return Rotation.from_rotvec([0, 0, (x - ref)[0]]).apply(np.r_[axis, 0])[:2]
+        return homogeneous_matrix(x) @ homogeneous_matrix(ref).T @ axis
+
+    parts = np.split(rates, np.cumsum([p.size for p in sample.x])[:-1])
+    # Quadratic in the coordinates (the angle apart), so that a central difference is exact but for round-off.
+    step = 1e-5 if d == 2 else 0.1
+    spin = [
+        (
+            direction(sample.x[i] + step * parts[i], sample.ref[i])
+            - direction(sample.x[i] - step * parts[i], sample.ref[i])
+        )
+        / (2 * step)
+        for i in (1, 3)
+    ]
+    points, weights = np.polynomial.legendre.leggauss(4)
+    s = (1 + points) / 2
+    shape = [1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2]
+    ends = [parts[0], l0 * spin[0], parts[2], l0 * spin[1]]
+    velocity = sum(np.outer(n, v) for n, v in zip(shape, ends, strict=True))
+    expected = 0.5 * section.mass * l0 / 2 * weights @ np.sum(velocity**2, axis=1)
+    # In the plane the step leaves 1e-10 of truncation.
+    assert energy(sample, rates) == pytest.approx(float(expected), rel=1e-9 if d == 2 else 1e-12, abs=1e-12)
+
+
+def homogeneous_matrix(lam: np.ndarray) -> np.ndarray:
+    """Rotation matrix, quadratic in Euler parameters of any norm."""
+    a, v = lam[0], lam[1:]
+    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return (a**2 - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * a * cross
+
+
+@pytest.mark.parametrize(("second_order", "load"), [(True, 78.75), (False, 94.5)])
+def test_elongation_term_of_the_planar_beam_decides_the_buckling_load(second_order, load):
+    # T3: 2 * 12 EI/l^3 over 6/5 of 1/l, or over 1/l without the term; closed forms for one element a leaf.
+    model = mechanisms.planar_guide(second_order=second_order, force=(0, -1.0)).build()
+    assert fm.buckling_loads(model)[0] == pytest.approx(load, rel=1e-6)
+
+
+# Curvature about local y and z, value and slope, and twist, of a rod of length 1.3.
+RODS = {
+    "all": (0.5, 0.9, -0.7, 0.4, 0.6),
+    "no twist": (0.3, -1.1, 0.8, 0.5, 0.0),
+    "twist and one plane": (0.8, -0.3, 0.0, 0.0, -0.9),
+}
+ROD_LENGTH = 1.3
+
+
+def integrated_rod(fields, start: Rotation) -> tuple[np.ndarray, np.ndarray]:
+    """End of an inextensible rod that starts at the origin: position, and Euler parameters."""
+    a, b, c, d, twist = fields
+
+    def rates(s, z):
+        matrix, t = z[3:].reshape(3, 3), s / ROD_LENGTH
+        x, y, w = twist, a + b * t, c + d * t
+        spin = np.array([[0, -w, y], [w, 0, -x], [-y, x, 0]])
+        return np.r_[matrix[:, 0], (matrix @ spin).ravel()]
+
+    first = np.r_[np.zeros(3), start.as_matrix().ravel()]
+    end = solve_ivp(rates, (0, ROD_LENGTH), first, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    return end[:3], Rotation.from_matrix(end[3:].reshape(3, 3)).as_quat(scalar_first=True)
+
+
+def rod_error(fields, second_order: bool) -> np.ndarray:
+    """Deformations of one beam between the ends of a rod, minus those of its fields to first order.
+
+    To first order the deformations are e2 = l0 times the whole twist, e3 and e5 the moment of the curvature about the
+    far end, e4 and e6 about the near end: what the stiffness is the exact energy of.
+    """
+    # A start that is turned: nothing lies along a global axis.
+    start = Rotation.from_rotvec([0.4, -0.7, 0.5])
+    lam = start.as_quat(scalar_first=True)
+    end, lam_end = integrated_rod(fields, start)
+    matrix = start.as_matrix()
+    ref = spatial.beam.reference([np.zeros(3), lam, ROD_LENGTH * matrix[:, 0], lam])
+    found = spatial.beam.deformation(
+        np.zeros(3), lam, end, lam_end, ref=ref, y=jnp.asarray(matrix[:, 1]), second_order=second_order
+    )
+    a, b, c, d, twist = fields
+    moments = [0, twist, a / 2 + b / 6, a / 2 + b / 3, c / 2 + d / 6, c / 2 + d / 3]
+    return np.asarray(found) - ROD_LENGTH**2 * np.array(moments)
+
+
+@pytest.mark.parametrize("fields", RODS.values(), ids=RODS)
+def test_second_order_terms_against_integrated_rods(fields):
+    amplitudes = np.array([0.1, 0.05])
+    with_terms = np.array([rod_error(f * np.array(fields), True) for f in amplitudes])
+    without = np.array([rod_error(f * np.array(fields), False) for f in amplitudes])
+    # What is left is of third order, a factor 8; where it happens to vanish there is the integrator's 1e-12.
+    left = np.abs(with_terms)
+    assert np.all((left[1] < left[0] / 2**2.7) | (left[1] < 1e-11))
+    # Without the terms the error is of second order somewhere in each of these rods, and the terms are what is missing.
+    assert np.max(np.abs(without[1])) > 4 * np.max(left[1])
+    assert np.log2(np.linalg.norm(without[0]) / np.linalg.norm(without[1])) < 2.3
+
+
+def test_each_second_order_term_is_needed():
+    # The rod with all fields: every deformation but for its terms is of second order.
+    fields = np.array(RODS["all"])
+    large, small = (np.abs(rod_error(f * fields, False)) for f in (0.02, 0.01))
+    order = np.log2(large / small)
+    assert np.all(order < 2.3), order
+
+
+# -- hinges -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_planar_hinge_counts_past_full_turns(way):
+    ref = planar.hinge.reference([np.array([0.3]), np.array([-0.2])])
+    for angle in way * np.arange(0, 15, 0.4):
+        e = planar.hinge.deformation(np.array([0.3 + 1.0]), np.array([-0.2 + 1.0 + angle]), ref=ref)
+        np.testing.assert_allclose(e, [angle], atol=20 * EPS * 15)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@given(vectors(3), vectors(3, 2.0), vectors(3, 2.0), vectors(3, 2.0))
+@hypothesis.settings(max_examples=3)
+def test_spatial_hinge_counts_past_full_turns(way, axis, start_p, start_q, carried):
+    hypothesis.assume(np.linalg.norm(axis) > 0.1)
+    unit = axis / np.linalg.norm(axis)
+    ref_p, ref_q, carry = quaternion(start_p), quaternion(start_q), quaternion(carried)
+    ref = spatial.hinge.reference([ref_p, ref_q])
+    call = fm.jit(lambda p, q, near: spatial.hinge.deformation(p, q, ref=ref, axis=jnp.asarray(axis), near=near))
+    near = np.zeros(3)
+    for angle in way * np.arange(0, 15, 0.4):
+        # The body q turns about the axis, and both are carried along by a rotation of the whole.
+        turn = np.r_[np.cos(angle / 2), np.sin(angle / 2) * unit]
+        near = np.asarray(call(product(carry, ref_p), product(carry, product(turn, ref_q)), near))
+        np.testing.assert_allclose(near, [angle, 0, 0], atol=20 * EPS * 15)
+
+
+@given(vectors(3), st.floats(-0.01, 0.01), st.floats(-3.0, 3.0))
+def test_spatial_hinge_tilt_is_small_rotation_across_the_axis(axis, tilt, angle):
+    """A tilt about the hinge's own second axis before the rotation: e2, e3 have its size, e1 is the rotation."""
+    hypothesis.assume(np.linalg.norm(axis) > 0.1)
+    frame = local_frame(axis, None)
+    one = np.array([1.0, 0, 0, 0])
+    ref = spatial.hinge.reference([one, one])
+    turn = np.r_[np.cos(angle / 2), np.sin(angle / 2) * frame[:, 0]]
+    tilted = np.r_[np.cos(tilt / 2), np.sin(tilt / 2) * frame[:, 1]]
+    e = spatial.hinge.deformation(one, product(tilted, turn), ref=ref, axis=jnp.asarray(axis), near=np.zeros(3))
+    np.testing.assert_allclose(e[0], angle, atol=1e-14)
+    assert np.hypot(e[1], e[2]) == pytest.approx(2 * abs(np.sin(tilt / 2)), abs=1e-14)
