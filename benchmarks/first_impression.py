@@ -42,6 +42,7 @@ def main() -> None:
     from scenes import guide
 
     import flexmb as fm
+    from flexmb.math.compile import QUICK
 
     fm.enable_x64()
     with tempfile.TemporaryDirectory() as folder:
@@ -95,6 +96,18 @@ def main() -> None:
     )
     show("Many designs, compiled", many)
 
+    lowered = {
+        "compiled as jax.jit does": (lowest, {}),
+        "compiled as fm.jit and the analyses do": (lowest, QUICK),
+    }
+
+    def compile_time(function, options):
+        jax.clear_caches()
+        return jax.jit(function, compiler_options=options).lower(model.parameters).compile()
+
+    compiling = interleaved({n: lambda a=a: compile_time(*a) for n, a in lowered.items()}, RUNS)
+    show("Trace and compile", compiling)
+
     # The answers: a design of the batch as if alone, the gradient against a central difference.
     found = batch(dimensions)
     alone = [float(fm.frequencies(guide(*map(float, d), dofs=names))[0]) for d in dimensions[:3]]
@@ -103,7 +116,10 @@ def main() -> None:
     slope = float(fm.jit(jax.grad(lambda t: of_dimensions((t, 0.018))))(t))
     value = fm.jit(lambda t: of_dimensions((t, 0.018)))
     np.testing.assert_allclose(slope, float(value(t + step) - value(t - step)) / (2 * step), rtol=1e-6)
-    save("first_impression", {"starts": starts, "warm": warm, "many": many, "degrees_of_freedom": n_q})
+    save(
+        "first_impression",
+        {"starts": starts, "warm": warm, "many": many, "compiling": compiling, "degrees_of_freedom": n_q},
+    )
 
 
 if __name__ == "__main__":

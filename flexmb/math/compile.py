@@ -7,8 +7,8 @@ from typing import Any
 import jax
 import jax.core
 
-# An analysis is many small products around a few calls of LAPACK. Optimising their code costs five times the time to
-# compile and saves a third of the time of a run (benchmarks/first_impression.py).
+# An analysis is many small products around a few calls of LAPACK. Optimising their code more than doubles the time to
+# trace and compile and saves up to half the time of a run (benchmarks/first_impression.py).
 QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
 
 
