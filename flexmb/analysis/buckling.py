@@ -47,7 +47,7 @@ def _geometric_stiffness_of_increment(topology: Topology, parameters: Parameters
     shift = wanted_x - parameters.reference
     extra = jnp.zeros(topology.n_e) if increment is None or increment.prestress is None else increment.prestress
     excess = at.jacobian @ shift - wanted_e
-    dx = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
+    dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
     elastic = at.S @ (at.jacobian @ dx) + extra
     sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, at.x, near, sigma)

@@ -104,6 +104,8 @@ class _Search(NamedTuple):
     near: Float[Array, "n_e"]
     trial: Float[Array, "n_x"]
     trial_near: Float[Array, "n_e"]
+    dof: Float[Array, "dofs"]
+    trial_dof: Float[Array, "dofs"]
     reached: Float[Array, ""]
     step: Float[Array, ""]
     tries: Int[Array, ""]
@@ -112,7 +114,11 @@ class _Search(NamedTuple):
 
 
 def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
-    """One loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it."""
+    """One loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
+
+    DOF deformations and their stress are carried as numbers of their own and x follows: a step that bends a leaf
+    spring is straight in x and feigns an elongation, second order in the step, whose stress would spoil the tangent.
+    """
     sizes = _sizes(topology, parameters)
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
 
@@ -121,16 +127,17 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         factors = LoadFactors(load * target.initial, load * target.increment)
         wanted_x, wanted_e = held_values(topology, parameters, factors)
         shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - s.trial[held])
-        at = state(topology, parameters, factors, s.trial, s.trial_near)
-        excess = at.e - wanted_e + at.jacobian @ shift
+        at = state(topology, parameters, factors, s.trial, s.trial_near, dof=s.trial_dof)
+        excess = at.e - put(wanted_e, topology.e.dof, s.trial_dof) + at.jacobian @ shift
         imbalance = at.jacobian.T @ at.sigma - at.force
-        change = linear_response(topology, at, excess, shift, imbalance)
+        change, dq = linear_response(topology, at, excess, shift, imbalance)
         size = jnp.max(jnp.abs(change) / sizes)
         bad = ~(size < LARGEST_STEP) | (s.tries >= MAX_ITERATIONS)
         done = (size < STEP_TOLERANCE) & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e)
+        dof = s.trial_dof + dq[topology.x.dof.shape[0] :]
         shorter = s.step / 4
         step = jnp.where(bad, shorter, jnp.where(done & (s.tries <= 6), 2 * s.step, s.step))
         failed = bad & (shorter < SMALLEST_LOAD_STEP)
@@ -149,6 +156,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             near=jnp.where(done, near, s.near),
             trial=choose(s.x, trial, trial),
             trial_near=choose(s.near, near, near),
+            dof=jnp.where(done, dof, s.dof),
+            trial_dof=choose(s.dof, dof, dof),
             reached=jnp.where(done, load, s.reached),
             step=step,
             tries=jnp.where(bad | done, 0, s.tries + 1),
@@ -161,7 +170,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
 
     x0, near0 = parameters.reference, zero_near(topology)
     zero = jnp.zeros((), jnp.int32)
-    start = _Search(x0, near0, x0, near0, jnp.array(0.0), jnp.array(1.0), zero, zero, zero)
+    dof0 = jnp.zeros(topology.e.dof.shape[0])
+    start = _Search(x0, near0, x0, near0, dof0, dof0, jnp.array(0.0), jnp.array(1.0), zero, zero, zero)
     end = jax.lax.while_loop(unfinished, turn, start)
     return _Solved(end.x, end.near, end.iterations, end.result)
 
@@ -192,7 +202,9 @@ def _solve_jvp(primals, tangents):
     _, (imbalance, excess, wanted) = eqx.filter_jvp(equations, (parameters, target), (d_parameters, d_target))
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
     shift = put(jnp.zeros(topology.n_x), held, wanted[held])
-    dx = linear_response(topology, at, excess + at.jacobian @ shift, shift, imbalance)
+    # The particular solution keeps the DOF deformations; what they change by is found as dq.
+    excess = put(excess, topology.e.dof, 0.0) + at.jacobian @ shift
+    dx, _ = linear_response(topology, at, excess, shift, imbalance)
     return solved, _Solved(dx, None, None, None)
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.indices import put
 from ..math.linear import factorise
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -62,6 +63,7 @@ def state(
     x: Float[Array, "n_x"],
     near: Float[Array, "n_e"],
     loaded: bool = True,
+    dof: Float[Array, "dofs"] | None = None,
 ) -> State:
     """Evaluate the static equations at a configuration.
 
@@ -71,6 +73,7 @@ def state(
         factors: Factors of the two load sets.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
+        dof: DOF deformations whose stress to take in place of that of D(x), (dofs,) [m, rad]; None: D(x).
         loaded: False for the undeformed mechanism without loads: nothing is stressed, nothing of it is traced.
 
     Returns:
@@ -86,7 +89,8 @@ def state(
         nothing = jnp.zeros(topology.n_e)
         return State(x, e, nothing, jnp.zeros(topology.n_x), jacobian, tangent, stiffness, None)
     force = nodal_forces(topology, parameters, factors, x)
-    elastic = stress_resultants(parameters, scaled_loads(parameters, factors), stiffness, e)
+    strained = e if dof is None else put(e, topology.e.dof, dof)
+    elastic = stress_resultants(parameters, scaled_loads(parameters, factors), stiffness, strained)
     sigma = multipliers(topology, tangent, jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, factors, x)
@@ -99,7 +103,7 @@ def linear_response(
     excess: Float[Array, "n_e"],
     shift: Float[Array, "n_x"],
     imbalance: Float[Array, "n_x"],
-) -> Float[Array, "n_x"]:
+) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
     """Change of x that answers, to first order, an excess of held deformations and forces out of balance.
 
     The same linear system serves Newton's step and the derivative of the equilibrium by any parameter.
@@ -107,20 +111,23 @@ def linear_response(
     Args:
         topology: Structure.
         at: State whose tangent is used.
-        excess: Held deformations minus their wanted values, the effect of ``shift`` included, (n_e,) [m, rad].
+        excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, the effect of ``shift`` included,
+            (n_e,) [m, rad].
         shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
         imbalance: D_x^T sigma - f before the change, (n_x,) [N, N m].
 
     Returns:
-        Change of x, (n_x,) [m, rad, -].
+        Change of x, (n_x,) [m, rad, -], and of q from its wanted value, (n_q,) [m, rad].
 
     Source:
         FORMULATION.md 6: the Hessian of the Lagrangian, projected with Z = DFx.
     """
     z = at.transfer.DFx
     onto_constraints = correction(topology, at.transfer, excess, shift)
-    imbalance = imbalance + at.jacobian.T @ (at.S @ (at.jacobian @ onto_constraints))
+    # The stress of DOF deformations is that of their wanted values already.
+    strain = put(at.jacobian @ onto_constraints, topology.e.dof, 0.0)
+    imbalance = imbalance + at.jacobian.T @ (at.S @ strain)
     if at.curvature is not None:
         imbalance = imbalance + at.curvature @ onto_constraints
     dq = factorise(at.K0 + at.G0).solve(-(z.T @ imbalance))
-    return onto_constraints + z @ dq
+    return onto_constraints + z @ dq, dq

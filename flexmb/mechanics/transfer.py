@@ -103,7 +103,7 @@ def correction(
     Args:
         topology: Structure.
         tangent: Transfer functions at the configuration.
-        excess: Deformations minus their wanted values; DOF and DEPENDENT entries are ignored, (n_e,) [m, rad].
+        excess: Deformations minus their wanted values; DEPENDENT entries are ignored, (n_e,) [m, rad].
         shift: Change of the other coordinates already decided on, whose effect ``excess`` includes, (n_x,).
 
     Returns:
@@ -112,7 +112,5 @@ def correction(
     Source:
         Newton's corrector of FORMULATION.md 4.
     """
-    n_dof = topology.e.dof.shape[0]
-    held = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
-    right = jnp.concatenate([-excess[held], jnp.zeros(n_dof)])
+    right = -excess[held_rows(topology)]
     return accumulate(shift, topology.x.dependent, tangent.factors.solve(right))
