@@ -10,6 +10,10 @@ fm.enable_cache(cache_folder() / "tests")
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
-# The same examples in every run, few of them; the first call compiles, so that no deadline holds.
-hypothesis.settings.register_profile("flexmb", deadline=None, derandomize=True, max_examples=10, database=None)
+# The same examples in every run, few of them; the first call compiles, so that no deadline holds. Explaining a failure
+# runs it a hundred times more.
+phases = tuple(phase for phase in hypothesis.Phase if phase is not hypothesis.Phase.explain)
+hypothesis.settings.register_profile(
+    "flexmb", deadline=None, derandomize=True, max_examples=10, database=None, phases=phases
+)
 hypothesis.settings.load_profile("flexmb")

@@ -1,0 +1,254 @@
+"""Sections: closed forms, the tutorial's numbers, limits, and derivatives against central differences."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.special
+from hypothesis import given
+from hypothesis import strategies as st
+from jax.flatten_util import ravel_pytree
+
+import flexmb as fm
+
+EPS = np.finfo(float).eps
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
+WIDTH, THICKNESS, LENGTH = 0.018, 0.0005, 0.1
+POSITIVE = st.floats(0.1, 10).map(lambda x: round(x, 3))
+
+
+def torsion_of_rectangle(w, t, terms=400):
+    """Saint-Venant's series summed term by term, Timoshenko and Goodier's form, on the longer side."""
+    w, t = max(w, t), min(w, t)
+    n = np.arange(1, 2 * terms, 2)
+    return w * t**3 * (1 / 3 - 64 / np.pi**5 * (t / w) * np.sum(np.tanh(n * np.pi * w / (2 * t)) / n**5))
+
+
+# -- T7 and the oracles of SPACAR.md 8 ------------------------------------------------------------------------------
+
+
+def test_torsion_constants_of_the_leaf_spring():
+    # T7, printed to 7 and 6 digits.
+    assert fm.torsion_series(WIDTH, THICKNESS) == pytest.approx(7.368698e-13, abs=5e-20)
+    assert fm.torsion_approximate(WIDTH, THICKNESS) == pytest.approx(7.36875e-13, abs=5e-19)
+
+
+@pytest.mark.parametrize(("ratio", "one_end"), [(2, 1.138936), (1, 1.322473), (0.5, 1.894016), (0.3, 3.176028)])
+def test_warping_factor_table(ratio, one_end):
+    # T7, nu = 0.3, printed to 7 digits.
+    assert fm.warping_factor(ratio, 1.0, 0.3, 1) == pytest.approx(one_end, abs=5e-7)
+
+
+@pytest.mark.parametrize(("ends", "stiffness"), [(0, 0.589500), (1, 0.616577), (2, 0.646262)])
+def test_twist_stiffness_of_one_leaf(ends, stiffness):
+    # T7: GIt = 0.05895, l = 0.1, nu = 0.3; printed to 6 digits.
+    factor = fm.warping_factor(LENGTH, WIDTH, 0.3, ends)
+    assert 0.05895 / LENGTH * factor == pytest.approx(stiffness, abs=5e-7)
+
+
+def test_warping_factor_refuses_another_number_of_ends():
+    with pytest.raises(ValueError, match="clamped_ends must be 0, 1 or 2"):
+        fm.warping_factor(LENGTH, WIDTH, 0.3, 3)
+
+
+def test_two_clamped_ends_are_two_halves_with_one():
+    # By symmetry the middle of a leaf clamped at both ends warps freely: its halves have one clamped end each.
+    assert fm.warping_factor(LENGTH, WIDTH, 0.3, 2) == pytest.approx(
+        float(fm.warping_factor(LENGTH / 2, WIDTH, 0.3, 1)), rel=10 * EPS
+    )
+
+
+def test_leaf_spring_oracles():
+    # SPACAR.md 8, to half a unit of the last digit written there.
+    s = fm.Rectangle(WIDTH, THICKNESS, STEEL, shear=True).rigidity()
+    assert s.EA == pytest.approx(1.89e6, rel=1e-12)
+    assert s.EIy == pytest.approx(0.039375, rel=1e-12)
+    assert s.EIz == pytest.approx(51.03, rel=1e-12)
+    assert s.GIt == pytest.approx(0.0589496, abs=5e-8)
+    assert STEEL.poisson() == pytest.approx(0.3125, rel=1e-12)
+    assert s.EIy / s.shear_z / (80e9 * WIDTH * THICKNESS) == pytest.approx(0.85020, abs=5e-6)
+    assert 12 * s.shear_z / LENGTH**2 == pytest.approx(7.719e-5, abs=5e-9)
+    assert 12 * s.shear_y / LENGTH**2 == pytest.approx(0.1000, abs=5e-5)
+    assert s.mass == pytest.approx(0.07065, rel=1e-12)
+
+
+def test_cross_flexure_spring_oracles():
+    material = fm.Material(E=210e9, G=70e9)
+    assert material.poisson() == pytest.approx(0.5, rel=1e-12)
+    section = fm.Rectangle(0.05, 0.0002, material)
+    assert section.rigidity().GIt / 70e9 == pytest.approx(1.329972e-13, abs=5e-20)
+
+
+@pytest.mark.parametrize(
+    ("name", "power", "printed", "digit"),
+    [("EA", 1, 0.3654, 1e-4), ("GIt", 3, 6.5e-6, 1e-7), ("EIz", 3, 1.9e-4, 1e-5), ("EIy", 3, 5.3e-6, 1e-7)],
+)
+def test_damping_of_the_leaf_spring(name, power, printed, digit):
+    section = fm.Rectangle(WIDTH, THICKNESS, STEEL)
+    found = getattr(fm.damping_from_ratio(section, LENGTH, 0.005), name)
+    # T2 and T5, printed to this digit.
+    assert found == pytest.approx(printed, abs=digit / 2)
+    stiffness = getattr(section.rigidity(), name) / LENGTH**power
+    assert found / LENGTH**power == pytest.approx(0.01 * np.sqrt(stiffness * 0.007065), rel=1e-12)
+
+
+def test_damping_of_what_a_section_lacks_is_zero_with_a_finite_derivative():
+    def axial(mass):
+        return fm.damping_from_ratio(fm.Rigidity(EIy=2.0, mass=mass), 1.5, 0.01).EA
+
+    assert axial(1.0) == 0
+    assert jax.grad(axial)(1.0) == 0
+    # No mass, no damping: the root of zero has no derivative, the answer has one.
+    assert np.isfinite(jax.grad(lambda m: fm.damping_from_ratio(fm.Rigidity(EIy=2.0, mass=m), 1.5, 0.01).EIy)(0.0))
+
+
+def test_given_poisson_ratio_is_taken():
+    assert fm.Material(E=210e9, G=80e9, nu=0.3).poisson() == 0.3
+
+
+# -- torsion of a rectangle -----------------------------------------------------------------------------------------
+
+
+@given(POSITIVE, POSITIVE)
+def test_torsion_series_is_the_sum_of_its_terms(w, t):
+    # The docstring's 1e-9; either side may be the longer.
+    assert fm.torsion_series(w, t) == pytest.approx(torsion_of_rectangle(w, t), rel=1e-9)
+
+
+def test_torsion_of_a_square():
+    # Timoshenko and Goodier give 0.1406 a^4; A5 uses 0.140577 for the unit square, 0.1405770 is the sum to 7 digits.
+    assert fm.torsion_series(1.0, 1.0) == pytest.approx(0.1405770, abs=5e-8)
+
+
+def test_derivative_of_the_torsion_of_a_square():
+    # Homogeneous of degree 4 and symmetric in the sides: 2 It/a by each, though the sides change places there.
+    found = jax.grad(fm.torsion_series, (0, 1))(1.0, 1.0)
+    # The terms left out are 1e-9 of the value at w = t and change faster than it: 1e-7 of the derivative.
+    np.testing.assert_allclose(found, 2 * 0.14057701, rtol=1e-6)
+
+
+def test_torsion_of_a_thin_strip():
+    # w t^3/3 (1 - 0.63 t/w): every tanh is 1, and the odd powers sum to 31/32 zeta(5).
+    slope = 192 / np.pi**5 * 31 / 32 * scipy.special.zeta(5)
+    for t in (1e-2, 1e-4):
+        assert fm.torsion_series(1.0, t) / (t**3 / 3) == pytest.approx(1 - slope * t, rel=10 * EPS)
+
+
+# -- closed forms ---------------------------------------------------------------------------------------------------
+
+
+def polygon_moments(outer, inner):
+    """Area and second moments of a rectangle with a rectangular hole, (width, thickness) each, by sampling squares."""
+    (w, t), (wi, ti) = outer, inner
+    # Integrals of 1, z^2 and y^2 over a rectangle, by Gauss quadrature that is exact for them.
+    points, weights = np.polynomial.legendre.leggauss(3)
+
+    def over(w, t):
+        y, z = points * w / 2, points * t / 2
+        area = np.outer(weights, weights) * w * t / 4
+        return np.array([area.sum(), (area * z[None, :] ** 2).sum(), (area * y[:, None] ** 2).sum()])
+
+    return over(w, t) - over(wi, ti)
+
+
+@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE, st.booleans())
+def test_rectangle(w, t, e, rho, rotary):
+    s = fm.Rectangle(w, t, fm.Material(E=e, G=0.4 * e, rho=rho), rotary=rotary).rigidity()
+    area, iy, iz = polygon_moments((w, t), (0, 0))
+    np.testing.assert_allclose([s.EA, s.EIy, s.EIz, s.mass], [e * area, e * iy, e * iz, rho * area], rtol=1e-13)
+    np.testing.assert_allclose(
+        [s.Jx, s.Jy, s.Jz], [rho * (iy + iz), rho * iy, rho * iz] if rotary else [0, 0, 0], rtol=1e-13
+    )
+    assert s.shear_z == s.shear_y == 0
+    assert s.GIt == pytest.approx(0.4 * e * torsion_of_rectangle(w, t), rel=1e-9)
+
+
+@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
+def test_circle_and_tube(d, share, e, rho):
+    material = fm.Material(E=e, G=0.4 * e, rho=rho)
+    wall = d / 2 * share / 10
+    radii = np.array([d / 2, d / 2 - wall])
+    # Integrals of 1 and of r^2 over the ring: 2 pi r dr.
+    ring, polar = np.pi * -np.diff(radii**2)[0], np.pi / 2 * -np.diff(radii**4)[0]
+    s = fm.Tube(d, wall, material).rigidity()
+    # A thin ring is a difference of the whole circle's: eps over its share.
+    rtol = 1e-12 / (share / 10)
+    np.testing.assert_allclose([s.EA, s.EIy, s.EIz], [e * ring, e * polar / 2, e * polar / 2], rtol=rtol)
+    np.testing.assert_allclose([s.GIt, s.mass, s.Jx], [0.4 * e * polar, rho * ring, rho * polar], rtol=rtol)
+    c = fm.Circle(d, material, shear=True).rigidity()
+    whole = fm.Tube(d, d / 2, material).rigidity()
+    for name in ("EA", "EIy", "EIz", "GIt", "mass", "Jx", "Jy", "Jz"):
+        assert getattr(c, name) == pytest.approx(float(getattr(whole, name)), rel=1e-13)
+    # Cowper 1966: k = 6 (1 + nu)/(7 + 6 nu), nu = 1/0.8 - 1.
+    assert c.EIy / c.shear_z == pytest.approx(0.4 * e * np.pi * d**2 / 4 * 6 * 1.25 / 8.5, rel=1e-12)
+
+
+@given(POSITIVE, POSITIVE, st.floats(0.01, 0.4), st.floats(0.01, 0.4))
+def test_hollow_rectangle_bends_as_the_difference_of_two(w, t, share_y, share_z):
+    wall_y, wall_z = share_y * w, share_z * t
+    s = fm.HollowRectangle(w, t, wall_y, wall_z, fm.Material(E=2.0, G=0.8, rho=3.0)).rigidity()
+    area, iy, iz = polygon_moments((w, t), (w - 2 * wall_y, t - 2 * wall_z))
+    # A difference of the whole rectangle's, of which a wall of 1 % leaves 4 %.
+    np.testing.assert_allclose([s.EA, s.EIy, s.EIz, s.mass], [2 * area, 2 * iy, 2 * iz, 3 * area], rtol=1e-12)
+    np.testing.assert_allclose([s.Jx, s.Jy, s.Jz], [3 * (iy + iz), 3 * iy, 3 * iz], rtol=1e-12)
+
+
+@pytest.mark.parametrize("power", [1, 2, 3])
+def test_thin_walls_of_a_hollow_rectangle(power):
+    """Thin walls a = 1e-power: It to 2 a w^2 t^2/(w + t), A to 2 a (w + t), Iy to a (t^3/6 + w t^2/2)."""
+    w, t, a = 3.0, 2.0, 10.0**-power
+    s = fm.HollowRectangle(w, t, a, a, fm.Material(E=1.0, G=1.0)).rigidity()
+    found = np.array([s.GIt, s.EA, s.EIy, s.EIz]) / a
+    thin = [2 * w**2 * t**2 / (w + t), 2 * (w + t), t**3 / 6 + w * t**2 / 2, w**3 / 6 + t * w**2 / 2]
+    # First order in the wall over the shorter side; the coefficient is below 4.
+    np.testing.assert_allclose(found, thin, rtol=4 * a / t)
+
+
+def test_unequal_walls_of_a_hollow_rectangle_by_bredt():
+    # Walls at the ends of the width are as long as the thickness: 4 A^2/(2 w/wall_z + 2 t/wall_y).
+    s = fm.HollowRectangle(3.0, 2.0, 2e-6, 1e-6, fm.Material(E=1.0, G=1.0)).rigidity()
+    assert s.GIt == pytest.approx(4 * 36 / (6 / 1e-6 + 4 / 2e-6), rel=1e-5)
+
+
+def test_warping_and_approximate_torsion_enter_the_rigidity():
+    plain = fm.Rectangle(WIDTH, THICKNESS, STEEL, torsion="approximate").rigidity().GIt
+    assert plain == pytest.approx(0.05895, abs=5e-9)
+    for ends in (0, 1, 2):
+        section = fm.Rectangle(WIDTH, THICKNESS, STEEL, torsion="approximate", warping_length=LENGTH, clamped_ends=ends)
+        factor = fm.warping_factor(LENGTH, WIDTH, 0.3125, ends)
+        assert section.rigidity().GIt == pytest.approx(float(plain * factor), rel=1e-13)
+
+
+# -- derivatives ----------------------------------------------------------------------------------------------------
+
+MATERIAL = fm.Material(E=2.1, G=0.8, rho=1.3)
+SECTIONS = {
+    "rectangle": fm.Rectangle(1.7, 0.4, MATERIAL, shear=True),
+    "rectangle, high": fm.Rectangle(0.4, 1.7, MATERIAL, shear=True),
+    "rectangle, approximate": fm.Rectangle(1.7, 0.4, MATERIAL, torsion="approximate"),
+    "rectangle, one end": fm.Rectangle(1.7, 0.4, MATERIAL, warping_length=2.0, clamped_ends=1),
+    "rectangle, two ends": fm.Rectangle(1.7, 0.4, MATERIAL, warping_length=2.0, clamped_ends=2),
+    "hollow rectangle": fm.HollowRectangle(1.7, 0.9, 0.1, 0.2, MATERIAL),
+    "circle": fm.Circle(0.9, MATERIAL, shear=True),
+    "tube": fm.Tube(0.9, 0.1, MATERIAL),
+}
+
+
+@pytest.mark.parametrize("section", SECTIONS.values(), ids=SECTIONS)
+def test_derivatives_of_rigidity_and_damping(section):
+    point, unravel = ravel_pytree(jax.tree.map(jnp.asarray, section))
+
+    def numbers(point):
+        own = unravel(point)
+        return ravel_pytree((own.rigidity(), fm.damping_from_ratio(own, 1.5, 0.01)))[0]
+
+    batch = fm.jit(jax.vmap(numbers))
+    jacobian = np.asarray(fm.jit(jax.jacfwd(numbers))(point))
+    reverse = np.asarray(fm.jit(jax.jacrev(numbers))(point))
+    step = EPS ** (1 / 3)
+    eye = np.eye(point.size)
+    difference = (np.asarray(batch(point + step * eye)) - np.asarray(batch(point - step * eye))).T / (2 * step)
+    assert np.all(np.isfinite(jacobian))
+    np.testing.assert_allclose(reverse, jacobian, rtol=1e-12, atol=1e-13)
+    # Truncation step^2/6 times a third derivative of at most 100, round-off eps/step; numbers of order one.
+    np.testing.assert_allclose(difference, jacobian, rtol=1e-8, atol=1e-8)
