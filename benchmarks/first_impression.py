@@ -42,7 +42,7 @@ def main() -> None:
     from scenes import guide
 
     import flexmb as fm
-    from flexmb.math.compile import QUICK
+    from flexmb.math.compile import QUICK, THOROUGH, compile_thoroughly
 
     fm.enable_x64()
     with tempfile.TemporaryDirectory() as folder:
@@ -78,9 +78,14 @@ def main() -> None:
     rng = np.random.default_rng(1)
     dimensions = jnp.asarray(rng.uniform([4e-4, 0.015], [6e-4, 0.02], (DESIGNS, 2)))
 
+    def thorough(yes):
+        compile_thoroughly(yes)
+        return fm.frequencies(model).block_until_ready()
+
     warm = interleaved(
         {
-            "frequencies(model)": lambda: fm.frequencies(model).block_until_ready(),
+            "frequencies(model), compiled for a cache": lambda: thorough(True),
+            "frequencies(model), compiled without one": lambda: thorough(False),
             "jit(frequency of parameters)": lambda: optimised(model.parameters).block_until_ready(),
             "frequency and gradient by every number": lambda: jax.block_until_ready(
                 lowest_and_gradient(model.parameters)
@@ -98,7 +103,8 @@ def main() -> None:
 
     lowered = {
         "compiled as jax.jit does": (lowest, {}),
-        "compiled as fm.jit and the analyses do": (lowest, QUICK),
+        "compiled as the analyses are without a cache": (lowest, QUICK),
+        "compiled as the analyses are for a cache": (lowest, THOROUGH),
     }
 
     def compile_time(function, options):

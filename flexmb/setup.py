@@ -18,17 +18,21 @@ def cache_folder() -> Path:
     return Path(given) if given else Path(base) / "flexmb"
 
 
-def enable_cache(folder: str | os.PathLike | None = None) -> Path:
+def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
     """Keep compiled code on disk, so that a fresh process starts quickly.
 
     Args:
         folder: Where; by default :func:`cache_folder`.
+        thorough: Compile for half the run time in twice the compile time, as code that is kept deserves.
 
     Returns:
         The folder.
     """
     import jax
 
+    from .math.compile import compile_thoroughly
+
+    compile_thoroughly(thorough)
     path = Path(folder) if folder is not None else cache_folder()
     path.mkdir(parents=True, exist_ok=True)
     jax.config.update("jax_compilation_cache_dir", str(path))

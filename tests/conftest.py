@@ -6,7 +6,7 @@ from flexmb.setup import cache_folder
 
 fm.enable_x64()
 # Compiled code is kept beside the user's own, so that a second run is quick.
-fm.enable_cache(cache_folder() / "tests")
+fm.enable_cache(cache_folder() / "tests", thorough=False)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 

@@ -1,6 +1,7 @@
 """Linear buckling: load multipliers about the loaded state, sign kept."""
 
-import equinox as eqx
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -8,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..math.compile import jit
 from ..math.linear import factorise, is_positive_definite, pencil
+from ..math.record import Record
 from ..mechanics.deformation import deformation_curvature
 from ..mechanics.loads import LoadFactors, has_load_elements, load_stiffness, nodal_forces
 from ..mechanics.residual import linear_response
@@ -23,7 +25,7 @@ from .linearize import Linearization, linearize
 UNBOUNDED = 1e9
 
 
-class Buckling(eqx.Module):
+class Buckling(Record):
     """Load multipliers and buckling modes, by magnitude.
 
     Attributes:
@@ -40,7 +42,7 @@ class Buckling(eqx.Module):
 def _geometric_stiffness_of_increment(topology: Topology, parameters: Parameters, at, near):
     """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry."""
     no_preload = LoadFactors(0.0, 1.0)
-    unloaded = eqx.tree_at(lambda p: p.strain, parameters, None, is_leaf=lambda leaf: leaf is None)
+    unloaded = dataclasses.replace(parameters, strain=None)
     force = nodal_forces(topology, parameters, no_preload, at.x)
     increment = parameters.increment
     wanted_x, wanted_e = held_values(topology, unloaded, no_preload)

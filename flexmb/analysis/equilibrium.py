@@ -1,15 +1,16 @@
 """Static equilibrium: Newton's method on the constraint manifold, with load steps that adapt."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..math.compile import jit
+from ..math.derivative import jvp_of_varied
 from ..math.indices import accumulate, put
+from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
@@ -28,7 +29,7 @@ MAX_ITERATIONS = 12
 SMALLEST_LOAD_STEP = 1e-4
 
 
-class Equilibrium(eqx.Module):
+class Equilibrium(Record):
     """Static equilibrium under constant loads.
 
     Attributes:
@@ -47,7 +48,7 @@ class Equilibrium(eqx.Module):
     reactions: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
-    labels: Labels = eqx.field(static=True)
+    labels: Labels = static()
 
     def at(self, node: str) -> Float[Array, "n"]:
         """Coordinates of a node, or of its rotation as "name.rotation".
@@ -66,9 +67,9 @@ class Equilibrium(eqx.Module):
 
 class _Solved(NamedTuple):
     x: Float[Array, "n_x"]
-    near: Float[Array, "n_e"] | None
-    iterations: Int[Array, ""] | None
-    result: Int[Array, ""] | None
+    near: Float[Array, "n_e"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
 
 
 def _sizes(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
@@ -176,16 +177,14 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     return _Solved(end.x, end.near, end.iterations, end.result)
 
 
-@eqx.filter_custom_jvp
+@jax.custom_jvp
 def _solve(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
     return _search(topology, parameters, target)
 
 
-@_solve.def_jvp
 def _solve_jvp(primals, tangents):
     """Implicit function theorem: the derivative of the equations at constant x, answered by the tangent."""
     topology, parameters, target = primals
-    _, d_parameters, d_target = tangents
     solved = _solve(topology, parameters, target)
     at = state(topology, parameters, target, solved.x, solved.near)
 
@@ -199,13 +198,17 @@ def _solve_jvp(primals, tangents):
         force = nodal_forces(topology, parameters, target, solved.x)
         return jacobian.T @ sigma - force, e - wanted_e, wanted_x
 
-    _, (imbalance, excess, wanted) = eqx.filter_jvp(equations, (parameters, target), (d_parameters, d_target))
+    _, (imbalance, excess, wanted) = jvp_of_varied(equations, primals[1:], tangents[1:])
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
     shift = put(jnp.zeros(topology.n_x), held, wanted[held])
     # The particular solution keeps the DOF deformations; what they change by is found as dq.
     excess = put(excess, topology.e.dof, 0.0) + at.jacobian @ shift
     dx, _ = linear_response(topology, at, excess, shift, imbalance)
-    return solved, _Solved(dx, None, None, None)
+    no_change: Any = np.zeros((), jax.dtypes.float0)
+    return solved, _Solved(dx, jnp.zeros_like(solved.near), no_change, no_change)
+
+
+_solve.defjvp(_solve_jvp, symbolic_zeros=True)
 
 
 def solve_state(

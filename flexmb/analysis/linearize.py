@@ -1,11 +1,11 @@
 """Linearised equations of motion about the static equilibrium."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..math.compile import jit
+from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.loads import LoadFactors, has_load_elements, load_factors
@@ -18,7 +18,7 @@ from ..results import RESULTS, check
 from .equilibrium import reactions_of, solve_state
 
 
-class Matrices(eqx.Module):
+class Matrices(Record):
     """Linearised equations M0 qdd + (C0 + D0) qd + (K0 + N0 + G0) q = DFx^T f - DFe^T sigma, with numbers only.
 
     Attributes:
@@ -57,7 +57,7 @@ class Matrices(eqx.Module):
     reactions: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
-    symmetric: bool = eqx.field(static=True)
+    symmetric: bool = static()
 
     @property
     def K(self) -> Float[Array, "n_q n_q"]:
@@ -65,7 +65,7 @@ class Matrices(eqx.Module):
         return self.K0 + self.N0 + self.G0
 
 
-class Linearization(eqx.Module):
+class Linearization(Record):
     """Linearised equations of motion about the equilibrium of a model.
 
     The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).

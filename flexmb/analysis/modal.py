@@ -1,13 +1,13 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..math.compile import jit
-from ..math.linear import is_positive_definite, pencil
+from ..math.linear import diagonal_of, is_positive_definite, pencil
+from ..math.record import Record
 from ..mechanics.loads import LoadFactors, has_load_elements
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -22,7 +22,7 @@ SHIFT_GROWTH = 8.0
 MAX_SHIFTS = 40
 
 
-class Modes(eqx.Module):
+class Modes(Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
 
     Attributes:
@@ -60,20 +60,21 @@ def shift_to_definite(
         FORMULATION.md 7: a stated shift where K is not positive definite.
     """
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
-    ratio = jnp.max(jnp.abs(jnp.diagonal(k)), initial=0.0) / jnp.max(jnp.diagonal(m), initial=0.0)
+    ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
     first = FIRST_SHIFT * jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
-    stable = is_positive_definite(k)
 
-    def grow(carry):
-        s, _, tries = carry
-        s = jnp.where(s > 0, SHIFT_GROWTH * s, first)
-        return s, is_positive_definite(k + s * m), tries + 1
+    def attempt(carry):
+        _, after, _, tries = carry
+        found = is_positive_definite(k + after * m)
+        return after, jnp.where(tries == 0, first, SHIFT_GROWTH * after), found, tries + 1
 
     def unfinished(carry):
-        _, found, tries = carry
-        return ~found & (tries < MAX_SHIFTS)
+        _, _, found, tries = carry
+        return ~found & (tries <= MAX_SHIFTS)
 
-    s, found, _ = lax.while_loop(unfinished, grow, (jnp.zeros(()), stable, jnp.zeros((), jnp.int32)))
+    start = (jnp.zeros(()), jnp.zeros(()), jnp.array(False), jnp.zeros((), jnp.int32))
+    s, _, found, tries = lax.while_loop(unfinished, attempt, start)
+    stable = found & (tries == 1)
     return s, stable, found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.core
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3, unit_norm
+from ..elements.sections import Rigidity
 from ..math.indices import put
 from ..model.model import Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
@@ -139,48 +140,106 @@ def assemble(builder: Builder) -> Model:
         builder.dimension or 2,
     )
     # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
-    topology, parameters = jax.device_put((topology, parameters))
+    topology, parameters = jax.tree.map(lambda a: jax.device_put(a) if is_concrete(a) else a, (topology, parameters))
     return Model(topology, parameters, labels)
 
 
-# Companions that are evaluated together; deformations apart, so that a rigid and a flexible beam share their trace.
-TOGETHER = (("deformation",), ("stiffness", "damping", "inertia", "force"))
+COMPANIONS = ("stiffness", "damping", "inertia", "force")
+
+
+class _Piece(NamedTuple):
+    """One member on its way into a block."""
+
+    x: list[int]
+    e: list[int]
+    splits: tuple[int, ...]
+    properties: dict[str, Any]
+    companions: tuple[str, ...]
 
 
 def _blocks(builder, members, first_x):
-    """Members stacked by type, options and structure of the properties that matter, in order of first appearance."""
-    groups: dict[Any, list] = {}
+    """Members stacked by type and by structure of their properties, in order of first appearance.
+
+    Deformations and companions of elements of a type share a block, so that what both compute is computed once. Where
+    the companions differ, as for hinges with and without stiffness, deformations stay together in a block of their own.
+    """
+    groups: dict[Any, list[_Piece]] = {}
     first = 0
     for _, element, nodes, properties, roles, _ in members:
         x = [first_x[n] + i for n in nodes for i in range(builder.nodes[n].kind.size)]
         e = list(range(first, first + len(roles)))
         first += len(roles)
         splits = tuple(np.cumsum([builder.nodes[n].kind.size for n in nodes])[:-1].tolist())
-        for companions in TOGETHER:
+        rigid = all(role is Role.FIXED for role in roles)
+        present = tuple(
+            c
+            for c in COMPANIONS
             # Nothing stiff is asked of an element whose deformations are all FIXED.
-            if companions == ("deformation",):
-                own = element.arguments(element.deformation, properties)
-                present = bool(roles)
-            else:
-                own = properties
-                rigid = all(role is Role.FIXED for role in roles)
-                companions = tuple(c for c in companions if not (rigid and c in ("stiffness", "damping")))
-                present = any(element.arguments(getattr(element, c), properties) is not None for c in companions)
-            if not present:
-                continue
-            options = tuple(sorted((k, v) for k, v in own.items() if _is_option(v)))
-            leaves, structure = jax.tree.flatten({k: v for k, v in own.items() if not _is_option(v)})
-            shapes = tuple(np.shape(leaf) for leaf in leaves)
-            key = (element, companions, options, structure, shapes)
-            groups.setdefault(key, []).append((x, e, leaves, splits))
-    blocks, stacked = [], []
-    for (element, companions, options, structure, _), found in groups.items():
-        x: Any = np.array([f[0] for f in found], int)
-        e: Any = np.array([f[1] for f in found], int).reshape(len(found), -1)
-        blocks.append(Block(element, companions, options, x, e, found[0][3]))
-        columns = zip(*(f[2] for f in found), strict=True)
-        stacked.append(jax.tree.unflatten(structure, [stack(list(c)) for c in columns]))
-    return tuple(blocks), tuple(stacked)
+            if not (rigid and c in ("stiffness", "damping"))
+            and element.arguments(getattr(element, c), properties) is not None
+        )
+        key = (element, _structure(element.arguments(element.deformation, properties)))
+        groups.setdefault(key, []).append(_Piece(x, e, splits, properties, present))
+    found: list[tuple[Block, dict[str, Any]]] = []
+    for (element, _), pieces in groups.items():
+        alike: dict[Any, list[_Piece]] = {}
+        for piece in pieces:
+            alike.setdefault(_structure(piece.properties), []).append(piece)
+        apart = len(alike) > 1
+        if apart and pieces[0].e:
+            deformed = [p._replace(properties=element.arguments(element.deformation, p.properties)) for p in pieces]
+            found.append(_block(element, ("deformation",), deformed))
+        for own in alike.values():
+            companions = tuple(c for c in COMPANIONS if any(c in p.companions for p in own))
+            if not apart and own[0].e:
+                companions = ("deformation", *companions)
+            if companions:
+                found.append(_block(element, companions, own))
+    return tuple(f[0] for f in found), tuple(f[1] for f in found)
+
+
+def _structure(properties: dict[str, Any]) -> Any:
+    """What two elements must have in common to be stacked: anything but the numbers and the kinds of section."""
+    options = tuple(sorted((k, v) for k, v in properties.items() if _is_option(v)))
+    rest = {k: v for k, v in properties.items() if not _is_option(v) and k != "section"}
+    leaves, structure = jax.tree.flatten(rest)
+    return options, structure, tuple(np.shape(leaf) for leaf in leaves)
+
+
+def _block(element: Element, companions: tuple[str, ...], pieces: list[_Piece]) -> tuple[Block, dict[str, Any]]:
+    """Elements stacked; sections of several kinds become a tuple, one stack a kind, elements in that order."""
+    kinds: dict[Any, list[_Piece]] = {}
+    for piece in pieces:
+        section = piece.properties.get("section")
+        kinds.setdefault(jax.tree.structure(section), []).append(piece)
+    if len(kinds) > 1:
+        # An element without section, beside others that have one, has the section whose numbers are all zero.
+        filled = [p if p.properties["section"] is not None else _with_section(p) for own in kinds.values() for p in own]
+        kinds = {}
+        for piece in filled:
+            kinds.setdefault(jax.tree.structure(piece.properties["section"]), []).append(piece)
+    ordered = [piece for own in kinds.values() for piece in own]
+    x: Any = np.array([p.x for p in ordered], int)
+    e: Any = np.array([p.e for p in ordered], int).reshape(len(ordered), -1)
+    options = tuple(sorted((k, v) for k, v in ordered[0].properties.items() if _is_option(v)))
+    stacked = {}
+    for name, value in ordered[0].properties.items():
+        if name == "section":
+            stacks = tuple(_stack_trees([p.properties[name] for p in own]) for own in kinds.values())
+            stacked[name] = stacks if len(kinds) > 1 else _stack_trees([p.properties[name] for p in ordered])
+        elif not _is_option(value):
+            stacked[name] = _stack_trees([p.properties[name] for p in ordered])
+    return Block(element, companions, options, x, e, ordered[0].splits), stacked
+
+
+def _with_section(piece: _Piece) -> _Piece:
+    return piece._replace(properties={**piece.properties, "section": Rigidity()})
+
+
+def _stack_trees(trees: list[Any]) -> Any:
+    leaves = [jax.tree.leaves(tree) for tree in trees]
+    columns = [stack(list(column)) for column in zip(*leaves, strict=True)]
+    return jax.tree.unflatten(jax.tree.structure(trees[0]), columns)
 
 
 def _indices(roles: list[Role], dofs: list[int]) -> RoleIndices:

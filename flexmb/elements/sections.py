@@ -7,14 +7,15 @@ and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that d
 import abc
 from typing import Literal
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
+
+from ..math.record import Record, static
 
 Scalar = float | Float[Array, ""]
 
 
-class Material(eqx.Module):
+class Material(Record):
     """Isotropic linear material.
 
     Attributes:
@@ -34,7 +35,7 @@ class Material(eqx.Module):
         return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
 
 
-class Section(eqx.Module):
+class Section(Record):
     """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers."""
 
     @abc.abstractmethod
@@ -73,7 +74,7 @@ class Rigidity(Section):
         return self
 
 
-class Damping(eqx.Module):
+class Damping(Record):
     """Damping rigidities of a beam or truss, in the same places as its stiffness.
 
     Attributes:
@@ -201,11 +202,11 @@ class Rectangle(Section):
     width: Scalar
     thickness: Scalar
     material: Material
-    shear: bool = eqx.field(static=True, default=False)
-    rotary: bool = eqx.field(static=True, default=True)
-    torsion: Literal["series", "approximate"] = eqx.field(static=True, default="series")
+    shear: bool = static(default=False)
+    rotary: bool = static(default=True)
+    torsion: Literal["series", "approximate"] = static(default="series")
     warping_length: Scalar | None = None
-    clamped_ends: int = eqx.field(static=True, default=2)
+    clamped_ends: int = static(default=2)
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the rectangle; equations above."""
@@ -235,7 +236,7 @@ class HollowRectangle(Section):
     wall_y: Scalar
     wall_z: Scalar
     material: Material
-    rotary: bool = eqx.field(static=True, default=True)
+    rotary: bool = static(default=True)
 
     shear = False
 
@@ -261,8 +262,8 @@ class Circle(Section):
 
     diameter: Scalar
     material: Material
-    shear: bool = eqx.field(static=True, default=False)
-    rotary: bool = eqx.field(static=True, default=True)
+    shear: bool = static(default=False)
+    rotary: bool = static(default=True)
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the circle."""
@@ -284,7 +285,7 @@ class Tube(Section):
     diameter: Scalar
     wall: Scalar
     material: Material
-    rotary: bool = eqx.field(static=True, default=True)
+    rotary: bool = static(default=True)
 
     shear = False
 

@@ -7,17 +7,36 @@ from typing import Any
 import jax
 import jax.core
 
-# An analysis is many small products around a few calls of LAPACK. Optimising their code more than doubles the time to
-# trace and compile and saves up to half the time of a run (benchmarks/first_impression.py).
+# An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
+# compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
 QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+THOROUGH = {
+    "xla_backend_optimization_level": 1,
+    "xla_cpu_use_fusion_emitters": False,
+    "xla_llvm_disable_expensive_passes": True,
+    "xla_cpu_experimental_ynn_fusion_type": "",
+}
+
+
+_thorough = False
+
+
+def compile_thoroughly(thorough: bool) -> None:
+    """Whether compiled functions should run quickly rather than compile quickly, from now on.
+
+    Args:
+        thorough: True takes twice the compile time for half the time of a run.
+    """
+    global _thorough
+    _thorough = thorough
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of pytrees of arrays, quickly where it is called on concrete numbers.
 
-    The same as ``jax.jit`` but for the compiler's optimisation level. A batch of thousands of designs is better
-    compiled by ``jax.jit``. JAX takes compiler options at the outermost call only, so that under a trace the function
-    is compiled as part of the caller's.
+    The same as ``jax.jit`` but for the compiler's options: quick to compile, or quick to run where compiled code is
+    kept on disk (see :func:`flexmb.enable_cache`). JAX takes compiler options at the outermost call only, so that
+    under a trace the function is compiled as part of the caller's.
 
     Args:
         function: Function of pytrees of arrays; arguments given by keyword are options that choose code.
@@ -29,7 +48,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     def flat(structure, options, *leaves):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
-    outermost = jax.jit(flat, static_argnums=(0, 1), compiler_options=QUICK)
+    quick, thorough = (jax.jit(flat, static_argnums=(0, 1), compiler_options=o) for o in (QUICK, THOROUGH))
     nested = jax.jit(flat, static_argnums=(0, 1))
 
     @functools.wraps(function)
@@ -37,7 +56,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         # Flattened once, here: a model is a tree of some thirty arrays.
         leaves, structure = jax.tree.flatten(arguments)
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
-        return (nested if traced else outermost)(structure, tuple(sorted(options.items())), *leaves)
+        chosen = nested if traced else thorough if _thorough else quick
+        return chosen(structure, tuple(sorted(options.items())), *leaves)
 
     return call
 
@@ -54,3 +74,32 @@ def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:
         The same function.
     """
     return functools.wraps(function)(jax.jit(function))
+
+
+def as_primitives(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Trace a small function once to primitive operations, before it is differentiated and mapped.
+
+    The functions and operators of ``jax.numpy`` are compiled functions themselves, which ``jax.vmap`` and ``jax.jvp``
+    would transform one by one; that takes twice as long to trace.
+
+    Args:
+        function: Function of pytrees of arrays.
+
+    Returns:
+        The same function.
+    """
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        leaves, structure = jax.tree.flatten((arguments, named))
+
+        def flat(*leaves):
+            arguments, named = jax.tree.unflatten(structure, leaves)
+            return function(*arguments, **named)
+
+        program, shape = jax.make_jaxpr(flat, return_shape=True)(*(jax.typeof(leaf) for leaf in leaves))
+        return jax.tree.unflatten(
+            jax.tree.structure(shape), jax.core.eval_jaxpr(program.jaxpr, program.consts, *leaves)
+        )
+
+    return call

@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from .indices import put
+from .indices import TRUSTED, put
 
 
 class Factors(NamedTuple):
@@ -42,7 +43,7 @@ class Factors(NamedTuple):
 
     def regular(self) -> Bool[Array, ""]:
         """Whether all pivots are finite and none is below 1e-13 of the largest."""
-        pivots = jnp.abs(jnp.diagonal(self.lu))
+        pivots = jnp.abs(diagonal_of(self.lu))
         if pivots.shape[0] == 0:
             return jnp.array(True)
         return jnp.all(jnp.isfinite(self.lu)) & (jnp.min(pivots) > 1e-13 * jnp.max(pivots))
@@ -64,13 +65,23 @@ def _triangular(matrix, right, **options):
     return solved.reshape(right.shape)
 
 
+def diagonal_of(matrix: Float[Array, "n n"]) -> Float[Array, "n"]:
+    """Diagonal of a square matrix, by one gather where ``jnp.diagonal`` provides for more.
+
+    Args:
+        matrix: (n, n).
+    """
+    every = np.arange(matrix.shape[0])
+    return matrix.at[every, every].get(**TRUSTED)
+
+
 def cholesky(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
     """Lower Cholesky factor of a symmetric matrix; NaN where it is not positive definite.
 
     Args:
         matrix: (n, n), symmetric.
     """
-    return jnp.tril(jax.lax.linalg.cholesky(matrix, symmetrize_input=False))
+    return jax.lax.linalg.cholesky(matrix, symmetrize_input=False)
 
 
 def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
@@ -84,9 +95,9 @@ def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
     n = matrix.shape[0]
     if n == 0:
         return jnp.array(True)
-    diagonal = jnp.diagonal(matrix)
+    diagonal = diagonal_of(matrix)
     scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
-    pivots = jnp.diagonal(cholesky(matrix * scale[:, None] * scale)) ** 2
+    pivots = diagonal_of(cholesky(matrix * scale[:, None] * scale)) ** 2
     return jnp.all(diagonal > 0) & jnp.all(pivots > 10 * n * jnp.finfo(matrix.dtype).eps)
 
 
@@ -121,6 +132,6 @@ def _pencil_jvp(primals, tangents):
     change = da - mu[None, :] * db
     gap = mu[None, :] - mu[:, None]
     apart = jnp.abs(gap) > 1e-10 * jnp.maximum(jnp.abs(mu)[None, :], jnp.abs(mu)[:, None])
-    coefficients = jnp.where(apart, change / jnp.where(apart, gap, 1.0), 0.0)
-    coefficients = coefficients - jnp.diag(jnp.diagonal(db) / 2)
-    return (mu, w), (jnp.diagonal(change), w @ coefficients)
+    # Within a cluster the vectors follow no rotation of their own, only the change of their norm.
+    coefficients = jnp.where(apart, change / jnp.where(apart, gap, 1.0), -db / 2)
+    return (mu, w), (diagonal_of(change), w @ coefficients)

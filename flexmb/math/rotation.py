@@ -35,6 +35,8 @@ for _i, (_j, _k) in enumerate([(2, 3), (3, 1), (1, 2)]):
     LBAR[_i, _j, _k], LBAR[_i, _k, _j] = -1.0, 1.0
     LBODY[_i, _j, _k], LBODY[_i, _k, _j] = 1.0, -1.0
 ROTATION = np.einsum("iak,jal->ijkl", LBAR, LBODY)
+# (a x b)_i = CROSS[i, j, k] a_j b_k
+CROSS = np.moveaxis(np.cross(np.eye(3)[:, None], np.eye(3)), 2, 0)
 
 
 def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
@@ -119,4 +121,4 @@ def initial_frame(p: Float[Array, "3"], q: Float[Array, "3"], y: Float[Array, "3
         y = (jnp.arange(3) == jnp.argmin(jnp.abs(ex))).astype(ex.dtype)
     ey = y - (y @ ex) * ex
     ey = ey / jnp.sqrt(jnp.sum(ey**2))
-    return jnp.stack([ex, ey, jnp.cross(ex, ey)], axis=1)
+    return jnp.stack([ex, ey, (CROSS @ ey) @ ex], axis=1)

@@ -2,9 +2,12 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..elements.sections import Rigidity, Section
+from ..math.compile import as_primitives, traced_once
 from ..math.indices import accumulate
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
@@ -33,7 +36,7 @@ def element_function(block: Block, companion, properties):
         nodes = jnp.split(x, block.splits) if takes_nodes else ()
         return companion(*nodes, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
 
-    return function
+    return as_primitives(function)
 
 
 def each_block(topology: Topology, parameters: Parameters, companion: str):
@@ -50,9 +53,22 @@ def each_block(topology: Topology, parameters: Parameters, companion: str):
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         if companion not in block.companions:
             continue
+        if isinstance(properties.get("section"), tuple):
+            properties = {**properties, "section": _rigidities(properties["section"])}
         function = element_function(block, getattr(block.element, companion), properties)
         if function is not None:
             yield block, function, parameters.reference[block.x], properties
+
+
+@traced_once
+def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
+    """Numbers of stacked sections of several kinds, one after the other, as one stack."""
+
+    def numbers(section):
+        return jnp.stack([jnp.asarray(number, float) for number in jax.tree.leaves(section.rigidity())])
+
+    columns = jnp.concatenate([jax.vmap(numbers)(stack) for stack in stacks])
+    return jax.tree.unflatten(jax.tree.structure(Rigidity()), list(columns.T))
 
 
 def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array]]) -> Float[Array, "rows columns"]:

@@ -2,9 +2,9 @@
 
 import dataclasses
 
-import equinox as eqx
 import numpy as np
 
+from ..math.record import Record, static
 from .parameters import Parameters
 from .roles import Role
 from .topology import RoleIndices, Topology
@@ -74,7 +74,7 @@ class Labels:
         return [i for i, entry in enumerate(self.x) if entry.of == node]
 
 
-class Model(eqx.Module):
+class Model(Record):
     """A checked mechanism: topology and parameters, with names beside them.
 
     Attributes:
@@ -85,7 +85,7 @@ class Model(eqx.Module):
 
     topology: Topology
     parameters: Parameters
-    labels: Labels = eqx.field(static=True)
+    labels: Labels = static()
 
     @property
     def q_labels(self) -> list[str]:

@@ -2,11 +2,12 @@
 
 from typing import Any
 
-import equinox as eqx
 from jaxtyping import Array, Float
 
+from ..math.record import Record
 
-class Loads(eqx.Module):
+
+class Loads(Record):
     """Constant loads. What a scene does not have is None and is not traced.
 
     Attributes:
@@ -24,7 +25,7 @@ class Loads(eqx.Module):
     e: Float[Array, "_p"] | None = None
 
 
-class Parameters(eqx.Module):
+class Parameters(Record):
     """Numbers of a mechanism; a pytree to differentiate, batch and optimise.
 
     Attributes:

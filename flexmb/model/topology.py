@@ -1,12 +1,12 @@
 """Shapes and element functions (static), connectivity and roles (integer arrays, leaves of the pytree)."""
 
-import equinox as eqx
 from jaxtyping import Array, Int
 
 from ..elements.element import Element
+from ..math.record import Record, static
 
 
-class Block(eqx.Module):
+class Block(Record):
     """Elements of equal type and equal property structure, stacked.
 
     Attributes:
@@ -18,15 +18,15 @@ class Block(eqx.Module):
         splits: Where the coordinates of one node end and the next begin.
     """
 
-    element: Element = eqx.field(static=True)
-    companions: tuple[str, ...] = eqx.field(static=True)
-    options: tuple[tuple[str, object], ...] = eqx.field(static=True)
+    element: Element = static()
+    companions: tuple[str, ...] = static()
+    options: tuple[tuple[str, object], ...] = static()
     x: Int[Array, "elements coordinates"]
     e: Int[Array, "elements deformations"]
-    splits: tuple[int, ...] = eqx.field(static=True)
+    splits: tuple[int, ...] = static()
 
 
-class RoleIndices(eqx.Module):
+class RoleIndices(Record):
     """Which entries of x or of e have which role.
 
     Attributes:
@@ -44,7 +44,7 @@ class RoleIndices(eqx.Module):
         return sum(a.shape[0] for a in (self.fixed, self.dependent, self.dof, self.prescribed))
 
 
-class Topology(eqx.Module):
+class Topology(Record):
     """Structure of a mechanism. What is compiled depends on its shapes and element functions alone.
 
     Attributes:
