@@ -51,3 +51,4 @@ from .statespace import state_matrices as state_matrices
 from .statespace import to_statespace as to_statespace
 
 __version__: str
+_WHERE: dict[str, str]

@@ -190,7 +190,7 @@ def second_transfer(
         lin: Linearization.
 
     Returns:
-        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q).
+        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [their units over those of q twice].
 
     Source:
         Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, FORMULATION.md 4.

@@ -14,6 +14,7 @@ import numpy as np
 from ..elements import planar, spatial
 from ..elements.element import ALL, Element, as_element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
+from ..elements.sections import Section
 from ..errors import ModelError
 from ..model.model import Model
 from ..model.roles import Role
@@ -242,6 +243,8 @@ class Builder:
             mass: () [kg].
             inertia: In the plane () of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes [kg m^2].
         """
+        if is_concrete(mass) and np.any(np.asarray(mass, float) < 0):
+            raise ModelError(f"The mass on node '{node}' is {mass}, but it cannot be negative. Rotary inertia may be.")
         self._add_hidden("mass", self._position(node), mass=mass)
         if inertia is not None:
             self.inertia(node, inertia)
@@ -530,6 +533,9 @@ class Builder:
             for leaf in jax.tree.leaves(value):
                 if not isinstance(leaf, str):
                     self._check_finite(f"Property '{wanted}' of element '{name}'", leaf)
+            if isinstance(value, Section) and is_concrete(value):
+                for fault in value.faults():
+                    raise ModelError(f"The section of element '{name}' has {fault}.")
         return complete
 
     def _check_member(self, element: Element, name: str, references: list, properties: dict) -> None:

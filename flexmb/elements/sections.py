@@ -5,9 +5,11 @@ and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that d
 """
 
 import abc
+import dataclasses
 from typing import Literal
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.record import Record, static
@@ -42,6 +44,10 @@ class Section(Record):
     def rigidity(self) -> "Rigidity":
         """Rigidities and mass per length of the section."""
 
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
+        return _faults(self, at_least_zero=("rho",))
+
 
 class Rigidity(Section):
     """A section given by its numbers. What is not given is zero, a shear compliance of zero means rigid in shear.
@@ -72,6 +78,25 @@ class Rigidity(Section):
     def rigidity(self) -> "Rigidity":
         """The numbers themselves."""
         return self
+
+    def faults(self) -> list[str]:
+        """A rigidity or mass below zero; the product of inertia has either sign."""
+        return _faults(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
+
+
+def _faults(record: Record, at_least_zero: tuple[str, ...]) -> list[str]:
+    found = []
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu"):
+            continue
+        if isinstance(value, Record):
+            found += _faults(value, at_least_zero)
+        elif field.name in at_least_zero:
+            found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
+        elif not np.all(np.asarray(value) > 0):
+            found.append(f"{field.name} = {value}, but it must be positive")
+    return found
 
 
 class Damping(Record):
@@ -240,6 +265,11 @@ class HollowRectangle(Section):
 
     shear = False
 
+    def faults(self) -> list[str]:
+        """As for every section; the walls leave a hole."""
+        thick = [n for n, side in (("wall_y", self.width), ("wall_z", self.thickness)) if 2 * getattr(self, n) >= side]
+        return super().faults() + [f"{n} = {getattr(self, n)}, which leaves no hole between two walls" for n in thick]
+
     def rigidity(self) -> Rigidity:
         """Rigidities; torsion by Bredt: It = 4 A_m^2 / closed integral of ds/wall."""
         w, t = self.width, self.thickness
@@ -288,6 +318,11 @@ class Tube(Section):
     rotary: bool = static(default=True)
 
     shear = False
+
+    def faults(self) -> list[str]:
+        """As for every section; the wall leaves a hole."""
+        thick = 2 * self.wall >= self.diameter
+        return super().faults() + ([f"wall = {self.wall}, which leaves no hole in the tube"] if thick else [])
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the tube."""

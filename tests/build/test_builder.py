@@ -156,3 +156,57 @@ def test_overview_lists_every_entry():
     assert "NDOF = NX - NXO - NEO = 12 - 6 - 5 = 1" in text
     assert "left1           x dof, y dependent" in text
     assert "left 1          e1 fixed, e2 dependent, e3 dependent" in text
+
+
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
+
+
+@pytest.mark.parametrize(
+    ("section", "fault"),
+    [
+        (fm.Rectangle(0.018, -5e-4, STEEL), "thickness = -0.0005, but it must be positive"),
+        (fm.Rectangle(0.0, 5e-4, STEEL), "width = 0.0, but it must be positive"),
+        (fm.Rectangle(0.018, 5e-4, fm.Material(E=-1.0, G=80e9)), "E = -1.0"),
+        (fm.Rectangle(0.018, 5e-4, fm.Material(E=1.0, G=80e9, rho=-1.0)), "rho = -1.0, but it cannot be negative"),
+        (fm.HollowRectangle(0.02, 0.01, 0.002, 0.005, STEEL), "wall_z = 0.005, which leaves no hole"),
+        (fm.Tube(0.01, 0.005, STEEL), "wall = 0.005, which leaves no hole"),
+        (fm.Rigidity(EIy=-1.0), "EIy = -1.0, but it cannot be negative"),
+    ],
+)
+def test_sections_that_cannot_be(section, fault):
+    b = two_nodes()
+    with pytest.raises(fm.ModelError, match=f"The section of element 'leaf' has {fault}"):
+        b.add(planar.beam, "A", "B", name="leaf", section=section)
+
+
+def test_a_mass_is_not_negative_but_inertia_may_be():
+    b = two_nodes()
+    with pytest.raises(fm.ModelError, match="mass on node 'A' is -1"):
+        b.mass("A", -1.0)
+    b.mass("A", 1.0, inertia=-1e-3)
+
+
+def test_sections_of_several_kinds_in_one_block():
+    """A leaf spring, a given rigidity and an element without section are as three blocks of their own would be."""
+
+    def chain(*sections):
+        b = fm.Builder()
+        for i in range(len(sections) + 1):
+            b.node(f"{i}", (0.1 * i, 0))
+        for i, section in enumerate(sections):
+            b.add(
+                planar.beam,
+                f"{i}",
+                f"{i + 1}",
+                name=f"b{i}",
+                section=section,
+                released=() if section is None else "all",
+            )
+        b.fix("0")
+        b.mass(f"{len(sections)}", 1.0, inertia=1e-3)
+        return fm.frequencies(b.build())
+
+    leaf = fm.Rectangle(0.018, 5e-4, STEEL)
+    found = chain(None, leaf, leaf.rigidity(), fm.Circle(1e-3, STEEL))
+    alike = chain(None, leaf.rigidity(), leaf.rigidity(), fm.Circle(1e-3, STEEL).rigidity())
+    np.testing.assert_allclose(found, alike, rtol=1e-9)

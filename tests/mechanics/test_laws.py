@@ -210,7 +210,7 @@ class Whole:
         e, _ = deformation_jacobian(self.topology, self.model.parameters, x, np.zeros(self.topology.n_e))
         e = np.asarray(e)
         falling = sum(m * self.gravity @ centre for m, centre in self.masses(x))
-        return 0.5 * e @ self.stiffness @ e - self.force @ (x - self.reference) - falling
+        return float(0.5 * e @ self.stiffness @ e - self.force @ (x - self.reference) - falling)
 
 
 # -- equilibrium ----------------------------------------------------------------------------------------------------
