@@ -6,7 +6,7 @@ and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that d
 
 import abc
 import dataclasses
-from typing import Literal
+from typing import Any, Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -84,7 +84,7 @@ class Rigidity(Section):
         return _faults(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
 
 
-def _faults(record: Record, at_least_zero: tuple[str, ...]) -> list[str]:
+def _faults(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
     found = []
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
