@@ -22,9 +22,14 @@ from ..results import RESULTS, check
 
 # A step this small beside the mechanism is taken and ends the iteration: the error left is its square.
 STEP_TOLERANCE = 1e-9
+# On the way, a load step ends sooner.
+LOOSE_TOLERANCE = 0.02
 # A Newton step larger than this (extents of the mechanism, radians) is refused and the load step shortened: beyond
 # it angles could be counted into another turn and the iterate fall to another branch.
-LARGEST_STEP = 0.5
+LARGEST_STEP = 0.75
+# So is one that is not this much smaller than the one before it: Newton's method then left the neighbourhood of the
+# path, and what it finds may be another branch (Deuflhard 2011, Newton Methods for Nonlinear Problems, section 5.1).
+CONTRACTION = 0.5
 MAX_ITERATIONS = 12
 SMALLEST_LOAD_STEP = 1e-4
 
@@ -109,6 +114,8 @@ class _Search(NamedTuple):
     trial_dof: Float[Array, "dofs"]
     reached: Float[Array, ""]
     step: Float[Array, ""]
+    first: Float[Array, ""]
+    before: Float[Array, ""]
     tries: Int[Array, ""]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
@@ -123,6 +130,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     sizes = _sizes(topology, parameters)
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
 
+    tracks = any(block.element.tracks_angle for block in topology.blocks)
+
     def turn(s: _Search) -> _Search:
         load = jnp.minimum(s.reached + s.step, 1.0)
         factors = LoadFactors(load * target.initial, load * target.increment)
@@ -133,14 +142,21 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         imbalance = at.jacobian.T @ at.sigma - at.force
         change, dq = linear_response(topology, at, excess, shift, imbalance)
         size = jnp.max(jnp.abs(change) / sizes)
-        bad = ~(size < LARGEST_STEP) | (s.tries >= MAX_ITERATIONS)
-        done = (size < STEP_TOLERANCE) & ~bad
+        contraction = size / s.before
+        first = jnp.where(s.tries == 0, size, s.first)
+        astray = (contraction > CONTRACTION) & (size > STEP_TOLERANCE**0.5)
+        bad = ~(size < LARGEST_STEP) | astray | (s.tries >= MAX_ITERATIONS)
+        last = load >= 1.0
+        near_enough = (size < STEP_TOLERANCE) | (~last & (size < LOOSE_TOLERANCE) & (s.tries > 0))
+        done = near_enough & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
-        near = deformations(topology, parameters, trial, at.e)
+        near = deformations(topology, parameters, trial, at.e) if tracks else at.e
         dof = s.trial_dof + dq[topology.x.dof.shape[0] :]
-        shorter = s.step / 4
-        step = jnp.where(bad, shorter, jnp.where(done & (s.tries <= 6), 2 * s.step, s.step))
+        fitting = 0.8 * LARGEST_STEP / first
+        shorter = s.step * jnp.where((s.tries == 0) & (fitting > 0), jnp.clip(fitting, 0.02, 0.5), 0.25)
+        longer = s.step * jnp.clip(jnp.minimum(fitting, jnp.sqrt(0.2 / contraction)), 0.5, 4.0)
+        step = jnp.where(bad, shorter, jnp.where(done, longer, s.step))
         failed = bad & (shorter < SMALLEST_LOAD_STEP)
         singular = ~jnp.all(jnp.isfinite(change))
         why = jnp.where(
@@ -161,6 +177,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             trial_dof=choose(s.dof, dof, dof),
             reached=jnp.where(done, load, s.reached),
             step=step,
+            first=first,
+            before=jnp.where(bad | done, jnp.inf, size),
             tries=jnp.where(bad | done, 0, s.tries + 1),
             iterations=s.iterations + 1,
             result=jnp.where(failed, why, int(RESULTS.successful)).astype(jnp.int32),
@@ -172,7 +190,10 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     x0, near0 = parameters.reference, zero_near(topology)
     zero = jnp.zeros((), jnp.int32)
     dof0 = jnp.zeros(topology.e.dof.shape[0])
-    start = _Search(x0, near0, x0, near0, dof0, dof0, jnp.array(0.0), jnp.array(1.0), zero, zero, zero)
+    begin = jnp.array(1.0)
+    start = _Search(
+        x0, near0, x0, near0, dof0, dof0, jnp.array(0.0), begin, begin, jnp.array(jnp.inf), zero, zero, zero
+    )
     end = jax.lax.while_loop(unfinished, turn, start)
     return _Solved(end.x, end.near, end.iterations, end.result)
 

@@ -467,7 +467,7 @@ class Builder:
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
         """One node for each positional parameter of an element."""
-        kinds = list(element.nodes.items())
+        kinds = [(p, k) for p, k in element.nodes.items() if k.part != "internal"]
         expected = ", ".join(f"{p} ({k.part})" for p, k in kinds)
         wrong = ModelError(
             f"Element '{name}' ({element.name}) joins {len(kinds)} nodes: {expected}. Give one name for each, or one"
@@ -500,7 +500,14 @@ class Builder:
             found.append(part)
         if waiting is None and next(source, None) is not None:
             raise wrong
-        return tuple(found)
+        own = [k for k in element.nodes.values() if k.part == "internal"]
+        return tuple(found + [self._internal(name, kind) for kind in own])
+
+    def _internal(self, element: str, kind: NodeKind) -> str:
+        """Node of the coordinates that an element owns; an element owns one such node at most, its last."""
+        node = f"{element}.internal"
+        self._new_node(node, kind, list(kind.start))
+        return node
 
     def _part_kind(self, node: str, kind: NodeKind) -> str | None:
         """Whether a name can stand for a node of this kind."""

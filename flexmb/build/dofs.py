@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .builder import Builder
 
 # What must be left of a candidate once those already chosen are taken out, of 1.
-INDEPENDENT = 1e-2
+INDEPENDENT = 1e-5
 CANNOT_MOVE = 1e-7
 
 

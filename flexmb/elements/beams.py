@@ -9,6 +9,9 @@ from .nodes import length
 # Mass of cubics in the end positions and end slopes times length, over m l / 420 (REFERENCES.md T4: axially too).
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 LINEAR_MASS = np.array([[2.0, 1], [1, 2]]) / 6
+# Second moments tr(J)/2 I - J of an inertia tensor, for each of Jx, Jy, Jz, Jyz.
+SECOND_MOMENTS = np.array([np.eye(3) / 2 - np.diag(np.arange(3) == k) for k in range(3)] + [np.zeros((3, 3))])
+SECOND_MOMENTS[3, 1, 2] = SECOND_MOMENTS[3, 2, 1] = -1.0
 
 
 # [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]] = BENDING[0] + Phi BENDING[1]
@@ -107,4 +110,15 @@ def check_length(*, ref) -> list[str]:
     """Faults of an element with two end positions."""
     if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:
         return ["has zero length: its two ends have the same position"]
+    return []
+
+
+def check_across(ref, y) -> list[str]:
+    """Faults of the vector that fixes the local y axis of an element with end positions ``ref.p`` and ``ref.q``."""
+    if y is None:
+        return []
+    axis, across = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y, float)
+    size = np.linalg.norm(across) * np.linalg.norm(axis)
+    if np.linalg.norm(np.cross(axis, across)) <= 1e-5 * size:
+        return ["has a local y vector that is zero or parallel to its axis: give one across it"]
     return []

@@ -5,7 +5,8 @@ that the signature is the element's only declaration.
 """
 
 import dataclasses
-from typing import Annotated
+import functools
+from typing import Annotated, Any
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -17,7 +18,8 @@ class NodeKind:
 
     Attributes:
         name: Name as it appears in messages.
-        part: Which part of a named node it is, "position" or "rotation".
+        part: Which part of a named node it is, "position" or "rotation"; "internal" for coordinates that an element
+            owns.
         dimension: 2 in the plane, 3 in space.
         start: Coordinates before a position is given.
         components: Name of each coordinate.
@@ -46,6 +48,18 @@ Point2 = Annotated[Float[Array, "2"], POINT2]
 Angle = Annotated[Float[Array, "1"], ANGLE]
 Point3 = Annotated[Float[Array, "3"], POINT3]
 Rotation3 = Annotated[Float[Array, "4"], ROTATION3]
+
+
+@functools.cache
+def Internal(size: int, dimension: int) -> Any:
+    """Annotation of coordinates that an element owns; the builder makes a node of them, "element.internal".
+
+    Args:
+        size: Number of coordinates, zero in the undeformed mechanism.
+        dimension: 2 in the plane, 3 in space.
+    """
+    names = tuple(f"c{i + 1}" for i in range(size))
+    return Annotated[Float[Array, f"{size}"], NodeKind("Internal", "internal", dimension, (0.0,) * size, names, size)]
 
 
 def unit_norm(rotation: Rotation3, *, ref) -> Float[Array, "1"]:

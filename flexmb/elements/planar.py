@@ -12,6 +12,7 @@ from . import beams
 from .element import ALL, Element
 from .nodes import Angle, Point2
 from .sections import Damping, Section
+from .spectral import planar_beam as spectral_beam  # noqa: F401
 
 
 def _truss(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:

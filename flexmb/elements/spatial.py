@@ -13,6 +13,7 @@ from . import beams
 from .element import Element
 from .nodes import Point3, Rotation3
 from .sections import Damping, Section
+from .spectral import spatial_beam as spectral_beam  # noqa: F401
 
 
 def _truss(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
@@ -103,16 +104,15 @@ def _beam_damping(*, ref, damping: Damping) -> Float[Array, "6 6"]:
 
 
 # Mass per length and rotary inertias Jx, Jy, Jz, Jyz per length among the vectors (p, q, triad p, triad q). The cubic
-# mass has slopes times length: CUBIC[k] goes with l0^k. An inertia tensor J has the second moments tr(J)/2 I - J.
+# mass has slopes times length: CUBIC[k] goes with l0^k.
 _PLACES = np.array([0, 2, 1, 5])  # p, x axis at p, q, x axis at q
 CUBIC = np.zeros((3, 8, 8))
 for _i in range(4):
     for _j in range(4):
         CUBIC[(_i % 2) + (_j % 2), _PLACES[_i], _PLACES[_j]] = beams.CUBIC_MASS[_i, _j]
 ROTARY = np.zeros((4, 8, 8))
-for _k in range(3):
-    ROTARY[_k, 2:, 2:] = np.kron(beams.LINEAR_MASS, np.eye(3) / 2 - np.diag(np.arange(3) == _k))
-ROTARY[3, 2:, 2:] = np.kron(beams.LINEAR_MASS, -np.eye(3)[[0, 2, 1]] + np.diag([1.0, 0, 0]))
+for _k in range(4):
+    ROTARY[_k, 2:, 2:] = np.kron(beams.LINEAR_MASS, beams.SECOND_MOMENTS[_k])
 INERTIA = np.concatenate([CUBIC, ROTARY])
 
 
@@ -135,14 +135,7 @@ def _beam_inertia(
 
 
 def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
-    faults = beams.check_length(ref=ref)
-    if faults or y is None:
-        return faults
-    axis, across = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y, float)
-    size = np.linalg.norm(across) * np.linalg.norm(axis)
-    if np.linalg.norm(np.cross(axis, across)) <= 1e-5 * size:
-        return ["has a local y vector that is zero or parallel to its axis: give one across it"]
-    return []
+    return beams.check_length(ref=ref) or beams.check_across(ref, y)
 
 
 beam = Element(_beam, stiffness=_beam_stiffness, damping=_beam_damping, inertia=_beam_inertia, check=_check_beam)

@@ -1,0 +1,285 @@
+"""Spectral beams: geometrically exact beams whose strains are Legendre series along a whole leaf spring.
+
+The coordinates that such a beam owns are the coefficients of its strains; they are its elastic deformations too. The
+pose of end q follows from that of end p by quadrature of the kinematics, and its difference from node q is the part of
+the deformations that stays FIXED. The error falls exponentially with the order (benchmarks/large_deflection.py).
+
+Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
+"""
+
+import functools
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.quadrature import gauss, integration_matrix, legendre_integrals, legendre_values, lobatto
+from ..math.rigid import exponential, product, products, screws
+from ..math.rotation import CROSS, initial_frame, rotation_matrix, rotation_plane
+from . import beams
+from .element import Element
+from .nodes import Angle, Internal, Point2, Point3, Rotation3
+from .sections import Damping, Section
+
+# Squares of the Legendre polynomials integrate to 1/(2 k + 1).
+
+
+def _squares(order: int) -> np.ndarray:
+    return 1 / (2 * np.arange(order) + 1)
+
+
+def _arc_length(chord, half):
+    """Length of an arc over a chord; ``half`` is half the curvature times the chord."""
+    return chord * jnp.arcsin(half) / half
+
+
+def _check_planar(*, ref, curvature: float | None = None) -> list[str]:
+    return beams.check_length(ref=ref) or _check_curvature(ref, curvature)
+
+
+def _check_curvature(ref, curvature) -> list[str]:
+    if curvature is None:
+        return []
+    half = np.linalg.norm(np.asarray(curvature)) * np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) / 2
+    if not 0 < half <= 1:
+        return ["has an initial curvature that no arc between its ends has: it must not be zero, nor above 2/chord"]
+    return []
+
+
+@functools.cache
+def planar_beam(order: int = 5) -> Element:
+    """Planar geometrically exact beam, one for a whole leaf spring, without shear deformation.
+
+    Deformations: 1 to ``order`` the coefficients of the curvature, times length [rad], the first being the angle
+    between the ends; as many for the elongation, times length [m]; then the closure at q, FIXED: two displacements in
+    axes of end p [m] and the angle [rad]. Stress resultants of the closure are the force and moment at q.
+    Properties: section (EA, EIy, mass, Jy), damping, curvature (initial, of an arc from p to q [1/m], positive
+    counter-clockwise).
+
+    Args:
+        order: Number of coefficients of each strain; 2 bends as a cubic beam does, 5 gives six digits for a leaf
+            spring at a large stroke.
+
+    Source:
+        Strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps)(cos theta, sin theta).
+    """
+    if order < 1:
+        raise ValueError(f"order must be at least 1, but is {order}.")
+    nodes, weights = gauss(2 * order + 8)
+    values, angles = legendre_values(order, nodes), legendre_integrals(order, nodes)
+    along = integration_matrix(nodes, weights)
+
+    def line(rot_p, c, ref, curvature):
+        """Length, axes of end p as columns, directions and stretched directions at the nodes in those axes."""
+        chord = beams.beam_length(ref)
+        x0 = (ref.q - ref.p) / chord
+        angle = angles @ c[:order]
+        length, tilt = chord, 0.0
+        if curvature is not None:
+            length = _arc_length(chord, curvature * chord / 2)
+            angle, tilt = angle + curvature * length * nodes, curvature * length / 2
+        x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ x0
+        axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
+        directions = jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=1)
+        return length, axes, directions, (length + values @ c[order:])[:, None] * directions
+
+    def _spectral_beam(
+        p: Point2,
+        rot_p: Angle,
+        q: Point2,
+        rot_q: Angle,
+        c: Internal(2 * order, 2),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        curvature: float | None = None,
+    ) -> Float[Array, "n_e"]:
+        _, axes, _, stretched = line(rot_p, c, ref, curvature)
+        displacement = axes.T @ (q - p) - weights @ stretched
+        turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - c[:1]
+        return jnp.concatenate([c, displacement, turn])
+
+    def _length(ref, curvature):
+        chord = beams.beam_length(ref)
+        return chord if curvature is None else _arc_length(chord, curvature * chord / 2)
+
+    def _diagonal(first, second, length):
+        own = jnp.concatenate([first / length * _squares(order), second / length * _squares(order), jnp.zeros(3)])
+        return jnp.diag(own)
+
+    def _stiffness(*, ref, section: Section, curvature: float | None = None):
+        s = section.rigidity()
+        return _diagonal(s.EIy, s.EA, _length(ref, curvature))
+
+    def _damping(*, ref, damping: Damping, curvature: float | None = None):
+        return _diagonal(damping.EIy, damping.EA, _length(ref, curvature))
+
+    def _inertia(
+        p: Point2,
+        rot_p: Angle,
+        q: Point2,
+        rot_q: Angle,
+        c: Internal(2 * order, 2),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        section: Section,
+        curvature: float | None = None,
+    ):
+        s = section.rigidity()
+        length, axes, directions, stretched = line(rot_p, c, ref, curvature)
+        positions = p + along @ stretched @ axes.T
+        masses = jnp.concatenate([s.mass * length * weights, s.Jy * length * weights])
+        return jnp.concatenate([positions, directions @ axes.T]), jnp.diag(masses)
+
+    return Element(
+        _spectral_beam,
+        stiffness=_stiffness,
+        damping=_damping,
+        inertia=_inertia,
+        check=_check_planar,
+        released=tuple(range(1, 2 * order + 1)),
+    )
+
+
+def _check_spatial(*, ref, y: Float[Array, "3"] | None = None, curvature: Float[Array, "3"] | None = None) -> list[str]:
+    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or _check_curvature(ref, curvature)
+    if not faults and curvature is not None and np.asarray(curvature)[0] != 0:
+        return ["has an initial twist, the first component of its curvature: only plane arcs are provided for"]
+    return faults
+
+
+@functools.cache
+def spatial_beam(order: int = 5, shear: bool = False) -> Element:
+    """Spatial geometrically exact beam, one for a whole leaf spring.
+
+    Deformations, ``order`` coefficients of each strain, times length: elongation [m], twist, curvature about local y,
+    curvature about local z [rad], with ``shear`` also the shears along y and along z [m]; then the closure at q,
+    FIXED: three displacements [m] and three tilts [rad] in axes of end p and of end q. Stress resultants of the
+    closure are the force and moment at q.
+    Properties: section, damping, y (vector that fixes local y), curvature (initial, (0, about y, about z) in local
+    axes, of an arc from p to q [1/m]).
+
+    Args:
+        order: Number of coefficients of each strain.
+        shear: Whether shear deformation is counted; the section must then have a shear compliance.
+
+    Source:
+        Strains of Simo (1985) and Reissner: r' = R (1 + eps, gamma_y, gamma_z), R' = R hat(kappa); poses by the
+        exponentials of :mod:`flexmb.math.rigid`.
+    """
+    if order < 1:
+        raise ValueError(f"order must be at least 1, but is {order}.")
+    steps = 8 * max(1, 2 ** int(np.ceil(np.log2(order / 6)))) if order > 6 else 8
+    ends, weights = lobatto(steps + 1)
+    lengths = np.diff(ends)
+    inner = ends[:-1, None] + lengths[:, None] * gauss(3)[0]
+    values = legendre_values(order, inner.ravel())
+    fields = 6 if shear else 4
+    # Six-vectors (twist, curvatures, stretch, shears) of the fields, and the rigidity that each works against.
+    places = np.eye(6)[[3, 0, 1, 2, 4, 5][:fields]]
+
+    def strains(c, length, curvature):
+        own = values @ c.reshape(fields, order).T @ places / length
+        own = own + np.array([0.0, 0, 0, 1, 0, 0])
+        if curvature is not None:
+            own = own + jnp.concatenate([curvature, jnp.zeros(3)])
+        return exponential(screws(own.reshape(steps, 3, 6) * length, lengths))
+
+    def _length(ref, curvature):
+        chord = beams.beam_length(ref)
+        if curvature is None:
+            return chord
+        return _arc_length(chord, beams.length(curvature) * chord / 2)
+
+    def frames(rot_p, rot_q, ref, y, curvature, length):
+        """Section axes at both ends as columns."""
+        frame = initial_frame(ref.p, ref.q, y)
+        at_p = rotation_matrix(rot_p) @ (rotation_matrix(ref.rot_p).T @ frame)
+        at_q = rotation_matrix(rot_q) @ (rotation_matrix(ref.rot_q).T @ frame)
+        if curvature is None:
+            return at_p, at_q
+        half = exponential(jnp.concatenate([curvature * length / 2, jnp.zeros(3)])[None])[0, :3, :3]
+        return at_p @ half.T, at_q @ half
+
+    def _spectral_beam(
+        p: Point3,
+        rot_p: Rotation3,
+        q: Point3,
+        rot_q: Rotation3,
+        c: Internal(fields * order, 3),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        y: Float[Array, "3"] | None = None,
+        curvature: Float[Array, "3"] | None = None,
+    ) -> Float[Array, "n_e"]:
+        length = _length(ref, curvature)
+        at_p, at_q = frames(rot_p, rot_q, ref, y, curvature, length)
+        pose = product(strains(c, length, curvature))
+        displacement = at_p.T @ (q - p) - pose[:3, 3]
+        between = (at_p @ pose[:3, :3]).T @ at_q
+        tilt = 0.5 * jnp.einsum("ijk,kj->i", CROSS, between)
+        return jnp.concatenate([c, displacement, tilt])
+
+    def _diagonal(rigidities, length):
+        own = jnp.stack([jnp.asarray(r, float) for r in rigidities]) / length
+        return jnp.diag(jnp.concatenate([(own[:, None] * _squares(order)).ravel(), jnp.zeros(6)]))
+
+    def _stiffness(*, ref, section: Section, curvature: Float[Array, "3"] | None = None):
+        s = section.rigidity()
+        rigidities = [s.EA, s.GIt, s.EIy, s.EIz]
+        if shear:
+            rigidities += [s.EIz / s.shear_y, s.EIy / s.shear_z]
+        return _diagonal(rigidities, _length(ref, curvature))
+
+    def _damping(*, ref, damping: Damping, curvature: Float[Array, "3"] | None = None):
+        d = damping
+        return _diagonal([d.EA, d.GIt, d.EIy, d.EIz] + [0.0] * (fields - 4), _length(ref, curvature))
+
+    def _inertia(
+        p: Point3,
+        rot_p: Rotation3,
+        q: Point3,
+        rot_q: Rotation3,
+        c: Internal(fields * order, 3),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        section: Section,
+        y: Float[Array, "3"] | None = None,
+        curvature: Float[Array, "3"] | None = None,
+    ):
+        s, length = section.rigidity(), _length(ref, curvature)
+        at_p, _ = frames(rot_p, rot_q, ref, y, curvature, length)
+        poses = jnp.concatenate([jnp.eye(4)[None], products(strains(c, length, curvature))])
+        positions = p + poses[:, :3, 3] @ at_p.T
+        axes = at_p @ poses[:, :3, :3]
+        vectors = jnp.concatenate([positions, jnp.swapaxes(axes, 1, 2).reshape(-1, 3)])
+        moments = beams.combine([s.Jx, s.Jy, s.Jz, s.Jyz], beams.SECOND_MOMENTS)
+        n = steps + 1
+        h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(s.mass * np.diag(weights))
+        return vectors, length * h.at[n:, n:].set(jnp.kron(np.diag(weights), moments))
+
+    def _check(
+        *,
+        ref,
+        section: Section | None = None,
+        y: Float[Array, "3"] | None = None,
+        curvature: Float[Array, "3"] | None = None,
+    ) -> list[str]:
+        faults = _check_spatial(ref=ref, y=y, curvature=curvature)
+        if section is None:
+            return faults
+        s = section.rigidity()
+        compliant = [float(np.asarray(number)) > 0 for number in (s.shear_y, s.shear_z)]
+        if shear and not all(compliant):
+            faults.append("counts shear, but its section has none: give the section shear=True")
+        if not shear and any(compliant):
+            faults.append("does not count shear, but its section has it: make the element with shear=True")
+        return faults
+
+    return Element(
+        _spectral_beam,
+        stiffness=_stiffness,
+        damping=_damping,
+        inertia=_inertia,
+        check=_check,
+        released=tuple(range(1, fields * order + 1)),
+    )

@@ -1,0 +1,84 @@
+"""Legendre polynomials on [0, 1], their integrals, and quadrature nodes; constants on the host."""
+
+import numpy as np
+from numpy.polynomial import legendre
+
+
+def legendre_values(order: int, s: np.ndarray) -> np.ndarray:
+    """Values of the Legendre polynomials P_k(2 s - 1), k < order.
+
+    Args:
+        order: Number of polynomials.
+        s: Places in [0, 1], (n,).
+
+    Returns:
+        (n, order) [-]; the integral of P_k^2 over [0, 1] is 1/(2 k + 1).
+    """
+    return legendre.legvander(2 * np.asarray(s) - 1, order - 1)
+
+
+def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
+    """Integrals of P_k(2 s - 1) from 0 to s, k < order.
+
+    Args:
+        order: Number of polynomials.
+        s: Upper ends in [0, 1], (n,).
+
+    Returns:
+        (n, order) [-]; at s = 1 they are 1, 0, 0, ...
+
+    Source:
+        (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx.
+    """
+    values = legendre_values(order + 1, s)
+    below = np.concatenate([-np.ones((len(s), 1)), values[:, :-2]], axis=1)
+    return (values[:, 1:] - below) / (2 * (2 * np.arange(order) + 1))
+
+
+def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
+
+    Args:
+        n: Number of nodes.
+
+    Returns:
+        Nodes, (n,), and weights, (n,).
+    """
+    nodes, weights = legendre.leggauss(n)
+    return (nodes + 1) / 2, weights / 2
+
+
+def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Lobatto nodes and weights on [0, 1], both ends included, exact to degree 2 n - 3.
+
+    Args:
+        n: Number of nodes, at least 2.
+
+    Returns:
+        Nodes, (n,), and weights, (n,).
+
+    Source:
+        Inner nodes are the roots of P_{n-1}', weights 2/(n (n-1) P_{n-1}(x)^2) on [-1, 1].
+    """
+    last = np.zeros(n)
+    last[-1] = 1
+    x = np.concatenate([[-1.0], np.sort(legendre.legroots(legendre.legder(last)).real), [1.0]])
+    return (x + 1) / 2, 1 / (n * (n - 1) * legendre.legval(x, last) ** 2)
+
+
+def integration_matrix(nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Integrals from 0 to each node of what is known at all of them.
+
+    Args:
+        nodes: Gauss nodes on [0, 1], (n,).
+        weights: Their weights, (n,).
+
+    Returns:
+        (n, n), exact for polynomials of degree n - 1.
+
+    Source:
+        Expansion in Legendre polynomials by the quadrature, then :func:`legendre_integrals`.
+    """
+    n = len(nodes)
+    coefficients = (2 * np.arange(n) + 1)[:, None] * legendre_values(n, nodes).T * weights
+    return legendre_integrals(n, nodes) @ coefficients

@@ -1,0 +1,95 @@
+"""Rigid motions along a line: poses from strains by exponentials of six-vectors (rotation first, then translation).
+
+A pose is a homogeneous matrix [[R, r], [0, 1]]; along a rod dH/ds = H A(s) with A the matrix of the six-vector
+(curvatures, stretches) in axes of the section.
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .rotation import CROSS
+
+# matrix(v)[i, j] = HAT[i, j, k] v[k]
+HAT = np.zeros((4, 4, 6))
+HAT[:3, :3, :3] = np.einsum("ikj->ijk", CROSS)
+HAT[:3, 3, 3:] = np.eye(3)
+# Lie bracket of two six-vectors, matrix(a) matrix(b) - matrix(b) matrix(a) = matrix(BRACKET a b).
+BRACKET = np.zeros((6, 6, 6))
+BRACKET[:3, :3, :3] = CROSS
+BRACKET[3:, :3, 3:] = CROSS
+BRACKET[3:, 3:, :3] = CROSS
+# (1 - cos t)/t^2 and (t - sin t)/t^3 as power series in -t^2; ten terms are exact to rounding up to t = 2.
+TERMS = 10
+SERIES = np.array([[1.0 / float(np.prod(np.arange(1.0, 2 * k + j))) for j in (3, 4)] for k in range(TERMS)])
+
+
+def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
+    """Poses of screw motions, exp(matrix(v)).
+
+    Args:
+        v: Rotation vectors and translations, rotations up to 2 rad, (n, 6) [rad, m].
+
+    Returns:
+        (n, 4, 4): polynomials of v, differentiable at zero rotation.
+
+    Source:
+        exp(V) = I + V + (1 - cos t)/t^2 V^2 + (t - sin t)/t^3 V^3 with t the angle, as V^4 = -t^2 V^2.
+    """
+    matrix = v @ np.moveaxis(HAT, 2, 0).reshape(6, 16)
+    matrix = matrix.reshape(-1, 4, 4)
+    z = -jnp.sum(v[:, :3] ** 2, axis=1)[:, None]
+    total = jnp.broadcast_to(SERIES[-1], (v.shape[0], 2))
+    for coefficients in SERIES[-2::-1]:
+        total = total * z + coefficients
+    square = matrix @ matrix
+    b, c = total[:, 0, None, None], total[:, 1, None, None]
+    return jnp.eye(4) + matrix + b * square + c * (square @ matrix)
+
+
+def _bracket(a, b):
+    return jnp.einsum("ijk,nj,nk->ni", BRACKET, a, b)
+
+
+def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:
+    """Screw motions over steps along a line, of order six in the length of a step.
+
+    Args:
+        strains: Curvatures and stretches in axes of the section at the three Gauss nodes of each step, (n, 3, 6).
+        steps: Length of each step, (n,).
+
+    Returns:
+        v with H(s + h) = H(s) exp(matrix(v)), (n, 6); exact where the strains are constant.
+
+    Source:
+        Magnus expansion of order six by Blanes, Casas, Oteo and Ros (2009), Physics Reports 470, section 5.4, with
+        brackets reversed since here the strains stand to the right of the pose.
+    """
+    first, middle, last = (strains[:, i] * steps[:, None] for i in range(3))
+    a1 = middle
+    a2 = np.sqrt(15) / 3 * (last - first)
+    a3 = 10 / 3 * (last - 2 * middle + first)
+    c1 = -_bracket(a1, a2)
+    c2 = _bracket(a1, 2 * a3 + c1) / 60
+    return a1 + a3 / 12 - _bracket(-20 * a1 - a3 + c1, a2 + c2) / 240
+
+
+def product(poses: Float[Array, "n 4 4"]) -> Float[Array, "4 4"]:
+    """Product of poses in order, n a power of two, in log2 n batched products.
+
+    Args:
+        poses: (n, 4, 4).
+    """
+    while poses.shape[0] > 1:
+        poses = poses[0::2] @ poses[1::2]
+    return poses[0]
+
+
+def products(poses: Float[Array, "n 4 4"]) -> Float[Array, "n 4 4"]:
+    """Products of the first 1, 2, .. n poses.
+
+    Args:
+        poses: (n, 4, 4).
+    """
+    return jax.lax.associative_scan(jnp.matmul, poses)
