@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 RESULTS = Path(__file__).parent / "results"
-PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "equinox")
+PACKAGES = ("jax", "jaxlib", "numpy", "scipy")
 
 
 def interleaved(variants: dict[str, Callable[[], Any]], runs: int = 7, repeat: int = 1) -> dict[str, dict[str, float]]:

@@ -33,6 +33,8 @@ _ROOMS = {
     "analysis.linearize": ("Linearization", "linearize", "second_transfer"),
     "analysis.modal": ("Modes", "frequencies", "modes", "poles"),
     "analysis.buckling": ("Buckling", "buckling", "buckling_loads"),
+    "analysis.path": ("Path", "path"),
+    "analysis.critical": ("CriticalPoint", "limit_load"),
     "analysis.compliance": ("compliance", "directional_compliance"),
     "statespace": ("state_matrices", "to_statespace"),
     "io.spacar": ("read_spacar", "write_spacar"),

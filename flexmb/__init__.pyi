@@ -5,6 +5,8 @@ from .analysis.buckling import buckling as buckling
 from .analysis.buckling import buckling_loads as buckling_loads
 from .analysis.compliance import compliance as compliance
 from .analysis.compliance import directional_compliance as directional_compliance
+from .analysis.critical import CriticalPoint as CriticalPoint
+from .analysis.critical import limit_load as limit_load
 from .analysis.equilibrium import Equilibrium as Equilibrium
 from .analysis.equilibrium import equilibrium as equilibrium
 from .analysis.linearize import Linearization as Linearization
@@ -16,6 +18,8 @@ from .analysis.modal import Modes as Modes
 from .analysis.modal import frequencies as frequencies
 from .analysis.modal import modes as modes
 from .analysis.modal import poles as poles
+from .analysis.path import Path as Path
+from .analysis.path import path as path
 from .build.builder import Builder as Builder
 from .elements import planar as planar
 from .elements import sections as sections

@@ -18,6 +18,7 @@ Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JS
 Save = Annotated[Path | None, typer.Option("--save", help="Save the answer as .npz or .mat.")]
 Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run here.")]
 Release = Annotated[str, typer.Option("--release", help="auto: release over-constraints.")]
+MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, help="Steps of a path (mode 10) at most.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
 EXIT_WRONG_CALL = 2
@@ -59,7 +60,15 @@ def _check_call(release: str, json_path: str | None, save: Path | None, log: Pat
             _refuse(f"flexmb: the folder of '{path}' does not exist.")
 
 
-def _run(model: Path, number: int, json_path: str | None, save: Path | None, log: Path | None, release: str) -> None:
+def _run(
+    model: Path,
+    number: int,
+    json_path: str | None,
+    save: Path | None,
+    log: Path | None,
+    release: str,
+    max_steps: int = 200,
+) -> None:
     from . import SpacarError, enable_cache, enable_x64, read_spacar
     from .io.answers import answer
     from .io.files import save as save_answer
@@ -82,7 +91,7 @@ def _run(model: Path, number: int, json_path: str | None, save: Path | None, log
         read = read_spacar(model)
     except SpacarError as fault:
         _refuse(str(fault))
-    found = answer(read.builder, model.name, number, list(read.warnings), release)
+    found = answer(read.builder, model.name, number, list(read.warnings), release, max_steps=max_steps)
     if json_path == "-":
         print(to_json(found.data))
     else:
@@ -116,16 +125,17 @@ def _guarded(debug: bool, *arguments: Any) -> None:
 @app.command()
 def run(
     model: ModelFile,
-    mode: Annotated[str | None, typer.Option("--mode", help="0, 7, 8 or 9.")] = None,
+    mode: Annotated[str | None, typer.Option("--mode", help="0, 7, 8, 9 or 10.")] = None,
     analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
     json_path: Json = None,
     save: Save = None,
     log: Log = None,
     release: Release = "none",
+    max_steps: MaxSteps = 200,
     debug: Debug = False,
 ) -> None:
-    """Analyse a mechanism: 0 mobility, 7 frequencies, 8 buckling, 9 statespace."""
-    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release)
+    """Analyse a mechanism: 0 mobility, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
+    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps)
 
 
 @app.command()

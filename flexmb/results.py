@@ -57,6 +57,11 @@ class RESULTS(enum.IntEnum):
         "The static equations are singular: a motion meets no stiffness, or the load is a critical load."
         " Support or stiffen that motion, or change the load.",
     )
+    max_steps = (
+        7,
+        "The path did not reach its end within the allowed number of steps. Allow more steps (max_steps,"
+        " --max-steps), or look at the path so far: it may turn back for good.",
+    )
 
 
 def check(result, throw: bool, about: str = "") -> None:

@@ -12,7 +12,7 @@ from ..math.linear import factorise, is_positive_definite, pencil
 from ..math.record import Record
 from ..mechanics.deformation import deformation_curvature
 from ..mechanics.loads import LoadFactors, has_load_elements, load_stiffness, nodal_forces
-from ..mechanics.residual import linear_response
+from ..mechanics.residual import State, linear_response
 from ..mechanics.transfer import multipliers
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -39,8 +39,20 @@ class Buckling(Record):
     lin: Linearization
 
 
-def _geometric_stiffness_of_increment(topology: Topology, parameters: Parameters, at, near):
-    """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry."""
+def geometric_stiffness_of_increment(
+    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
+) -> Float[Array, "n_q n_q"]:
+    """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        at: Preloaded state.
+        near: Deformations there, (n_e,) [m, rad].
+
+    Returns:
+        (n_q, n_q) [N/m, N m/rad].
+    """
     no_preload = LoadFactors(0.0, 1.0)
     unloaded = dataclasses.replace(parameters, strain=None)
     force = nodal_forces(topology, parameters, no_preload, at.x)
@@ -62,7 +74,7 @@ def _stiffnesses(topology: Topology, parameters: Parameters):
     at, near, result, _ = solve_state(topology, parameters, LoadFactors(1.0, 0.0))
     if parameters.increment is None:
         return at.K0, at.G0, at.transfer.DFx, result
-    scaled = _geometric_stiffness_of_increment(topology, parameters, at, near)
+    scaled = geometric_stiffness_of_increment(topology, parameters, at, near)
     return at.K0 + at.G0, scaled, at.transfer.DFx, result
 
 

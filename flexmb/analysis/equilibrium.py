@@ -77,8 +77,16 @@ class _Solved(NamedTuple):
     result: Int[Array, ""]
 
 
-def _sizes(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
-    """What a change of each coordinate is measured against: the mechanism's extent for positions, 1 for rotations."""
+def sizes_of(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
+    """What a change of each coordinate is measured against: the mechanism's extent for positions, 1 for rotations.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+
+    Returns:
+        (n_x,) [m, -].
+    """
     points = parameters.reference[topology.axes]
     extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
     extent = jnp.where(extent > 0, extent, 1.0)
@@ -127,7 +135,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     DOF deformations and their stress are carried as numbers of their own and x follows: a step that bends a leaf
     spring is straight in x and feigns an elongation, second order in the step, whose stress would spoil the tangent.
     """
-    sizes = _sizes(topology, parameters)
+    sizes = sizes_of(topology, parameters)
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
 
     tracks = any(block.element.tracks_angle for block in topology.blocks)

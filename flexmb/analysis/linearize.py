@@ -9,6 +9,7 @@ from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.loads import LoadFactors, has_load_elements, load_factors
+from ..mechanics.residual import State
 from ..mechanics.stress import element_damping
 from ..mechanics.transfer import correction, transfer
 from ..model.model import Labels, Model
@@ -101,6 +102,24 @@ def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) ->
         Matrices.
     """
     at, _, result, iterations = solve_state(topology, parameters, target)
+    return matrices_at(topology, parameters, at, iterations, result)
+
+
+def matrices_at(
+    topology: Topology, parameters: Parameters, at: State, iterations: Int[Array, ""], result: Int[Array, ""]
+) -> Matrices:
+    """Linearisation about a state that is in equilibrium.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        at: State.
+        iterations: What the equilibrium took.
+        result: Its code of RESULTS.
+
+    Returns:
+        Matrices.
+    """
     z, dfe = at.transfer.DFx, at.transfer.DFe
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
     damping = element_damping(topology, parameters)

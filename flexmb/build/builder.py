@@ -258,38 +258,47 @@ class Builder:
         """
         self._add_hidden("inertia", self._rotation_of(node), inertia=inertia)
 
-    def force(self, node: str, force: Sequence[float], *, increment: bool = False) -> None:
+    def force(self, node: str, force: Sequence[float], *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant force to a node.
 
         Args:
             node: Name of the node.
             force: Components along the global axes [N]; for a rotation: forces dual to its coordinates.
             increment: Whether the force belongs to the incremental loads.
+            follower: Whether it turns with the node's rotation, from the direction given; it then has no potential.
         """
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
         force, size = list(force), self.nodes[part].kind.size
         if len(force) > size:
             raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {size}.")
+        if follower:
+            self._check_finite(f"Force on node '{part}'", force)
+            if self.nodes[part].kind.part != "position" or len(force) != size:
+                raise ModelError(f"A follower force on '{part}' needs a node with a position, and {size} components.")
+            options = {"incremental": True} if increment else {}
+            self._add_hidden("follower_force", part, self._rotation_of(part), force=stack(force), **options)
+            return
         for i, value in enumerate(force):
             self._check_finite(f"Force on node '{part}'", value)
             forces = self._load("force", increment)
             key = ("node", part, i + 1)
             forces[key] = forces.get(key, 0.0) + value
 
-    def moment(self, node: str, moment: Any, *, increment: bool = False) -> None:
-        """Apply a constant moment about fixed axes to a node's rotation.
+    def moment(self, node: str, moment: Any, *, increment: bool = False, follower: bool = False) -> None:
+        """Apply a constant moment to a node's rotation, about fixed axes or about axes that turn with it.
 
         Args:
             node: Name of the node or of a rotation.
             moment: () in the plane, (3,) about the global axes in space [N m].
             increment: Whether the moment belongs to the incremental loads.
+            follower: Whether its axis turns with the rotation; in the plane there is no difference.
         """
         part = self._rotation_of(node)
         if self.nodes[part].kind is ANGLE:
             self.force(part, [moment] if np.ndim(moment) == 0 else moment, increment=increment)
         else:
             options = {"incremental": True} if increment else {}
-            self._add_hidden("moment", part, moment=moment, **options)
+            self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 
     def gravity(self, acceleration: Sequence[float], *, increment: bool = False) -> None:
         """Let gravity act on all mass.
@@ -438,11 +447,12 @@ class Builder:
         if is_concrete(value) and not np.all(np.isfinite(np.asarray(value, float))):
             raise ModelError(f"{what} has a value that is not a finite number: {value}.")
 
-    def _add_hidden(self, kind: str, node: str, **properties: Any) -> None:
+    def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
+        node = nodes[0]
         element = getattr(planar if self.nodes[node].kind.dimension == 2 else spatial, kind)
         count = sum(name.startswith(f"{kind} {node}") for name in self.members)
         self.members[f"{kind} {node} {count + 1}"] = Member(
-            element, (node,), self._complete(element, f"{kind} of {node}", properties), [], hidden=True
+            element, nodes, self._complete(element, f"{kind} of {node}", properties), [], hidden=True
         )
 
     def _unknown_node(self, name: str, where: str) -> Any:

@@ -150,3 +150,15 @@ def _inertia_inertia(rot: Angle, *, ref, inertia: float):
 
 inertia = Element(_nothing_on, inertia=_inertia_inertia)
 """Lumped rotary inertia, of either sign. Properties: inertia [kg m^2]."""
+
+
+def _nothing_between(p: Point2, rot: Angle, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _follower_force(p: Point2, rot: Angle, *, ref, force: Float[Array, "2"]) -> Float[Array, "3"]:
+    return jnp.concatenate([rotation_plane(rot[0] - ref.rot[0]) @ force, jnp.zeros(1)])
+
+
+follower_force = Element(_nothing_between, force=_follower_force)
+"""Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""

@@ -234,3 +234,23 @@ def _moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float[Array, "
 
 moment = Element(_nothing_on, force=_moment)
 """Moment about fixed axes: it has no potential, its tangent is not symmetric. Properties: moment (global) [N m]."""
+
+
+def _nothing_between(p: Point3, rot: Rotation3, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _follower_force(p: Point3, rot: Rotation3, *, ref, force: Float[Array, "3"]) -> Float[Array, "7"]:
+    return jnp.concatenate([_turned(rot, ref.rot, jnp.eye(3)) @ force, jnp.zeros(4)])
+
+
+follower_force = Element(_nothing_between, force=_follower_force)
+"""Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""
+
+
+def _follower_moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float[Array, "4"]:
+    return _moment(rot, ref=ref, moment=_turned(rot, ref.rot, jnp.eye(3)) @ moment)
+
+
+follower_moment = Element(_nothing_on, force=_follower_moment)
+"""Moment that turns with its body. Properties: moment (as it points in the undeformed mechanism) [N m]."""

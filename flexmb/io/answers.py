@@ -13,11 +13,13 @@ from ..analysis.compliance import directional_compliance
 from ..analysis.linearize import Linearization, linearize
 from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
+from ..analysis.path import Path, path
 from ..errors import AnalysisError, MechanismError
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
 from ..model.model import Labels, Model
 from ..model.topology import RoleIndices
+from ..results import RESULTS
 from ..statespace import state_matrices
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
@@ -100,16 +102,22 @@ def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
 
 def _state(lin: Linearization) -> dict[str, Any]:
     """What modes 7 to 9 have in common."""
+    m = lin.matrices
+    return {**_configuration(lin), **_matrices(lin), "stable": bool(is_positive_definite((m.K + m.K.T) / 2))}
+
+
+def _configuration(lin: Linearization) -> dict[str, Any]:
     labels, m = lin.labels, lin.matrices
-    matrices = {name.lower(): np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
     return {
         "x": _by_owner(m.x, labels.x),
         "e": _by_owner(m.e, labels.e),
         "sig": _by_owner(m.sigma, labels.e),
         "reactions": _reactions(lin),
-        **matrices,
-        "stable": bool(is_positive_definite((m.K + m.K.T) / 2)),
     }
+
+
+def _matrices(lin: Linearization) -> dict[str, Any]:
+    return {name.lower(): np.asarray(getattr(lin.matrices, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
 
 
 def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
@@ -123,6 +131,11 @@ def _shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
     return [_by_owner(column, labels.x) for column in np.asarray(columns).T]
 
 
+def _hertz(values, hertz) -> list[float | None]:
+    """Frequencies, None where the eigenvalue is negative."""
+    return [None if v < 0 else f for v, f in zip(np.asarray(values).tolist(), np.asarray(hertz).tolist(), strict=True)]
+
+
 def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
     if not lin.matrices.symmetric:
         return {**_state(lin), **_poles(lin, always=True)}
@@ -132,7 +145,7 @@ def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
         **_state(lin),
         "stable": found.stable,
         "eigenvalues": values,
-        "frequencies_hz": [None if v < 0 else f for v, f in zip(values.tolist(), hertz.tolist(), strict=True)],
+        "frequencies_hz": _hertz(values, hertz),
         "massless": found.massless,
         "modes": _shapes(found.shapes, lin.labels),
         **_poles(lin, always=False),
@@ -163,19 +176,54 @@ def _statespace(model: Model, lin: Linearization) -> dict[str, Any]:
     }
 
 
+def _step(found: Path, i: int) -> dict[str, Any]:
+    lin, values, multipliers = (
+        found.linearization(i),
+        np.asarray(found.eigenvalues[i]),
+        np.asarray(found.multipliers[i]),
+    )
+    finite = np.isfinite(values)
+    return {
+        "load_factor": float(found.load_factor[i]),
+        **_configuration(lin),
+        "stable": bool(found.stable[i]),
+        "eigenvalues": values[finite],
+        "frequencies_hz": _hertz(values[finite], np.asarray(found.frequencies[i])[finite]),
+        "load_multipliers": multipliers[np.isfinite(multipliers)],
+        **_matrices(lin),
+        "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+    }
+
+
+def _path(found: Path) -> dict[str, Any]:
+    code = RESULTS(int(found.result))
+    critical = [
+        {"load_factor": c.load_factor, "kind": c.kind, "mode": _by_owner(c.phi, found.labels.x)}
+        for c in found.critical_points
+    ]
+    return {
+        "status": "ok" if code == RESULTS.successful else code.name,
+        "message": code.message,
+        **_configuration(found.linearization()),
+        "stable": bool(found.stable[-1]),
+        "critical_points": critical,
+        "path": [_step(found, i) for i in range(len(found.load_factor))],
+    }
+
+
 # Number and name of each mode; the analysis where there is one.
 MODES: dict[int, tuple[str, Callable[[Model, Linearization], dict[str, Any]] | None]] = {
     0: ("mobility", None),
     7: ("frequencies", _frequencies),
     8: ("buckling", _buckling),
     9: ("statespace", _statespace),
+    10: ("path", None),
 }
 RESERVED = {
     1: "simulate",
     2: "inverse",
     3: "trajectory-linearisation",
     4: "simulate-linearise",
-    10: "path",
 }
 
 
@@ -199,6 +247,7 @@ def answer(
     warnings: list[str] | None = None,
     release: str = "none",
     dofs: str = "named",
+    max_steps: int = 200,
 ) -> Answer:
     """Run one analysis mode.
 
@@ -209,6 +258,7 @@ def answer(
         warnings: What reading the file had to say.
         release: "auto" releases over-constraints before modes other than 0.
         dofs: "named" or "auto", see Builder.build.
+        max_steps: Steps of a path at most.
 
     Returns:
         Answer, also where the mechanism is not valid or the analysis failed.
@@ -228,6 +278,12 @@ def answer(
                 "underconstraints": found.underconstraints,
                 "mobility": _mobility_modes(found),
             }
+        elif mode == 10:
+            model = builder.build(dofs=dofs, release=release)
+            followed = path(model, max_steps=max_steps, throw=False)
+            lin, extra = followed.linearization(), _path(followed)
+            data["warnings"] += _loose_warnings(lin)
+            failed = int(extra["status"] != "ok")
         else:
             model = builder.build(dofs=dofs, release=release)
             run = MODES[mode][1]

@@ -117,6 +117,9 @@ class _Writer:
         joined = {node for m in self.shown.values() for node in m.nodes}
         if not self.shown:
             raise ModelError("The model has no elements. Add at least one.")
+        for m in self.builder.members.values():
+            if m.element in (planar.follower_force, spatial.follower_force, spatial.follower_moment):
+                raise ModelError(f"The load that follows node '{m.nodes[0]}' cannot be expressed in a SPACAR file.")
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(f"Node '{name}' is in no element, so a SPACAR input file cannot have it.")

@@ -24,6 +24,22 @@ def _matrix(name: str, values) -> list[str]:
     return [f"{name}:", *("  " + "  ".join(f"{v:12.5g}" for v in row) for row in values.tolist())]
 
 
+def _path(steps: list[dict[str, Any]], critical: list[dict[str, Any]]) -> list[str]:
+    lines = [
+        f"path ({len(steps)} states):",
+        "        load factor  stable  lowest frequency [Hz]  first load multiplier",
+    ]
+    for i, s in enumerate(steps):
+        hertz, multipliers = s["frequencies_hz"], s["load_multipliers"]
+        lowest = "-" if not hertz else "unstable" if hertz[0] is None else f"{hertz[0]:.6g}"
+        first = f"{multipliers[0]:.6g}" if len(multipliers) else "-"
+        lines.append(
+            f"  {i:3d}  {s['load_factor']:12.7g}  {'yes' if s['stable'] else 'NO':6}  {lowest:>21}  {first:>21}"
+        )
+    lines.append(f"critical points: {'none' if not critical else ''}".rstrip())
+    return lines + [f"  {c['kind']:<11} at load factor {c['load_factor']:.10g}" for c in critical]
+
+
 def table(data: dict[str, Any]) -> str:
     """Short table of an answer for the terminal.
 
@@ -48,6 +64,8 @@ def table(data: dict[str, Any]) -> str:
     if "load_multipliers" in data:
         lines.append("load multipliers:")
         lines += [f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(data["load_multipliers"][:SHOWN_VALUES])]
+    if "path" in data:
+        lines += _path(data["path"], data["critical_points"])
     if "A" in data:
         lines.append(f"inputs: {', '.join(data['inputs']) or 'none'}")
         lines.append(f"outputs: {', '.join(data['outputs']) or 'none'}")

@@ -1,0 +1,189 @@
+"""Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from ..math.compile import jit
+from ..math.linear import factorise
+from ..math.record import Record
+from ..mechanics.loads import has_load_elements
+from ..mechanics.residual import State, state
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import check
+from .buckling import UNBOUNDED, geometric_stiffness_of_increment
+from .continuation import Ramp
+from .critical import CriticalPoint
+from .linearize import Linearization, Matrices, matrices_at
+from .modal import spectrum, to_frequency
+from .walk import Step, Walker
+
+# Eigenvalues whose imaginary part is below this share are real.
+REAL = 1e-8
+
+
+class Path(Record):
+    """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
+
+    Attributes:
+        load_factor: Load factor, (steps,) [-].
+        matrices: Coordinates ``x`` (steps, n_x), deformations ``e`` and stress resultants ``sigma`` (steps, n_e),
+            ``reactions`` (steps, n_x), and the linearisation M0, C0, D0, K0, N0, G0 (steps, n_q, n_q) at each step.
+        eigenvalues: Of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts where they are complex;
+            infinite where a motion has no mass.
+        multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite where
+            unbounded, (steps, n_q) [-]: of all loads at that step, or with incremental loads, of what more of those.
+        stable: Whether all eigenvalues are positive, (steps,).
+        critical_points: Limit and bifurcation points in the order of the path.
+        result: Code of RESULTS.
+        model: The mechanism.
+    """
+
+    load_factor: Float[Array, "steps"]
+    matrices: Matrices
+    eigenvalues: Float[Array, "steps n"]
+    multipliers: Float[Array, "steps n_q"]
+    stable: Bool[np.ndarray, "steps"]
+    critical_points: tuple[CriticalPoint, ...]
+    result: Int[Array, ""]
+    model: Model
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in (*Matrices.__dataclass_fields__, "K"):
+            raise AttributeError(f"Path has no attribute '{name}'")
+        return getattr(self.matrices, name)
+
+    @property
+    def labels(self):
+        """Names."""
+        return self.model.labels
+
+    @property
+    def frequencies(self) -> Float[Array, "steps n"]:
+        """Square root of the eigenvalues over 2 pi with their sign, (steps, n) [Hz]."""
+        return to_frequency(self.eigenvalues)
+
+    def at(self, node: str) -> Float[Array, "steps n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation", at every step.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        indices = self.labels.coordinates(node)
+        if not indices:
+            raise KeyError(f"no node '{node}' in this model")
+        return self.matrices.x[:, np.array(indices)]
+
+    def linearization(self, step: int = -1) -> Linearization:
+        """Linearised equations of motion about one step, for modes, compliance and state space.
+
+        Args:
+            step: Which; the last unless given.
+        """
+        return Linearization(jax.tree.map(lambda a: a[step], self.matrices), self.model)
+
+
+class _Found(NamedTuple):
+    """What is told about a state on the path."""
+
+    matrices: Matrices
+    eigenvalues: Float[Array, "n_q"]
+    multipliers: Float[Array, "n_q"]
+    stable: Bool[Array, ""]
+
+
+def _eigenvalues(topology: Topology, k, m, values):
+    """Eigenvalues of (K, M) ascending, infinite for massless motions, and whether all motions are stable."""
+    if not has_load_elements(topology):
+        found, _, stable, _ = spectrum(k, m)
+        return jnp.where(jnp.isnan(found), jnp.inf, found), stable
+    inverse = jnp.linalg.eigvals(factorise(k).solve(m))
+    massive = jnp.abs(inverse) > 100 * k.shape[0] * jnp.finfo(float).eps * jnp.max(jnp.abs(inverse), initial=0.0)
+    found = 1 / jnp.where(massive, inverse, 1.0)
+    real = jnp.abs(found.imag) <= REAL * jnp.abs(found)
+    # A motion without mass loses its stability where the determinant changes sign.
+    stable = jnp.all(~massive | (real & (found.real > 0))) & jnp.all(values > 0)
+    return jnp.sort(jnp.where(massive & jnp.isfinite(found.real), found.real, jnp.inf)), stable
+
+
+def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
+    """Multipliers by magnitude; infinite where the loads do not act or only in complex pairs."""
+    if parameters.increment is None:
+        k, g = at.K0, at.G0
+    else:
+        k, g = at.K0 + at.G0, geometric_stiffness_of_increment(topology, parameters, at, near)
+    inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
+    real = jnp.isfinite(inverse.real) & (jnp.abs(inverse.imag) <= REAL * jnp.abs(inverse))
+    inverse = jnp.where(real, inverse.real, 0.0)
+    bounded = (jnp.abs(inverse) > jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED) & (inverse != 0)
+    found = jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
+    return found[jnp.argsort(jnp.abs(found))]
+
+
+@jit
+def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
+    point = step.point
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, dof=point.dof)
+    matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
+    eigenvalues, stable = _eigenvalues(topology, matrices.K, matrices.M0, step.values)
+    return _Found(matrices, eigenvalues, _multipliers(topology, parameters, at, point.near), stable)
+
+
+def path(
+    model: Model, *, max_steps: int = 200, step: float = 0.1, switch: bool | int = False, throw: bool = True
+) -> Path:
+    """Equilibrium path over the load factor from 0 to 1, past limit points.
+
+    The factor multiplies the incremental loads while the others stay; without incremental loads it multiplies all.
+    One Newton solve a step, with a plane across the path in place of a given load, so that the load may turn back.
+
+    Args:
+        model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
+        max_steps: Steps at most.
+        step: Largest change of the load factor in a step, () [-].
+        switch: 1 or True: at the first bifurcation, go on along the branch in the direction of its phi; -1: against
+            it.
+        throw: Raise where the path does not reach factor 1; otherwise the code is in ``result``.
+
+    Returns:
+        Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
+        load multipliers at each step, and the critical points.
+
+    Raises:
+        AnalysisError: max_steps; not_converged or singular_configuration, with what to try.
+        ValueError: max_steps or step is not positive.
+
+    Source:
+        FORMULATION.md 7. A critical point is where an eigenvalue of K changes sign; from psi^T (K t + r_load t_load)
+        = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a bifurcation.
+    """
+    if max_steps < 1 or not step > 0:
+        raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
+    if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
+        raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
+    walker = Walker(model, step)
+    code = walker.walk(max_steps, float(switch))
+    check(int(code), throw)
+    found = [_look(model.topology, model.parameters, walker.ramp, s) for s in walker.steps]
+    # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
+    found = jax.tree.map(lambda *a: np.stack(a), *found)
+    massive = np.any(np.isfinite(found.eigenvalues), axis=0)
+    return Path(
+        load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
+        matrices=jax.device_put(found.matrices),
+        eigenvalues=jax.device_put(found.eigenvalues[:, massive]),
+        multipliers=jax.device_put(found.multipliers),
+        stable=found.stable,
+        critical_points=tuple(walker.critical),
+        result=jnp.asarray(int(code), jnp.int32),
+        model=model,
+    )

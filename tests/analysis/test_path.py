@@ -1,0 +1,422 @@
+"""Equilibrium paths: limit and bifurcation points, branches, stability (A2, A7) and the derivative of a limit load."""
+
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.cli import app
+
+BASE = 10.0
+
+
+def truss(EA=1e4, height=1.0, base=BASE, load=5.0, sideways=False):
+    """A7: two bars from (-base, 0) and (base, 0) to the apex (0, height), load down on the apex."""
+    section = fm.Rigidity(EA=EA, mass=1.0)
+    b = fm.Builder()
+    for name, position in {"left": (-base, 0), "right": (base, 0), "apex": (0, height)}.items():
+        b.node(name, position)
+    b.add(planar.truss, "left", "apex", section=section)
+    b.add(planar.truss, "apex", "right", section=section)
+    b.fix("left")
+    b.fix("right")
+    if not sideways:
+        b.fix("apex", "x")
+    b.dof("apex", *(("x", "y") if sideways else ("y",)))
+    b.force("apex", (0, -load))
+    return b.build()
+
+
+def load_at(y, EA=1e4, height=1.0, base=BASE):
+    """Load down that holds the apex at height y on the axis of symmetry, closed form."""
+    return 2 * EA * (1 / np.hypot(base, y) - 1 / np.hypot(base, height)) * y
+
+
+# Height of the apex at the limit load: dP/dy = 0 where l^3 = L0 b^2.
+HIGHEST = np.sqrt((np.hypot(BASE, 1.0) * BASE**2) ** (2 / 3) - BASE**2)
+
+
+def limit_of(EA, height):
+    """A7, closed form."""
+    return 2 * EA * (1 - (BASE / np.hypot(BASE, height)) ** (2 / 3)) ** 1.5
+
+
+def column(beams, load, *, preload=0.0, bow=0.0):
+    """Pinned column of length 2 along x, EI = 1: two cantilevers of length 1, back to back."""
+    section = fm.Rigidity(EA=1e8, EIy=1.0, mass=1.0)
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(str(i), (2 * i / beams, bow * np.sin(np.pi * i / beams)))
+    for i in range(beams):
+        b.add(planar.beam, str(i), str(i + 1), section=section)
+    b.fix("0", "x", "y")
+    b.fix(str(beams), "y")
+    b.force(str(beams), (-load, 0), increment=preload > 0)
+    if preload:
+        b.force(str(beams), (-preload, 0))
+    return b.build()
+
+
+EULER = np.pi**2 / 4
+
+
+def test_path_of_the_flat_truss():
+    path = fm.path(truss())
+    y, load = np.asarray(path.at("apex")[:, 1]), 5 * np.asarray(path.load_factor)
+    # Closed form; round-off of the forces of the bars, 1e-16 EA.
+    np.testing.assert_allclose(load, load_at(y), atol=1e-9)
+    assert path.load_factor[-1] == 1.0
+    assert y[-1] < -1
+    # Limit points up and down, at y and -y. Half a unit of the last printed digit; then closed form.
+    assert [c.kind for c in path.critical_points] == ["limit", "limit"]
+    up, down = path.critical_points
+    assert 5 * up.load_factor == pytest.approx(3.8108719042, abs=5e-11)
+    assert 5 * up.load_factor == pytest.approx(limit_of(1e4, 1.0), rel=1e-10)
+    assert down.load_factor == pytest.approx(-up.load_factor, rel=1e-10)
+    height = up.x[path.labels.coordinates("apex")[1]]
+    # Located to 1e-12 of a step, by the load's rate.
+    assert height == pytest.approx(HIGHEST, abs=1e-10)
+    # Stable outside the limit points alone.
+    np.testing.assert_array_equal(path.stable, np.abs(y) > height)
+    assert np.all(np.diff(y) < 0)  # no point is visited twice
+    np.testing.assert_array_equal(path.eigenvalues[:, 0] > 0, path.stable)
+    np.testing.assert_allclose(path.reactions[:, path.labels.coordinates("left")[1]], load / 2, atol=1e-9)
+
+
+def test_derivative_of_a_limit_load():
+    def limit(EA, height):
+        return 5 * fm.limit_load(truss(EA, height))
+
+    at = (1e4, 1.0)
+    assert limit(*at) == pytest.approx(limit_of(*at), rel=1e-12)
+    # Central differences of the closed form: truncation and round-off below 1e-9 of the value.
+    steps = (1.0, 1e-4)
+    for k in (0, 1):
+        up, down = ([a + s * steps[i] * (i == k) for i, a in enumerate(at)] for s in (1, -1))
+        expected = (limit_of(*up) - limit_of(*down)) / (2 * steps[k])
+        own = (float(limit(*up)) - float(limit(*down))) / (2 * steps[k])
+        forward, backward = (d(limit, argnums=k)(*at) for d in (jax.jacfwd, jax.jacrev))
+        for found in (own, float(forward), float(backward)):
+            assert found == pytest.approx(expected, rel=1e-7)
+    with pytest.raises(NotImplementedError, match="once"):
+        jax.grad(jax.grad(lambda h: limit(1e4, h)))(1.0)
+    # The displacement's own derivative has no bound there: dP/dw = 0.
+    assert abs(load_at(HIGHEST + 1e-6) - load_at(HIGHEST - 1e-6)) / 2e-6 < 1e-6
+
+
+def toggle(EI, height, gap=0.0):
+    """Two clamped beams to an apex that stays on the axis; the left foot can be moved outwards."""
+    section = fm.Rigidity(EA=1e4, EIy=EI, mass=1.0)
+    b = fm.Builder()
+    for name, position in {"left": (-BASE - gap, 0), "right": (BASE, 0), "apex": (0, height)}.items():
+        b.node(name, position)
+    for ends in (("left", "apex"), ("apex", "right")):
+        b.add(planar.beam, *ends, section=section)
+    b.fix("left")
+    b.fix("right")
+    b.dof("beam 1", 1, 2, 3)
+    b.force("apex", (0.0, -5.0))
+    return b.build()
+
+
+def test_derivative_of_the_limit_load_of_beams():
+    # Bending, rotations and deformations as degrees of freedom; moving the foot breaks the symmetry.
+    def limit(p):
+        return fm.limit_load(toggle(*p))
+
+    at = np.array([1.0, 1.0, 0.05])
+    found = jax.jacrev(limit)(jnp.asarray(at))
+    # Central differences: truncation 1e-8, round-off 1e-13 over the step.
+    for k, step in enumerate((1e-4, 1e-4, 1e-4)):
+        up, down = (limit(jnp.asarray(at + s * step * np.eye(3)[k])) for s in (1, -1))
+        assert float(found[k]) == pytest.approx(float(up - down) / (2 * step), rel=1e-6)
+
+
+def test_snap_back_under_a_prescribed_displacement():
+    # A spring k between the apex and the driven point: travel u = w + P(w)/k, closed form, turns back where
+    # P' = -k. The bars alone fall by more than the spring is stiff.
+    k, travel = 1.0, 6.0
+    b = fm.Builder()
+    for name, position in {"left": (-BASE, 0), "right": (BASE, 0), "apex": (0, 1), "drive": (0, 6)}.items():
+        b.node(name, position)
+    for ends in (("left", "apex"), ("apex", "right")):
+        b.add(planar.truss, *ends, section=fm.Rigidity(EA=1e4, mass=1.0))
+    b.add(planar.truss, "apex", "drive", section=fm.Rigidity(EA=5 * k, mass=0.1))
+    b.fix("left")
+    b.fix("right")
+    b.fix("apex", "x")
+    b.fix("drive", "x")
+    b.prescribe("drive", "y", -travel)
+    path = fm.path(b.build())
+    y = np.asarray(path.at("apex")[:, 1])
+
+    def driven(y):
+        return 1 - y + load_at(y) / k
+
+    # Round-off of the forces of the bars, 1e-16 EA over k.
+    np.testing.assert_allclose(travel * path.load_factor, driven(y), atol=1e-9)
+    # du/dy = 0 where b^2/l^3 = 1/L0 + k/2EA.
+    height = np.sqrt((BASE**2 / (1 / np.hypot(BASE, 1.0) + k / 2e4)) ** (2 / 3) - BASE**2)
+    assert [c.kind for c in path.critical_points] == ["limit", "limit"]
+    assert travel * path.critical_points[0].load_factor == pytest.approx(driven(height), rel=1e-10)
+    assert path.load_factor[-1] == 1.0
+
+
+def test_steep_truss_goes_sideways_first():
+    # Lateral stiffness 2 EA/(L0 l^2) (b^2 + (1 - L0/l) y^2) = 0 with y^2 = l^2 - b^2: l^3 - L0 l^2 + L0 b^2 = 0. The
+    # larger root comes first on the way down, the smaller one after the limit point l^3 = L0 b^2. Half that way down
+    # the apex passes the base and all comes again with the other sign.
+    slope, base = 4.0, 1.0
+    l0 = np.hypot(base, slope)
+    roots = np.sort(np.roots([1, -l0, 0, l0 * base**2]).real)[1:]
+    first, late = (load_at(np.sqrt(length**2 - base**2), 1.0, slope, base) for length in roots[::-1])
+    top = load_at(np.sqrt((l0 * base**2) ** (2 / 3) - base**2), 1.0, slope, base)
+    path = fm.path(truss(1.0, slope, base, load=1.0, sideways=True))
+    assert [c.kind for c in path.critical_points] == [
+        "bifurcation",
+        "limit",
+        *["bifurcation"] * 2,
+        "limit",
+        "bifurcation",
+    ]
+    loads = [c.load_factor for c in path.critical_points]
+    # Closed form; located to 1e-10.
+    np.testing.assert_allclose(loads, [first, top, late, -late, -top, -first], rtol=1e-10)
+    y = np.asarray(path.at("apex")[:, 1])
+    np.testing.assert_array_equal(path.stable, np.abs(y) > np.sqrt(roots[-1] ** 2 - base**2))
+    sideways = path.critical_points[0].phi[np.array(path.labels.coordinates("apex"))]
+    np.testing.assert_allclose(sideways / np.max(np.abs(sideways)), [1, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize("beams", [4, 8])
+def test_euler_column(beams):
+    path = fm.path(column(beams, 1.3 * EULER))
+    (found,) = path.critical_points
+    assert found.kind == "bifurcation"
+    # Cubic beams overestimate by O(n^-4): 5.1e-4 with 4, 16 times less with 8; strain of the column 1e-8.
+    assert 1.3 * found.load_factor - 1 == pytest.approx(5.1e-4 * (4 / beams) ** 4, rel=0.1)
+    # Straight to the end, and said to be unstable there.
+    for i in range(beams + 1):
+        np.testing.assert_allclose(path.at(str(i))[:, 1], 0, atol=1e-9)
+    np.testing.assert_array_equal(path.stable, path.load_factor < found.load_factor)
+    np.testing.assert_array_equal(path.frequencies[:, 0] > 0, path.stable)
+    # Linear buckling about every stable state foretells it: multipliers are counted from the load at the step.
+    foretold = np.asarray(path.load_factor * path.multipliers[:, 0])[1:]
+    np.testing.assert_allclose(foretold, found.load_factor, rtol=1e-6)
+
+
+def test_post_buckling_by_both_branches():
+    # A2, tip angle 40 degrees, closed form: half the column is the cantilever.
+    ratio, shortened, lateral = 1.0636632664, 0.8812035117, 0.4222403401
+    errors = []
+    for beams in (8, 16):
+        up, down = (fm.path(column(beams, ratio * EULER), switch=sign) for sign in (1, -1))
+        assert up.load_factor[-1] == 1.0
+        assert up.stable[-1]
+        middle = str(beams // 2)
+        end = np.array([up.at(str(beams))[-1, 0] / 2, up.at(middle)[-1, 1]])
+        mirrored = np.array([down.at(str(beams))[-1, 0] / 2, -down.at(middle)[-1, 1]])
+        # Both end at factor 1 by the same equations: round-off times EA/EI.
+        np.testing.assert_allclose(mirrored, end, rtol=1e-7)
+        assert end[1] > 0
+        errors.append(np.abs(end / [shortened, lateral] - 1))
+    # Order two, as under any large bending: a halving divides the errors by 5.2 and 4.7 here, the next by 4.2 and 4.1.
+    ratios = errors[0] / errors[1]
+    assert np.all((ratios > 4.0) & (ratios < 5.3))
+    assert np.all(errors[1] < 4e-2)
+
+
+def test_no_jump_past_a_nearby_branch():
+    # A bow of 1e-4: the path bends away just below the critical load and passes no critical point; the straight,
+    # unstable branch is a millimetre away.
+    path = fm.path(column(8, 1.3 * EULER, bow=1e-4))
+    assert path.critical_points == ()
+    assert np.all(path.stable)
+    deflection = np.asarray(path.at("4")[:, 1])
+    assert np.all(np.diff(deflection) > 0)
+    assert deflection[-1] > 0.5
+
+
+def test_preload_and_increment_are_told_apart():
+    whole = fm.path(column(4, 3.0)).critical_points[0].load_factor * 3.0
+    path = fm.path(column(4, 2.0, preload=1.0))
+    # The same total load: located to 1e-10.
+    assert 1.0 + 2.0 * path.critical_points[0].load_factor == pytest.approx(whole, rel=1e-10)
+    # Multipliers are of what more of the increment; strain of the column 1e-8.
+    foretold = path.load_factor[path.stable] + path.multipliers[path.stable, 0]
+    np.testing.assert_allclose(foretold, path.critical_points[0].load_factor, rtol=1e-6)
+
+
+def cantilever(force=(0.0, 0.0), moment=0.0, beams=4):
+    section = fm.Rigidity(EA=1e6, EIy=1.0, mass=1.0)
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(str(i), (i / beams, 0))
+    for i in range(beams):
+        b.add(planar.beam, str(i), str(i + 1), section=section)
+    b.fix("0")
+    b.force(str(beams), force)
+    b.moment(str(beams), moment)
+    return b.build()
+
+
+@pytest.mark.parametrize("load", [{"force": (0.0, 3.0)}, {"moment": 1.5}])
+def test_path_without_critical_points_ends_at_the_equilibrium(load):
+    model = cantilever(**load)
+    path, equilibrium = fm.path(model), fm.equilibrium(model)
+    assert path.critical_points == ()
+    assert np.all(path.stable)
+    assert np.max(np.diff(path.load_factor)) <= 0.125  # the last step a little longer than the others
+    # Round-off of x times EA.
+    np.testing.assert_allclose(path.x[-1], equilibrium.x, atol=1e-12)
+    np.testing.assert_allclose(path.sigma[-1], equilibrium.sigma, atol=1e-8)
+    np.testing.assert_allclose(path.reactions[-1], equilibrium.reactions, atol=1e-8)
+    lin, last = fm.linearize(model), path.linearization()
+    for name in ("M0", "K0", "G0", "DFx"):
+        expected = np.asarray(getattr(lin, name))
+        np.testing.assert_allclose(getattr(last, name), expected, atol=1e-9 * np.max(np.abs(expected)))
+
+
+def test_hanging_body_gains_stiffness_with_its_load():
+    # A rigid pendulum has none without load: omega^2 = P/(m a), closed form, also at the first state.
+    b = fm.Builder()
+    b.node("joint", (0, 0))
+    b.node("body", (0, -2.0))
+    b.add(planar.rigid_beam, "joint", "body")
+    b.fix("joint", "x", "y")
+    b.mass("body", 3.0)
+    b.dof("joint", "phi")
+    b.force("body", (0, -12.0))
+    path = fm.path(b.build())
+    np.testing.assert_allclose(path.eigenvalues[:, 0], 12.0 * path.load_factor / (3.0 * 2.0), atol=1e-12)
+    assert path.load_factor[-1] == 1.0
+
+
+def strut(axial, moment):
+    """Spatial cantilever with a moment about a fixed axis: no potential, no symmetric stiffness."""
+    section = fm.Rigidity(EA=1e6, EIy=1.0, EIz=100.0, GIt=1.0, mass=1.0, Jx=0.1)
+    b = fm.Builder()
+    for i in range(3):
+        b.node(str(i), (i / 2, 0, 0))
+    for i in range(2):
+        b.add(spatial.beam, str(i), str(i + 1), section=section, y=(0, 1, 0))
+    b.fix("0")
+    b.force("2", (-axial, 0, 0))
+    b.moment("2", (0, 0, moment))
+    return b.build()
+
+
+def test_stability_without_a_potential():
+    # Divergence by the sign of the determinant: weak axis, pi^2 EI/4; 2 cubic beams, 5.1e-4 as the column with 4.
+    path = fm.path(strut(1.2 * EULER, 0.0))
+    assert [c.kind for c in path.critical_points] == ["bifurcation"]
+    assert 1.2 * path.critical_points[0].load_factor - 1 == pytest.approx(5.1e-4, rel=0.1)
+    np.testing.assert_array_equal(path.stable, path.load_factor < path.critical_points[0].load_factor)
+    # Flutter: a pair of eigenvalues of (K, M) turns complex, which no determinant tells.
+    path = fm.path(strut(0.0, 4.0))
+    assert path.critical_points == ()
+    values = [np.linalg.eigvals(np.linalg.solve(m, k)) for k, m in zip(path.K, path.M0, strict=True)]
+    # Real to round-off times the spread of the eigenvalues.
+    real = [bool(np.all(v.real > 0) and np.all(np.abs(v.imag) < 1e-6 * np.abs(v))) for v in values]
+    assert path.stable[0]
+    assert not path.stable[-1]
+    np.testing.assert_array_equal(path.stable, real)
+
+
+def test_ends_that_are_refused_by_name():
+    with pytest.raises(fm.AnalysisError, match="max_steps"):
+        fm.path(truss(), max_steps=5)
+    path = fm.path(truss(), max_steps=5, throw=False)
+    assert fm.RESULTS(int(path.result)) == fm.RESULTS.max_steps
+    assert path.x.shape[0] == 6
+    # A truss in tension alone has no limit point.
+    with pytest.raises(fm.AnalysisError, match="max_steps"):
+        fm.limit_load(truss(load=-5.0), max_steps=20)
+    assert np.isnan(fm.limit_load(truss(load=-5.0), max_steps=20, throw=False))
+    with pytest.raises(TypeError, match="concrete"):
+        jax.grad(lambda h: fm.path(truss(height=h)).load_factor[-1])(1.0)
+    with pytest.raises(ValueError, match="positive"):
+        fm.path(truss(), max_steps=0)
+    with pytest.raises(KeyError, match="nowhere"):
+        path.at("nowhere")
+
+
+def test_nothing_is_compiled_twice():
+    models = column(8, 1.1 * EULER, bow=1e-3), column(8, 1.1 * EULER), column(3, 0.5 * EULER)
+    fm.path(column(8, 1.05 * EULER), switch=1)
+    count = []
+
+    def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
+        if event == "/jax/core/compile/backend_compile_duration":
+            count.append(duration_secs)
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    try:
+        fm.path(models[0], switch=-1)
+        fm.path(models[1], step=0.2)
+        assert not count
+        fm.path(models[2])
+        assert count  # the counter counts
+    finally:
+        jax.monitoring.unregister_event_duration_listener(listen)
+
+
+FLAT = """
+PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 1 -10 0
+X 2 0 1
+X 3 10 0
+FIX 1
+FIX 3
+FIX 2 1
+RLSE 1 1
+RLSE 2 1
+DYNX 2 2
+END
+HALT
+
+XM 2 1
+ESTIFF 1 1e4
+ESTIFF 2 1e4
+XF 2 0 -5
+END
+END
+"""
+STEP = {"load_factor", "x", "stable", "eigenvalues", "frequencies_hz", "load_multipliers", "e", "sig", "reactions"}
+STEP |= {"m0", "c0", "d0", "k0", "n0", "g0", "compliance"}
+
+
+def test_command_line(tmp_path):
+    model = tmp_path / "flat.dat"
+    model.write_text(FLAT)
+    saved = tmp_path / "flat.npz"
+    result = CliRunner().invoke(app, ["run", str(model), "--mode", "10", "--json", "-", "--save", str(saved)])
+    assert result.exit_code == 0
+    data = json.loads(result.stdout)
+    assert (data["status"], data["mode"], data["stable"]) == ("ok", 10, True)
+    assert [c["kind"] for c in data["critical_points"]] == ["limit", "limit"]
+    assert 5 * data["critical_points"][0]["load_factor"] == pytest.approx(3.8108719042, abs=5e-11)
+    assert all(set(step) >= STEP for step in data["path"])
+    first, last = data["path"][0], data["path"][-1]
+    assert (first["load_factor"], last["load_factor"]) == (0.0, 1.0)
+    assert data["x"] == last["x"]
+    assert data["sig"] == last["sig"]
+    assert data["reactions"]["1"][1] == pytest.approx(2.5, abs=1e-9)
+    unstable = [step for step in data["path"] if not step["stable"]]
+    assert unstable
+    assert all(step["frequencies_hz"] == [None] for step in unstable)
+    # Deflection under a unit force: 1/K.
+    assert first["compliance"]["2"][1] == pytest.approx(1 / first["k0"][0][0], rel=1e-12)
+    with np.load(saved) as arrays:
+        np.testing.assert_array_equal(arrays["path_x_2"], [step["x"]["2"] for step in data["path"]])
+
+    table = CliRunner().invoke(app, ["run", str(model), "--analysis", "path", "--max-steps", "5"])
+    assert table.exit_code == 1
+    assert "status max_steps" in table.stdout
+    assert "path (6 states)" in table.stdout
