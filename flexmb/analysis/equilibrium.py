@@ -29,9 +29,9 @@ LOOSE_TOLERANCE = 0.02
 LARGEST_STEP = 0.75
 # So is one that is not this much smaller than the one before it: Newton's method then left the neighbourhood of the
 # path, and what it finds may be another branch (Deuflhard 2011, Newton Methods for Nonlinear Problems, section 5.1).
-CONTRACTION = 0.5
+CONTRACTION = 0.35
 MAX_ITERATIONS = 12
-SMALLEST_LOAD_STEP = 1e-4
+SMALLEST_LOAD_STEP = 1e-5
 
 
 class Equilibrium(Record):

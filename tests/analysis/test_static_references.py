@@ -170,7 +170,7 @@ def test_guide_in_space(row):
     # One spectral beam a leaf spring; 1e-4 is asked for.
     np.testing.assert_allclose(np.asarray(found.at("platform")) - [0, 0.1, 0], moved[:3], rtol=2e-6, atol=1e-9)
     c = np.asarray(fm.compliance(model, "platform"))
-    assert 1 / c[0, 0] == pytest.approx(drive, rel=1e-6)
+    assert 1 / c[0, 0] == pytest.approx(drive, rel=5e-6)
     for k, support in ((1, support_y), (2, support_z)):
         assert 1 / (c[k, k] - c[0, k] ** 2 / c[0, 0]) == pytest.approx(support, rel=1e-4)
 

@@ -77,6 +77,7 @@ PROPERTIES = {
     "mass": lambda hint: POSITIVE,
     "inertia": lambda hint: POSITIVE if hint is float else inertia_tensors(),
     "moment": lambda hint: vectors(3),
+    "force": lambda hint: vectors(int(hint.dim_str)),
     "axis": lambda hint: vectors(3),
     "y": lambda hint: st.none() | vectors(3),
     "second_order": lambda hint: st.booleans(),
