@@ -98,7 +98,7 @@ def main() -> None:
             axes.annotate(str(size), (xi, found[name]["error"]), textcoords="offset points", xytext=(4, 4), fontsize=8)
     axes.set_xlabel("time of one equilibrium, compiled [ms]")
     axes.set_ylabel("error of the stroke [-]")
-    axes.set_title("Spatial guide at 10 mm: beams a leaf spring, or order of one spectral beam")
+    axes.set_title("Guide at 10 mm: beams a leaf spring, or the order of one", fontsize=11)
     axes.grid(True, which="major", alpha=0.4)
     axes.legend()
     figure.savefig(RESULTS / "large_deflection.png", dpi=120)
