@@ -209,3 +209,33 @@ def test_frame_leaves_its_plane(row):
         return float(np.linalg.eigvalsh(np.asarray(fm.linearize(model, load_factor=load).K))[0])
 
     assert lowest(abs(critical) * (1 - 1e-4)) > 0 > lowest(abs(critical) * (1 + 1e-4))
+
+
+def test_a_frame_that_snaps_through_and_back():
+    """Lee's frame: the load rises, falls below zero and rises again, with its point of attack moving to and fro."""
+    data = REFERENCE["lee-frame"]
+    length, load = data["L"], data["P_end"]
+    ea, _, limits, _ = data["rows"][0]
+    b = fm.Builder()
+    section = fm.Rigidity(EA=ea, EIy=data["EI"], mass=1.0)
+    places = {"foot": (0, 0), "corner": (0, length), "load": (0.2 * length, length), "end": (length, length)}
+    for name, place in places.items():
+        b.node(name, place)
+    for p, q, order in (("foot", "corner", 7), ("corner", "load", 4), ("load", "end", 7)):
+        b.add(planar.spectral_beam(order), p, q, name=f"{p} {q}", section=section)
+    b.fix("foot", "position")
+    b.fix("end", "position")
+    b.force("load", (0, -load))
+    model = b.build()
+    path = fm.path(model)
+    assert path.load_factor[-1] == 1.0
+    assert [c.kind for c in path.critical_points] == ["limit", "limit"]
+    x, y = model.labels.coordinates("load")
+    for found, (u, v, critical, *_) in zip(path.critical_points, limits, strict=True):
+        # Series of order seven at rotations of 3 rad: 2e-5.
+        assert found.load_factor * load == pytest.approx(critical, rel=2e-5)
+        # Where the load is stationary the place is known to the root of that, and the extent is 120.
+        np.testing.assert_allclose([found.x[x] - 24, 120 - found.x[y]], [u, v], atol=0.2)
+    # Falling through the first limit and rising through the second, the frame is unstable between them.
+    between = np.diff(np.asarray(path.load_factor)) < 0
+    assert not np.any(path.stable[1:][between][1:-1])
