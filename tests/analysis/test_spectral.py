@@ -31,7 +31,7 @@ def straight(n, space=False):
 PLANE = fm.Rigidity(EA=STIFF, EIy=1.0, mass=1.0)
 
 
-@pytest.mark.parametrize(("order", "error"), [(2, 2e-3), (3, 2e-4), (4, 1e-5), (5, 2e-6), (6, 2e-7), (8, 3e-9)])
+@pytest.mark.parametrize(("order", "error"), [(3, 2e-4), (5, 2e-6), (8, 3e-9)])
 def test_elastica_by_one_element(order, error):
     # A1, P L^2/EI = 2, closed form. Errors fall exponentially.
     b = chain(planar.spectral_beam(order), straight(1), PLANE)
@@ -117,7 +117,7 @@ def test_princeton_beam(angle):
     assert np.rad2deg(turned) == pytest.approx(twist, abs=1e-4)
 
 
-@pytest.mark.parametrize(("order", "load"), [(2, 4.485), (3, 4.050), (4, 4.0164), (5, 4.0129), (6, 4.0127)])
+@pytest.mark.parametrize(("order", "load"), [(2, 4.485), (4, 4.0164), (6, 4.0127)])
 def test_lateral_buckling_by_one_element(order, load):
     # A11-lateral: 4.0125993436 for a thin section. The values of FORMULATION.md 2, rounded there to what is shown; the
     # SPACAR beam gives 6.00, 4.29 and 4.07 with 1, 2 and 4 elements.
