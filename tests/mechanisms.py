@@ -5,6 +5,8 @@ those of the reference problems. Data: two leaf springs 0.1 x 0.018 x 0.0005 m o
 0.2 kg on top, a voice coil of 0.006 kg on its right end.
 """
 
+import numpy as np
+
 import flexmb as fm
 from flexmb import planar, spatial
 
@@ -149,4 +151,23 @@ def spatial_guide(
     for node in top:
         for component in ("x", "y", "z"):
             b.output(node, component)
+    return b
+
+
+def cross_pivot(fraction, angle) -> fm.Builder:
+    """B3: two leaf springs at right angles that cross at a fraction of their length; the body turned by an angle.
+
+    L = EI = 1, extension a billion times stiffer; one spectral beam of order six a leaf spring.
+    """
+    b = fm.Builder()
+    section = fm.Rigidity(EA=1e9, EIy=1.0)
+    d = np.array([1.0, 1.0]) / np.sqrt(2)
+    b.node("body", (0, 0))
+    for name, along in (("a", d), ("b", d * [-1, 1])):
+        b.node(f"{name} foot", -fraction * along)
+        b.node(f"{name} top", (1 - fraction) * along)
+        b.add(planar.spectral_beam(6), f"{name} foot", f"{name} top", name=name, section=section)
+        b.fix(f"{name} foot")
+        b.add(planar.beam, "body", f"{name} top", name=f"arm {name}")
+    b.prescribe("body", "phi", angle)
     return b

@@ -90,9 +90,9 @@ def test_frequencies_load_no_library_that_they_do_not_use():
 def test_importing_changes_no_setting():
     code = (
         "import jax\nbefore = dict(jax.config.values)\nimport flexmb\n"
-        "for name in dir(flexmb): getattr(flexmb, name)\nassert dict(jax.config.values) == before"
+        "for name in dir(flexmb): getattr(flexmb, name)\nprint(dict(jax.config.values) == before)"
     )
-    loaded_by(code)
+    assert "True" in loaded_by(code)
 
 
 def test_public_names_are_those_of_the_stub():

@@ -7,11 +7,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..math.indices import put
-from ..math.linear import factorise
+from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, state
-from ..mechanics.transfer import correction
+from ..mechanics.residual import State, reduced_response, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .equilibrium import held_values, sizes_of
@@ -115,36 +114,6 @@ def ramp_of(topology: Topology, parameters: Parameters) -> Ramp:
     return Ramp(load_factors(0.0, 0.0), load_factors(1.0, 0.0))
 
 
-def reduced_response(
-    topology: Topology,
-    at: State,
-    excess: Float[Array, "n_e"],
-    shift: Float[Array, "n_x"],
-    imbalance: Float[Array, "n_x"],
-) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
-    """Particular change of x and the force out of balance along q that is left after it, to first order.
-
-    Args:
-        topology: Structure.
-        at: State whose tangent is used.
-        excess: Held deformations minus their wanted values, the effect of ``shift`` included, (n_e,) [m, rad].
-        shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
-        imbalance: D_x^T sigma - f before the change, (n_x,) [N, N m].
-
-    Returns:
-        Change of x at constant q, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m].
-
-    Source:
-        FORMULATION.md 6, as :func:`flexmb.mechanics.residual.linear_response` before its solve.
-    """
-    onto = correction(topology, at.transfer, excess, shift)
-    strain = put(at.jacobian @ onto, topology.e.dof, 0.0)
-    imbalance = imbalance + at.jacobian.T @ (at.S @ strain)
-    if at.curvature is not None:
-        imbalance = imbalance + at.curvature @ onto
-    return onto, at.transfer.DFx.T @ imbalance
-
-
 def load_response(
     topology: Topology, parameters: Parameters, ramp: Ramp, at: State
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
@@ -176,7 +145,7 @@ def _bordered_solve(at: State, onto, by_load, plane: Plane, residual, distance):
     k = at.K0 + at.G0
     across = plane.x @ at.transfer.DFx
     corner = plane.x @ onto + plane.load
-    pivots = jnp.abs(jnp.diagonal(k))
+    pivots = jnp.abs(diagonal_of(k))
     # The row is brought to the middle of the stiffnesses, for the choice of pivots.
     weight = jnp.exp(jnp.mean(jnp.log(jnp.where(pivots > 0, pivots, 1.0)))) if k.shape[0] else jnp.array(1.0)
     row = jnp.concatenate([across, corner[None]])

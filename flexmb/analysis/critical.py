@@ -8,13 +8,11 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..math.compile import jit
-from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.linear import factorise
-from ..mechanics.deformation import deformation_jacobian, zero_near
-from ..mechanics.loads import has_load_elements, nodal_forces, scaled_loads
-from ..mechanics.residual import State, state
-from ..mechanics.stress import element_stiffness, stress_resultants
+from ..mechanics.deformation import zero_near
+from ..mechanics.loads import has_load_elements
+from ..mechanics.residual import State, reduced_response, state
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -28,14 +26,13 @@ from .continuation import (
     load_response,
     normal_to,
     ramp_of,
-    reduced_response,
     scale_of,
     scales_increment,
     step_along,
     tangent_at,
     unit,
 )
-from .equilibrium import held_values, solve_state
+from .equilibrium import change_of_equations, sizes_of, solve_state
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
 SMALLEST_COSINE = 0.9
@@ -268,25 +265,12 @@ def _limit_load_jvp(primals, tangents):
     target = ramp.at(found.load)
     at = state(topology, parameters, target, found.x, found.near)
 
-    def equations(parameters):
-        e, jacobian = deformation_jacobian(topology, parameters, found.x, found.near)
-        stiffness = element_stiffness(topology, parameters)
-        sigma = stress_resultants(parameters, scaled_loads(parameters, target), stiffness, e)
-        fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
-        sigma = put(sigma, fixed, at.sigma[fixed])
-        wanted_x, wanted_e = held_values(topology, parameters, target)
-        force = nodal_forces(topology, parameters, target, found.x)
-        return jacobian.T @ sigma - force, e - wanted_e, wanted_x
-
-    _, (imbalance, excess, wanted) = jvp_of_varied(equations, (parameters,), (tangents[1],))
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
-    shift = put(jnp.zeros(topology.n_x), held, wanted[held])
-    excess = put(excess, topology.e.dof, 0.0) + at.jacobian @ shift
-    _, by_parameter = reduced_response(topology, at, excess, shift, imbalance)
+    still = jax.tree.map(jnp.zeros_like, target)
+    changes = change_of_equations(topology, at, found.near, (parameters, target), (tangents[1], still))
+    _, by_parameter = reduced_response(topology, at, *changes)
     _, by_load = load_response(topology, parameters, ramp, at)
-    sizes = scale_of(topology, parameters, Direction(at.x, at.e, jnp.array(1.0))).sizes
     tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
-    _, psi = null_vectors(topology, at, sizes, tiny)
+    _, psi = null_vectors(topology, at, sizes_of(topology, parameters), tiny)
     change = -(psi @ by_parameter) / (psi @ by_load)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return (found.load, found.result), (change, no_change)

@@ -64,10 +64,7 @@ class Equilibrium(Record):
         Raises:
             KeyError: No such node.
         """
-        indices = self.labels.coordinates(node)
-        if not indices:
-            raise KeyError(f"no node '{node}' in this model")
-        return self.x[np.array(indices)]
+        return self.x[self.labels.known(node)]
 
 
 class _Solved(NamedTuple):
@@ -211,27 +208,48 @@ def _solve(topology: Topology, parameters: Parameters, target: LoadFactors) -> _
     return _search(topology, parameters, target)
 
 
-def _solve_jvp(primals, tangents):
-    """Implicit function theorem: the derivative of the equations at constant x, answered by the tangent."""
-    topology, parameters, target = primals
-    solved = _solve(topology, parameters, target)
-    at = state(topology, parameters, target, solved.x, solved.near)
+def change_of_equations(
+    topology: Topology, at: State, near: Float[Array, "n_e"], primals: tuple, tangents: tuple
+) -> tuple[Float[Array, "n_e"], Float[Array, "n_x"], Float[Array, "n_x"]]:
+    """Change of the equilibrium equations with parameters and load factors, at constant x.
+
+    Args:
+        topology: Structure.
+        at: State in equilibrium.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        primals: Parameters and load factors.
+        tangents: Their changes; a leaf may be a ``SymbolicZero``.
+
+    Returns:
+        excess (n_e,) [m, rad], shift (n_x,) [m, rad, -] and imbalance (n_x,) [N, N m], as ``reduced_response`` takes
+        them: the particular solution keeps the DOF deformations.
+
+    Source:
+        Implicit function theorem on FORMULATION.md 5.
+    """
 
     def equations(parameters, target):
-        e, jacobian = deformation_jacobian(topology, parameters, solved.x, solved.near)
+        e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
         stiffness = element_stiffness(topology, parameters)
         sigma = stress_resultants(parameters, scaled_loads(parameters, target), stiffness, e)
         fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
         sigma = put(sigma, fixed, at.sigma[fixed])
         wanted_x, wanted_e = held_values(topology, parameters, target)
-        force = nodal_forces(topology, parameters, target, solved.x)
+        force = nodal_forces(topology, parameters, target, at.x)
         return jacobian.T @ sigma - force, e - wanted_e, wanted_x
 
-    _, (imbalance, excess, wanted) = jvp_of_varied(equations, primals[1:], tangents[1:])
+    _, (imbalance, excess, wanted) = jvp_of_varied(equations, primals, tangents)
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
     shift = put(jnp.zeros(topology.n_x), held, wanted[held])
-    # The particular solution keeps the DOF deformations; what they change by is found as dq.
-    excess = put(excess, topology.e.dof, 0.0) + at.jacobian @ shift
+    return put(excess, topology.e.dof, 0.0) + at.jacobian @ shift, shift, imbalance
+
+
+def _solve_jvp(primals, tangents):
+    """The derivative of the equations at constant x, answered by the tangent."""
+    topology, parameters, target = primals
+    solved = _solve(topology, parameters, target)
+    at = state(topology, parameters, target, solved.x, solved.near)
+    excess, shift, imbalance = change_of_equations(topology, at, solved.near, primals[1:], tangents[1:])
     dx, _ = linear_response(topology, at, excess, shift, imbalance)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return solved, _Solved(dx, jnp.zeros_like(solved.near), no_change, no_change)

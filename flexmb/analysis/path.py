@@ -78,10 +78,7 @@ class Path(Record):
         Raises:
             KeyError: No such node.
         """
-        indices = self.labels.coordinates(node)
-        if not indices:
-            raise KeyError(f"no node '{node}' in this model")
-        return self.matrices.x[:, np.array(indices)]
+        return self.matrices.x[:, self.labels.known(node)]
 
     def linearization(self, step: int = -1) -> Linearization:
         """Linearised equations of motion about one step, for modes, compliance and state space.

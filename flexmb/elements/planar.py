@@ -8,11 +8,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import rotation_plane
-from . import beams
+from . import beams, spectral
 from .element import ALL, Element
 from .nodes import Angle, Point2
 from .sections import Damping, Section
-from .spectral import planar_beam as spectral_beam  # noqa: F401
 
 
 def _truss(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
@@ -95,6 +94,9 @@ beam = Element(
     check=beams.check_length,
 )
 """Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping, second_order."""
+
+
+spectral_beam = spectral.planar_beam
 
 
 def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]:

@@ -9,11 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import initial_frame, lbar, relative_parameters, rotation_matrix
-from . import beams
+from . import beams, spectral
 from .element import Element
 from .nodes import Point3, Rotation3
 from .sections import Damping, Section
-from .spectral import spatial_beam as spectral_beam  # noqa: F401
 
 
 def _truss(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
@@ -143,6 +142,9 @@ beam = Element(_beam, stiffness=_beam_stiffness, damping=_beam_damping, inertia=
 
 Properties: section, damping, y (vector that fixes local y), second_order.
 """
+
+
+spectral_beam = spectral.spatial_beam
 
 
 def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:

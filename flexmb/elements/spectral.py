@@ -21,10 +21,9 @@ from .element import Element
 from .nodes import Angle, Internal, Point2, Point3, Rotation3
 from .sections import Damping, Section
 
-# Squares of the Legendre polynomials integrate to 1/(2 k + 1).
-
 
 def _squares(order: int) -> np.ndarray:
+    """Integrals of the squared Legendre polynomials over the length."""
     return 1 / (2 * np.arange(order) + 1)
 
 
@@ -168,7 +167,7 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
     """
     if order < 1:
         raise ValueError(f"order must be at least 1, but is {order}.")
-    steps = 8 * max(1, 2 ** int(np.ceil(np.log2(order / 6)))) if order > 6 else 8
+    steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     inner = ends[:-1, None] + lengths[:, None] * gauss(3)[0]

@@ -97,6 +97,38 @@ def state(
     return State(x, e, sigma, force, jacobian, tangent, stiffness, curvature)
 
 
+def reduced_response(
+    topology: Topology,
+    at: State,
+    excess: Float[Array, "n_e"],
+    shift: Float[Array, "n_x"],
+    imbalance: Float[Array, "n_x"],
+) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
+    """Change of x at constant q, and the force out of balance along q that is left after it, to first order.
+
+    Args:
+        topology: Structure.
+        at: State whose tangent is used.
+        excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, the effect of ``shift`` included,
+            (n_e,) [m, rad].
+        shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
+        imbalance: D_x^T sigma - f before the change, (n_x,) [N, N m].
+
+    Returns:
+        Change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m].
+
+    Source:
+        FORMULATION.md 6: the Hessian of the Lagrangian, projected with Z = DFx.
+    """
+    onto_constraints = correction(topology, at.transfer, excess, shift)
+    # The stress of DOF deformations is that of their wanted values already.
+    strain = put(at.jacobian @ onto_constraints, topology.e.dof, 0.0)
+    imbalance = imbalance + at.jacobian.T @ (at.S @ strain)
+    if at.curvature is not None:
+        imbalance = imbalance + at.curvature @ onto_constraints
+    return onto_constraints, at.transfer.DFx.T @ imbalance
+
+
 def linear_response(
     topology: Topology,
     at: State,
@@ -108,26 +140,14 @@ def linear_response(
 
     The same linear system serves Newton's step and the derivative of the equilibrium by any parameter.
 
-    Args:
-        topology: Structure.
-        at: State whose tangent is used.
-        excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, the effect of ``shift`` included,
-            (n_e,) [m, rad].
-        shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
-        imbalance: D_x^T sigma - f before the change, (n_x,) [N, N m].
+    Arguments as for :func:`reduced_response`.
 
     Returns:
         Change of x, (n_x,) [m, rad, -], and of q from its wanted value, (n_q,) [m, rad].
 
     Source:
-        FORMULATION.md 6: the Hessian of the Lagrangian, projected with Z = DFx.
+        See :func:`reduced_response`.
     """
-    z = at.transfer.DFx
-    onto_constraints = correction(topology, at.transfer, excess, shift)
-    # The stress of DOF deformations is that of their wanted values already.
-    strain = put(at.jacobian @ onto_constraints, topology.e.dof, 0.0)
-    imbalance = imbalance + at.jacobian.T @ (at.S @ strain)
-    if at.curvature is not None:
-        imbalance = imbalance + at.curvature @ onto_constraints
-    dq = factorise(at.K0 + at.G0).solve(-(z.T @ imbalance))
-    return onto_constraints + z @ dq, dq
+    onto_constraints, residual = reduced_response(topology, at, excess, shift, imbalance)
+    dq = factorise(at.K0 + at.G0).solve(-residual)
+    return onto_constraints + at.transfer.DFx @ dq, dq

@@ -73,6 +73,20 @@ class Labels:
         """
         return [i for i, entry in enumerate(self.x) if entry.of == node]
 
+    def known(self, node: str) -> np.ndarray:
+        """As :meth:`coordinates`, for a node that must exist.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        indices = self.coordinates(node)
+        if not indices:
+            raise KeyError(f"no node '{node}' in this model")
+        return np.array(indices)
+
 
 class Model(Record):
     """A checked mechanism: topology and parameters, with names beside them.

@@ -3,6 +3,7 @@
 import itertools
 
 import jax
+import mechanisms
 import numpy as np
 import pytest
 
@@ -204,19 +205,7 @@ def test_support_stiffness_of_a_guide_at_a_stroke(stroke):
 
 
 def cross_pivot(fraction, angle):
-    """B3: two leaf springs at right angles that cross at a fraction of their length; the body turned by an angle."""
-    b = fm.Builder()
-    section = fm.Rigidity(EA=STIFF, EIy=1.0)
-    d = np.array([1.0, 1.0]) / np.sqrt(2)
-    b.node("body", (0, 0))
-    for name, along in (("a", d), ("b", d * [-1, 1])):
-        b.node(f"{name} foot", -fraction * along)
-        b.node(f"{name} top", (1 - fraction) * along)
-        b.add(planar.spectral_beam(5), f"{name} foot", f"{name} top", name=name, section=section)
-        b.fix(f"{name} foot")
-        b.add(planar.beam, "body", f"{name} top", name=f"arm {name}")
-    b.prescribe("body", "phi", angle)
-    model = b.build()
+    model = mechanisms.cross_pivot(fraction, angle).build()
     found = fm.equilibrium(model)
     moment = found.reactions[model.labels.coordinates("body.rotation")[0]]
     return float(moment / angle), float(np.hypot(*found.at("body")))

@@ -3,6 +3,7 @@
 One spectral beam stands for a whole leaf spring. Where the reference has no extension, EA is 1e9 here.
 """
 
+import mechanisms
 import numpy as np
 import pytest
 from rod_references import REFERENCE
@@ -107,17 +108,7 @@ def test_right_angle_frame(row):
 @pytest.mark.parametrize("row", rows("cross-pivot", lambda r: np.isinf(r[0]) and r[3] in (5.0, 30.0)), ids=str)
 def test_cross_pivot_under_load(row):
     _, fraction, force, degrees, moment, x, y = row
-    b = fm.Builder()
-    section = fm.Rigidity(EA=STIFF, EIy=1.0)
-    d = np.array([1.0, 1.0]) / np.sqrt(2)
-    b.node("body", (0, 0))
-    for name, along in (("a", d), ("b", d * [-1, 1])):
-        b.node(f"{name} foot", -fraction * along)
-        b.node(f"{name} top", (1 - fraction) * along)
-        b.add(planar.spectral_beam(6), f"{name} foot", f"{name} top", name=name, section=section)
-        b.fix(f"{name} foot")
-        b.add(planar.beam, "body", f"{name} top", name=f"arm {name}")
-    b.prescribe("body", "phi", np.deg2rad(degrees))
+    b = mechanisms.cross_pivot(fraction, np.deg2rad(degrees))
     b.force("body", (0, force))
     model = b.build()
     found = fm.equilibrium(model)
