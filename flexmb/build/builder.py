@@ -384,7 +384,8 @@ class Builder:
         """Make the model.
 
         Args:
-            dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others.
+            dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
+                the coefficients of spectral beams that they leave undetermined.
             release: "auto" releases deformations until no over-constraint is left.
             check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
 
@@ -404,6 +405,14 @@ class Builder:
                 raise ModelError(
                     "Degrees of freedom cannot be found while the model's geometry is traced. Name them with dof();"
                     " an untraced build says which it finds in model.q_labels."
+                )
+            e, named = model.topology.e, model.topology.n_q
+            # By shapes, since indices are traced too under jit: the constraint matrix must be square.
+            missing = model.topology.x.dependent.shape[0] - sum(a.shape[0] for a in (e.fixed, e.prescribed, e.dof))
+            if missing:
+                raise ModelError(
+                    f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
+                    " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
             return model
         return complete(self, model, dofs, release) if check else model

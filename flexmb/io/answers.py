@@ -14,6 +14,7 @@ from ..analysis.linearize import Linearization, linearize
 from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
+from ..build.dofs import complete_series
 from ..errors import AnalysisError, MechanismError
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
@@ -48,11 +49,14 @@ def _number(name: str) -> int | str:
     return int(name) if name.isdigit() else name
 
 
-def _by_owner(values, entries, keep: Callable[[Any], bool] = lambda entry: True) -> dict[str, list[float]]:
-    """Entries of a vector by the node or element they belong to."""
+def _by_owner(values, entries) -> dict[str, list[float]]:
+    """Entries of a vector by the node or element they belong to.
+
+    Coordinates that an element owns are among its deformations and not repeated.
+    """
     grouped: dict[str, list[float]] = {}
     for value, entry in zip(np.asarray(values).tolist(), entries, strict=True):
-        if entry.kind != "norm" and keep(entry):
+        if entry.kind not in ("norm", "internal"):
             grouped.setdefault(entry.of, []).append(value)
     return grouped
 
@@ -127,6 +131,11 @@ def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
     return {"poles": [[p.real, p.imag] for p in poles(lin).tolist()]}
 
 
+def _compliance(lin: Linearization) -> dict[str, list[float]]:
+    own = {entry.of for entry in lin.labels.x if entry.kind == "internal"}
+    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node not in own}
+
+
 def _shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
     return [_by_owner(column, labels.x) for column in np.asarray(columns).T]
 
@@ -159,7 +168,7 @@ def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
         **_state(lin),
         "load_multipliers": np.asarray(found.multipliers),
         "modes": _shapes(found.shapes, lin.labels),
-        "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+        "compliance": _compliance(lin),
         "warnings": [silent] if silent else [],
     }
 
@@ -191,7 +200,7 @@ def _step(found: Path, i: int) -> dict[str, Any]:
         "frequencies_hz": _hertz(values[finite], np.asarray(found.frequencies[i])[finite]),
         "load_multipliers": multipliers[np.isfinite(multipliers)],
         **_matrices(lin),
-        "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+        "compliance": _compliance(lin),
     }
 
 
@@ -265,7 +274,7 @@ def answer(
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = list(warnings or [])
-    model = builder.build(check=False)
+    model = complete_series(builder, builder.build(check=False))
     lin = None
     failed = 0
     try:

@@ -8,6 +8,7 @@ from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..model.model import Model
 from ..model.roles import Role
 from .answers import Answer
+from .spacar_series import described
 
 SHOWN_VALUES = 12
 CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "R"}
@@ -82,6 +83,13 @@ def _entries(title: str, entries, roles) -> list[str]:
     return lines + [f"  {name:<10}{'  '.join(parts)}" for name, parts in grouped.items()]
 
 
+def _series(model: Model) -> list[str]:
+    """What the numbers of spectral beams stand for."""
+    blocks = [b for b in model.topology.blocks if b.element.fields and "deformation" in b.companions]
+    firsts = [(model.labels.e[row[0]].of, described(b.element)) for b in blocks for row in np.asarray(b.e).tolist()]
+    return ["SPECTRAL BEAMS", *(f"  {name:<10}{text}" for name, text in firsts)] if firsts else []
+
+
 def _counts(kind: str, roles) -> str:
     found = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
     return f"N{kind}O {found['O']}  N{kind}MM {found['M']}  N{kind}M {found['M'] + found['R']}  N{kind}C {found['C']}"
@@ -113,6 +121,7 @@ def log(found: Answer, source: str) -> str:
         x_roles, e_roles = model.roles()
         lines += ["", "Classes: O fixed, C calculable, M degree of freedom, R prescribed"]
         lines += _entries("ELEMENTS: deformation numbers and classes", model.labels.e, e_roles)
+        lines += _series(model)
         lines += _entries("NODES: coordinate numbers and classes", model.labels.x, x_roles)
         lines += ["DEGREES OF FREEDOM", *(f"  {i + 1}  {name}" for i, name in enumerate(model.q_labels))]
         lines += [_counts("E", e_roles), _counts("X", x_roles)]
