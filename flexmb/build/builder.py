@@ -218,17 +218,30 @@ class Builder:
         value: float = 0.0,
         *,
         increment: bool = False,
+        axis: Sequence[float] | None = None,
+        tilt: str | None = None,
         kind: str | None = None,
     ) -> None:
-        """Prescribe a coordinate's displacement from its start value, or a deformation.
+        """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
+
+        A rotation is an angle that counts past half and full turns. In space it is that of a hinge named "turn of"
+        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle, its stress
+        resultant the moment that is needed.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
-            value: Displacement or deformation, () [m, rad].
+            component: Coordinate, "rotation", or number of a deformation, from 1.
+            value: Displacement, angle or deformation, () [m, rad].
             increment: Whether the value belongs to the incremental loads.
+            axis: Of a rotation in space, (3,) along the global axes.
+            tilt: Of a rotation in space: "fixed" (unless given) turns the node about the axis and no other way, "free"
+                holds the angle about the axis alone.
             kind: "node" or "element", where both bear the name.
         """
+        if component == "rotation" and kind != "element":
+            of, component, kind = self._turned(str(of), axis, tilt)
+        elif axis is not None or tilt is not None:
+            raise ModelError(f"'{of}.{component}': only component \"rotation\" takes an axis or a tilt.")
         entry = self._entry(of, component, kind)
         self._check_finite(f"Prescribed value of '{of}'", value)
         if self._owner(entry).roles[entry[2] - 1] is not Role.PRESCRIBED:
@@ -451,6 +464,32 @@ class Builder:
         self.dimension = kind.dimension
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
         self.nodes[name] = Node(kind, start, [role] * kind.size)
+
+    def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> tuple[str, str | int, str]:
+        """What is prescribed in place of a node's rotation: the angle in the plane, that of a hinge in space."""
+        part = self._rotation_of(node)
+        if self.nodes[part].kind is ANGLE:
+            if axis is not None or tilt is not None:
+                raise ModelError(f"Rotation of node '{node}': in the plane it takes neither an axis nor a tilt.")
+            return part, "phi", "node"
+        if axis is None:
+            raise ModelError(f"Rotation of node '{node}': in space it needs an axis, such as axis=(0, 0, 1).")
+        if tilt not in (None, "fixed", "free"):
+            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {tilt!r}.")
+        node = part.removesuffix(".rotation")
+        name, frame = f"turn of {node}", f"frame of {node}"
+        if name not in self.members:
+            held = [role.value for role in self.nodes[part].roles if role is not Role.DEPENDENT]
+            if held:
+                raise ModelError(f"The rotation of node '{node}' is {held[0]} already and cannot be prescribed too.")
+            self.rotation(frame)
+            self.fix(frame)
+            self.add(spatial.hinge, frame, part, name=name, axis=axis, released=(2, 3) if tilt == "free" else ())
+        known, roles = self.members[name].properties["axis"], self.members[name].roles
+        other = is_concrete((known, list(axis))) and not np.allclose(known, np.asarray(axis, float))
+        if other or (tilt is not None and (tilt == "free") is not (roles[1] is Role.DEPENDENT)):
+            raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
+        return name, 1, "element"
 
     def _check_finite(self, what: str, value: Any) -> None:
         if is_concrete(value) and not np.all(np.isfinite(np.asarray(value, float))):
