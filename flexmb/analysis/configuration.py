@@ -10,13 +10,14 @@ from ..math.compile import jit
 from ..math.indices import accumulate, put
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, zero_near
+from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
 from ..mechanics.transfer import correction, held_rows, transfer
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .equilibrium import held_values, sizes_of
+from .equilibrium import held_values
 
 # Degrees of freedom go from their start values in steps of this share of the mechanism's extent, or radians.
 STEP = 0.2

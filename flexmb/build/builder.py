@@ -76,6 +76,7 @@ class Builder:
         self.dofs: list[Key] = []
         self.loads: dict[str, dict[str, Any]] = {"initial": {}, "increment": {}}
         self.signals: dict[str, list[tuple[str, str, Key]]] = {"input": [], "output": []}
+        self.starts: dict[Key, tuple[Any, Any]] = {}
         self.dimension: int | None = None
         self._clamped: set[str] = set()
 
@@ -248,6 +249,22 @@ class Builder:
             self._assign(of, component, Role.PRESCRIBED, kind)
         self._load("prescribed", increment)[entry] = value
 
+    def start(
+        self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
+    ) -> None:
+        """Set where a degree of freedom starts from in a simulation; it is named as one if none are.
+
+        Args:
+            of: Name of a node or an element.
+            component: Coordinate, or number of a deformation, from 1.
+            value: Displacement from the position given, or deformation, () [m, rad].
+            velocity: Its rate, () [m/s, rad/s].
+            kind: "node" or "element", where both bear the name.
+        """
+        for what, number in (("value", value), ("velocity", velocity)):
+            self._check_finite(f"Start {what} of '{of}'", number)
+        self.starts[self._entry(of, component, kind)] = (value, velocity)
+
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
 
@@ -412,6 +429,13 @@ class Builder:
         """
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
+        strangers = [
+            f"{of} {component}" for kind, of, component in self.starts if (kind, of, component) not in self.dofs
+        ]
+        if self.dofs and strangers:
+            raise ModelError(
+                f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
+            )
         model = assemble(self)
         if not is_concrete(model.parameters.reference):
             if not self.dofs and dofs == "auto":
@@ -436,7 +460,7 @@ class Builder:
         for field in ("nodes", "members"):
             contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
             setattr(twin, field, contents)
-        twin.dofs, twin._clamped = list(self.dofs), set(self._clamped)
+        twin.dofs, twin._clamped, twin.starts = list(self.dofs), set(self._clamped), dict(self.starts)
         twin.loads = {k: {n: dict(v) for n, v in sets.items()} for k, sets in self.loads.items()}
         twin.signals = {k: list(v) for k, v in self.signals.items()}
         return twin

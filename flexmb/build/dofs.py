@@ -42,9 +42,15 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
         raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{mobility(model).report()}")
     if model.topology.n_q == 0 and dofs == "auto":
         builder = builder.copy()
-        for kind, of, component in _choose(model, motions):
+        for kind, of, component in builder.starts:
             builder.dof(of, component, kind=kind)
-        return assemble(builder)
+        started = assemble(builder)
+        _, rest = independent_rows(_named_rows(started, motions), len(builder.starts), 0.0)
+        for kind, of, component in _choose(started, motions @ rest):
+            builder.dof(of, component, kind=kind)
+        model = assemble(builder)
+        _check_named(model, motions)
+        return model
     model = _with_coefficients(builder, model, motions)
     _check_named(model, motions)
     return model

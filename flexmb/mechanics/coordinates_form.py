@@ -1,4 +1,4 @@
-"""Motion in all nodal coordinates: accelerations and multipliers from one linear system, drift removed after each step."""
+"""Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
 
 from typing import Any, NamedTuple
 
@@ -7,12 +7,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..math.indices import accumulate, put
-from ..math.linear import diagonal_of, factorise
+from ..math.linear import diagonal_of, factorise, is_positive_definite
 from ..math.record import Record
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .deformation import deformation_jacobian, deformations, zero_near
 from .drive import Drive, Driven, drive_at
+from .extent import sizes_of
 from .inertia import mass_matrix, uniform_motion
 from .loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
 from .motion import Kinematics, inertia_derivatives, inertia_forces, kinematic_derivatives, stressed_kinematics
@@ -54,6 +55,7 @@ class CoordinatesForm(Record):
         S_d: Their damping, (n_e, n_e), or None.
         falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
         free: Indices of the coordinates that move, (n,).
+        sizes: What their displacements are measured in: the mechanism's extent, or 1 for rotations, (n,) [m, -].
         held: Indices of the held deformations, (m,).
         mobility: Inverse masses of the coordinates that move, by which drift is shared among them, (n,).
         driven: What depends on time.
@@ -65,6 +67,7 @@ class CoordinatesForm(Record):
     S_d: Float[Array, "n_e n_e"] | None
     falling: Float[Array, "n_x"] | None
     free: Array
+    sizes: Float[Array, "n"]
     held: Array
     mobility: Float[Array, "n"]
     driven: tuple[Driven, ...] = ()
@@ -73,6 +76,22 @@ class CoordinatesForm(Record):
     def size(self) -> int:
         """Number of coordinates that move."""
         return self.free.shape[0]
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
+        """
+        tracks = any(block.element.tracks_angle for block in self.topology.blocks)
+        memory = jnp.zeros(0)
+        if tracks:
+            guess = zero_near(self.topology) if near is None else near
+            memory = deformations(self.topology, self.parameters, x, guess)
+        moved = (x - self.parameters.reference)[self.free] / self.sizes
+        return MotionState(moved, xd[self.free] / self.sizes, memory)
 
     def drive(self, t) -> Drive:
         """What depends on time, at one time.
@@ -87,9 +106,9 @@ class CoordinatesForm(Record):
 
         Args:
             t: Time [s].
-            u: Positions, (n,) [m, rad, -].
-            w: Velocities, (n,) [1/s].
-            a: Accelerations, (n,) [1/s^2].
+            u: Displacements over their sizes, (n,) [-].
+            w: Their rates, (n,) [1/s].
+            a: Their second rates, (n,) [1/s^2].
         """
         top = self.topology
         zero_x, zero_m = jnp.zeros(top.n_x), jnp.zeros(self.held.shape[0])
@@ -111,6 +130,7 @@ class CoordinatesForm(Record):
                 return jax.jvp(prescribed, (t,), (jnp.ones_like(t),))
 
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
+        u, w, a = (self.sizes * part for part in (u, w, a))
         return Whole(accumulate(x, self.free, u), put(v, self.free, w), put(acc, self.free, a), e, ed, edd)
 
     def stress_of(self, t, multipliers):
@@ -175,14 +195,20 @@ class CoordinatesForm(Record):
             FORMULATION.md 5 and 9 (b).
         """
         kin, _, force, at = self.forces(t, state, z)
-        return jnp.concatenate([force[self.free], kin.edd[self.held] - at.edd])
+        return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
+
+    def _scaled(self, matrix):
+        return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
+
+    def _columns(self, matrix):
+        return matrix[self.held][:, self.free] * self.sizes
 
     def _system(self, mass, jacobian):
-        n, m = self.size, self.held.shape[0]
-        top = mass[self.free][:, self.free]
+        m = self.held.shape[0]
+        top = self._scaled(mass)
         if m == 0:
             return top
-        rows = jacobian[self.held][:, self.free]
+        rows = self._columns(jacobian)
         compliance = jnp.sum(rows**2 / jnp.abs(diagonal_of(top)), axis=1)
         corner = -REDUNDANT * jnp.diag(compliance)
         return jnp.block([[top, rows.T], [rows, corner]])
@@ -201,7 +227,7 @@ class CoordinatesForm(Record):
         Source:
             Derivative of :meth:`residual`, element by element (FORMULATION.md 6).
         """
-        n, free, held = self.size, self.free, self.held
+        n, held = self.size, self.held
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
         near = self._near(state.memory)
@@ -224,8 +250,8 @@ class CoordinatesForm(Record):
             strained = strained + self.S_d @ by_x.ed
             c = c + by_x.e.T @ (keep * damped)
         k = k + by_x.e.T @ (keep * strained)
-        by_u = jnp.concatenate([k[free][:, free], by_x.edd[held][:, free]])
-        by_w = jnp.concatenate([c[free][:, free], 2 * by_x.ed[held][:, free]])
+        by_u = jnp.concatenate([self._scaled(k), self._columns(by_x.edd)])
+        by_w = jnp.concatenate([self._scaled(c), 2 * self._columns(by_x.ed)])
         by_t = None
         if self.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
@@ -244,11 +270,23 @@ class CoordinatesForm(Record):
         Source:
             FORMULATION.md 9 (b): one symmetric solve.
         """
+        return self.begin(t, state)[0]
+
+    def begin(self, t, state: MotionState):
+        """Accelerations and multipliers, and whether every motion that the constraints allow carries mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
         zero = jnp.zeros(self.size + self.held.shape[0])
         at = self.whole(t, state.u, state.w, zero[: self.size])
         _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self._near(state.memory))
         mass = mass_matrix(self.topology, self.parameters, at.x)
-        return factorise(self._system(mass, jacobian)).solve(-self.residual(t, state, zero))
+        scaled, rows = self._scaled(mass), self._columns(jacobian)
+        heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
+        regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
+        return factorise(self._system(mass, jacobian)).solve(-self.residual(t, state, zero)), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
         """Rates of the deformations, where their turn is remembered.
@@ -279,25 +317,26 @@ class CoordinatesForm(Record):
         if self.held.shape[0]:
             at = self.whole(t, u, w, zero)
             _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, near)
-            rows = jacobian[self.held][:, self.free]
+            rows = self._columns(jacobian)
             square = (rows * self.mobility) @ rows.T
             factors = factorise(square + jnp.diag(REDUNDANT * diagonal_of(square)))
-            # The second time removes what the first left, which is of second order.
-            for _ in range(2):
-                at = self.whole(t, u, w, zero)
+
+            def corrected(_, moving):
+                at = self.whole(t, *moving, zero)
                 e, ed = jax.jvp(lambda x: deformations(self.topology, self.parameters, x, near), (at.x,), (at.v,))
                 excess = jnp.stack([e[self.held] - at.e, ed[self.held] - at.ed], axis=1)
                 change = self.mobility[:, None] * (rows.T @ factors.solve(excess))
-                u, w = u - change[:, 0], w - change[:, 1]
+                return moving[0] - change[:, 0], moving[1] - change[:, 1]
+
+            # The second time removes what the first left, which is of second order.
+            u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
         memory = state.memory
         if memory.shape[0]:
             memory = deformations(self.topology, self.parameters, self.whole(t, u, w, zero).x, memory)
         return MotionState(u, w, memory)
 
 
-def coordinates_form(
-    topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()
-) -> CoordinatesForm:
+def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
     """Equations of motion of a model in all its coordinates.
 
     Args:
@@ -312,7 +351,8 @@ def coordinates_form(
     damped = any("damping" in block.companions for block in topology.blocks)
     free = jnp.concatenate([topology.x.dependent, topology.x.dof])
     mass = diagonal_of(mass_matrix(topology, parameters, parameters.reference))[free]
-    mass = jax.lax.stop_gradient(mass)
+    sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
+    mass = jax.lax.stop_gradient(mass) * sizes**2
     return CoordinatesForm(
         topology,
         without_gravity(parameters),
@@ -320,6 +360,7 @@ def coordinates_form(
         element_damping(topology, parameters) if damped else None,
         None if gravity is None else uniform_motion(topology, gravity),
         free,
+        sizes,
         jnp.concatenate([topology.e.fixed, topology.e.prescribed]),
         1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),
         driven,

@@ -7,7 +7,6 @@ multipliers of held deformations among them; the second derivative of the deform
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..model.parameters import Parameters

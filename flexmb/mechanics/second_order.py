@@ -48,7 +48,7 @@ class Equations(Protocol):
         ...
 
     def acceleration(self, t, state: MotionState) -> Float[Array, "r"]:
-        """z that makes R vanish."""
+        """Z that makes R vanish."""
         ...
 
     def rate_of_memory(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
