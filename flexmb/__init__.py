@@ -37,6 +37,7 @@ _ROOMS = {
     "analysis.critical": ("CriticalPoint", "limit_load"),
     "analysis.configuration": ("Configuration", "configuration"),
     "analysis.simulate": ("Motion", "Observed", "simulate"),
+    "analysis.moving": ("linearize_motion", "steady_motion"),
     "mechanics.drive": ("Table",),
     "solvers.rosenbrock": ("Rodas5P",),
     "analysis.compliance": ("compliance", "directional_compliance"),

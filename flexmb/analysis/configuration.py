@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..math.compile import jit
-from ..math.indices import accumulate, put
+from ..math.indices import put
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
@@ -63,19 +63,48 @@ class _Walk(NamedTuple):
 
 def _wanted(topology, parameters, q):
     """Coordinates and deformations that are given, the others as undeformed."""
-    x, e = held_values(topology, parameters, LoadFactors(1.0, 0.0))
+    return _with_freedoms(topology, held_values(topology, parameters, LoadFactors(1.0, 0.0)), q)
+
+
+def _with_freedoms(topology, given, q):
+    x, e = given
     n = topology.x.dof.shape[0]
-    return accumulate(x, topology.x.dof, q[:n]), put(e, topology.e.dof, q[n:])
+    return put(x, topology.x.dof, x[topology.x.dof] + q[:n]), put(e, topology.e.dof, q[n:])
 
 
 def _corrected(topology, parameters, x, near, wanted_x, wanted_e):
-    """One step of Newton's method, and whether the degrees of freedom determine the rest here."""
+    """One step of Newton's method, the deformations before it, and the transfer functions there."""
     given = jnp.concatenate([topology.x.fixed, topology.x.prescribed, topology.x.dof])
     shift = put(jnp.zeros(topology.n_x), given, (wanted_x - x)[given])
     e, jacobian = deformation_jacobian(topology, parameters, x, near)
     tangent = transfer(topology, jacobian)
     excess = e - wanted_e + jacobian @ shift
     return x + correction(topology, tangent, excess, shift), e, tangent
+
+
+def configured(
+    topology: Topology,
+    parameters: Parameters,
+    given: tuple[Float[Array, "n_x"], Float[Array, "n_e"]],
+    q: Float[Array, "n_q"],
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+    """One step of Newton's method towards the configuration at given degrees of freedom.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        given: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
+        q: Degrees of freedom, (n_q,) [m, rad].
+        x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Returns:
+        Nodal coordinates, and the deformations at the guess.
+    """
+    x, e, _ = _corrected(topology, parameters, x, near, *_with_freedoms(topology, given, q))
+    return x, e
 
 
 def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], qd: Float[Array, "n_q"]):

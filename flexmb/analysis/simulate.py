@@ -308,7 +308,7 @@ def simulate(
 
     times = _checked_times(times)
     loads, motion = loads or {}, motion or {}
-    driven = _driven(model, loads, motion, increment)
+    driven = driven_by(model, loads, motion, increment)
     kinks = [jnp.asarray(one.value.times, float) for one in driven if isinstance(one.value, Table)]
     if jumps is not None:
         kinks.append(jnp.asarray(jumps, float))
@@ -354,8 +354,18 @@ def _initial(model: Model, initial):
     return initial.x, initial.xd if isinstance(initial, Configuration) else rest
 
 
-def _driven(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple[Driven, ...]:
-    """Names to indices."""
+def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple[Driven, ...]:
+    """Functions of time with the indices of what they drive.
+
+    Args:
+        model: Mechanism.
+        loads: See :func:`simulate`.
+        motion: See :func:`simulate`.
+        increment: See :func:`simulate`.
+
+    Raises:
+        ModelError: Unknown name, or what cannot be driven.
+    """
     labels, topology = model.labels, model.topology
     x_names = {str(entry): i for i, entry in enumerate(labels.x)}
     e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}

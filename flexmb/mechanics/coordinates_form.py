@@ -53,6 +53,7 @@ class CoordinatesForm(Record):
         parameters: Numbers, without gravity.
         S: Stiffness of the elements, (n_e, n_e).
         S_d: Their damping, (n_e, n_e), or None.
+        gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
         falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
         free: Indices of the coordinates that move, (n,).
         sizes: What their displacements are measured in: the mechanism's extent, or 1 for rotations, (n,) [m, -].
@@ -65,6 +66,7 @@ class CoordinatesForm(Record):
     parameters: Parameters
     S: Float[Array, "n_e n_e"]
     S_d: Float[Array, "n_e n_e"] | None
+    gravity: Float[Array, "axes"] | None
     falling: Float[Array, "n_x"] | None
     free: Array
     sizes: Float[Array, "n"]
@@ -132,6 +134,14 @@ class CoordinatesForm(Record):
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
         u, w, a = (self.sizes * part for part in (u, w, a))
         return Whole(accumulate(x, self.free, u), put(v, self.free, w), put(acc, self.free, a), e, ed, edd)
+
+    def prescribed(self, at: Whole) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+        """Coordinates and deformations with those that are held at their values.
+
+        Args:
+            at: All coordinates at some time.
+        """
+        return at.x, put(jnp.zeros(self.topology.n_e), self.held, at.e)
 
     def stress_of(self, t, multipliers):
         """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
@@ -358,6 +368,7 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
         without_gravity(parameters),
         element_stiffness(topology, parameters),
         element_damping(topology, parameters) if damped else None,
+        gravity,
         None if gravity is None else uniform_motion(topology, gravity),
         free,
         sizes,
