@@ -15,9 +15,12 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from .linearize import Linearization, Matrices, linearize, matrices
 
-# The shift of an indefinite stiffness starts at this share of |K|/|M| and grows by this factor until K + sM is
-# positive definite, so that it is never much larger than the most negative eigenvalue asks for.
-FIRST_SHIFT = 1e-14
+# A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
+LOWEST = 1e-14
+# Otherwise the shift starts at this share and grows by this factor until K + sM is positive definite, so that it is not
+# much larger than the most negative eigenvalue asks for. A smaller one leaves no digits for the others beside a free
+# motion.
+FIRST_SHIFT = 1e-8
 SHIFT_GROWTH = 8.0
 MAX_SHIFTS = 40
 
@@ -61,12 +64,12 @@ def shift_to_definite(
     """
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
-    first = FIRST_SHIFT * jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
+    ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
 
     def attempt(carry):
         _, after, _, tries = carry
-        found = is_positive_definite(k + after * m)
-        return after, jnp.where(tries == 0, first, SHIFT_GROWTH * after), found, tries + 1
+        found = is_positive_definite(k + (after - LOWEST * ratio) * m)
+        return after, jnp.where(tries == 0, FIRST_SHIFT * ratio, SHIFT_GROWTH * after), found, tries + 1
 
     def unfinished(carry):
         _, _, found, tries = carry
