@@ -15,7 +15,7 @@ from ..mechanics.deformation import deformation_jacobian, deformations, zero_nea
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
-from ..mechanics.stress import element_stiffness, stress_resultants
+from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -32,6 +32,8 @@ LARGEST_STEP = 0.75
 # path, and what it finds may be another branch (Deuflhard 2011, Newton Methods for Nonlinear Problems, section 5.1).
 CONTRACTION = 0.35
 MAX_ITERATIONS = 12
+# Round-off of a deformation, beside what the whole mechanism's extent would make of it.
+ROUND_OFF = 1e-13
 SMALLEST_LOAD_STEP = 1e-5
 
 
@@ -181,11 +183,20 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     zero = jnp.zeros((), jnp.int32)
     dof0 = jnp.zeros(topology.e.dof.shape[0])
     begin = jnp.array(1.0)
+    reached = jnp.array(0.0) if has_loads(topology, parameters) else _balanced(topology, parameters, target, x0, near0)
     start = _Search(
-        x0, near0, x0, near0, dof0, dof0, jnp.array(0.0), begin, begin, jnp.array(jnp.inf), zero, zero, zero
+        x0, near0, x0, near0, dof0, dof0, reached, begin, begin, jnp.array(jnp.inf), zero, zero, zero
     )
     end = jax.lax.while_loop(unfinished, turn, start)
     return _Solved(end.x, end.near, end.iterations, end.result)
+
+
+def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors, x, near) -> Float[Array, ""]:
+    """1 where nothing but round-off is out of balance, so that no stiffness is asked for; otherwise 0."""
+    at = state(topology, parameters, target, x, near)
+    error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes_of(topology, parameters)
+    largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
+    return jnp.where(jnp.all(jnp.abs(at.residual) <= largest), 1.0, 0.0)
 
 
 @jax.custom_jvp
@@ -216,7 +227,7 @@ def change_of_equations(
     def equations(parameters, target):
         e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
         stiffness = element_stiffness(topology, parameters)
-        sigma = stress_resultants(parameters, scaled_loads(parameters, target), stiffness, e)
+        sigma = stress_resultants(topology, parameters, scaled_loads(parameters, target), stiffness, e)
         fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
         sigma = put(sigma, fixed, at.sigma[fixed])
         wanted_x, wanted_e = held_values(topology, parameters, target)
@@ -256,7 +267,8 @@ def solve_state(
     Returns:
         State, ``near``, code of RESULTS, and number of Newton iterations.
     """
-    if has_loads(topology, parameters):
+    # What the laws of elements pull in the undeformed mechanism is known only as a number.
+    if has_loads(topology, parameters) or is_nonlinear(topology):
         solved = _solve(topology, parameters, target)
         near = jax.lax.stop_gradient(solved.near)
         at = state(topology, parameters, target, solved.x, near)

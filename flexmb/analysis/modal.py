@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from ..math.compile import jit
 from ..math.linear import diagonal_of, is_positive_definite, pencil
 from ..math.record import Record
-from ..mechanics.loads import LoadFactors, has_load_elements
+from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -139,8 +139,8 @@ def _frequencies(topology: Topology, parameters: Parameters):
 def _refuse_unsymmetric(symmetric: bool) -> None:
     if not symmetric:
         raise NotImplementedError(
-            "Moments about fixed axes in space make the stiffness unsymmetric, so that frequencies may be complex:"
-            " ask for poles(linearize(model)) instead."
+            "Loads or laws without a potential, such as moments about fixed axes in space, make the stiffness"
+            " unsymmetric, so that frequencies may be complex: ask for poles(linearize(model)) instead."
         )
 
 
@@ -160,7 +160,7 @@ def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    _refuse_unsymmetric(not has_load_elements(model.topology))
+    _refuse_unsymmetric(not lacks_potential(model.topology))
     values, result = _frequencies(model.topology, model.parameters)
     check(result, throw)
     return values

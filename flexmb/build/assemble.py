@@ -10,7 +10,7 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 
-from ..elements.element import Element
+from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.sections import Rigidity
 from ..math.indices import put
@@ -149,9 +149,6 @@ def assemble(builder: Builder) -> Model:
     return Model(topology, parameters, labels)
 
 
-COMPANIONS = ("stiffness", "damping", "inertia", "force")
-
-
 class _Piece(NamedTuple):
     """One member on its way into a block."""
 
@@ -180,7 +177,7 @@ def _blocks(builder, members, first_x):
             c
             for c in COMPANIONS
             # Nothing stiff is asked of an element whose deformations are all FIXED.
-            if not (rigid and c in ("stiffness", "damping"))
+            if not (rigid and c in ("stiffness", "damping", *NONLINEAR))
             and element.arguments(getattr(element, c), properties) is not None
         )
         key = (element, _structure(element.arguments(element.deformation, properties)))
