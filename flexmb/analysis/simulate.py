@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,9 +15,9 @@ from ..math.compile import jit_thoroughly
 from ..math.indices import put
 from ..math.record import Record, static
 from ..mechanics.coordinates_form import coordinates_form
-from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.drive import Driven, Table
 from ..mechanics.inertia import mass_matrix, work_of_weight
+from ..mechanics.reduced_form import reduced_form
 from ..model.model import Labels, Model
 from ..results import RESULTS, check
 from .configuration import Configuration, configuration
@@ -182,6 +182,8 @@ def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str,
     from ..solvers.term import MotionTerm
 
     form = coordinates_form(topology, parameters, driven)
+    if settings["form"] == "reduced":
+        form = reduced_form(form)
     start = form.state_of(x0, xd0, None)
     z0, regular = form.begin(times[0], start)
     rtol, atol = settings["rtol"], settings["atol"]
@@ -218,17 +220,10 @@ def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str,
         throw=False,
     )
     states: Any = solution.ys
-    none = jnp.zeros(form.size)
 
     def whole(at):
-        t, state = at
         # Between steps the state is interpolated, off the constraints.
-        state = form.settle(t, state)
-        at = form.whole(t, state.u, state.w, none)
-        near = state.memory
-        if not near.shape[0]:
-            near = deformations(topology, parameters, at.x, zero_near(topology))
-        return at.x, at.v, near
+        return form.whole_motion(at[0], form.settle(*at))
 
     x, xd, near = jax.lax.map(whole, (times, states))
     ok = diffrax.RESULTS
@@ -252,6 +247,7 @@ def simulate(
     motion: Mapping[str, Callable] | None = None,
     increment: Callable | None = None,
     jumps: Float[Array, "k"] | None = None,
+    form: Literal["coordinates", "reduced"] = "coordinates",
     rtol: float = 1e-4,
     atol: float | None = None,
     solver: diffrax.AbstractSolver | None = None,
@@ -264,9 +260,7 @@ def simulate(
 ) -> Motion:
     """Integrate the nonlinear equations of motion.
 
-    All nodal coordinates are integrated, with a multiplier for each constraint, and brought back onto the constraints
-    after every step; so no choice of degrees of freedom can fail on the way. Functions of time are compiled into the
-    simulation: give the same function object again to use compiled code again.
+    Functions of time are compiled into the simulation: give the same function object again to use compiled code again.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
@@ -280,6 +274,9 @@ def simulate(
             twice differentiable.
         increment: Factor of the incremental loads as function of time; zero unless given.
         jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
+        form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
+            constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
+            freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
         rtol: Relative tolerance of displacements, of one step.
         atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given.
         solver: Solver of diffrax, or one of ours; ``Rodas5P()``, for stiff motion, unless given.
@@ -306,6 +303,8 @@ def simulate(
     from ..solvers.projected import Projected
     from ..solvers.rosenbrock import Rodas5P, Rosenbrock
 
+    if form not in ("coordinates", "reduced"):
+        raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
     times = _checked_times(times)
     loads, motion = loads or {}, motion or {}
     driven = driven_by(model, loads, motion, increment)
@@ -316,6 +315,7 @@ def simulate(
     chosen = Rodas5P(jumps=bool(kinks)) if solver is None else solver
     used = chosen if isinstance(chosen, Rosenbrock) else Projected(chosen)
     settings = {
+        "form": form,
         "rtol": jnp.asarray(rtol, float),
         "atol": jnp.asarray(ABSOLUTE * rtol if atol is None else atol, float),
         "controller": controller,
@@ -327,9 +327,7 @@ def simulate(
         "max_steps": max_steps,
     }
     run = _integrate(model.topology, model.parameters, driven, times, x0, xd0, settings)
-    found = Motion(
-        times, run.x, run.xd, run.near, run.steps, run.result, driven, model, "coordinates", type(chosen).__name__
-    )
+    found = Motion(times, run.x, run.xd, run.near, run.steps, run.result, driven, model, form, type(chosen).__name__)
     check(found.result, throw)
     return found
 

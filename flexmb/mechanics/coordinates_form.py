@@ -135,6 +135,19 @@ class CoordinatesForm(Record):
         u, w, a = (self.sizes * part for part in (u, w, a))
         return Whole(accumulate(x, self.free, u), put(v, self.free, w), put(acc, self.free, a), e, ed, edd)
 
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        near = state.memory
+        if not near.shape[0]:
+            near = deformations(self.topology, self.parameters, at.x, zero_near(self.topology))
+        return at.x, at.v, near
+
     def prescribed(self, at: Whole) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
         """Coordinates and deformations with those that are held at their values.
 
@@ -219,7 +232,7 @@ class CoordinatesForm(Record):
         if m == 0:
             return top
         rows = self._columns(jacobian)
-        compliance = jnp.sum(rows**2 / jnp.abs(diagonal_of(top)), axis=1)
+        compliance = rows**2 @ self.mobility
         corner = -REDUNDANT * jnp.diag(compliance)
         return jnp.block([[top, rows.T], [rows, corner]])
 
