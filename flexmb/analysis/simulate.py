@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -84,6 +85,15 @@ class Motion(Record):
             KeyError: No such node.
         """
         return self.xd[:, self.labels.known(node)]
+
+    def until(self, count: int) -> Motion:
+        """The first of the times only.
+
+        Args:
+            count: How many.
+        """
+        parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near")}
+        return dataclasses.replace(self, **parts)
 
     def observe(self) -> Observed:
         """Everything else about the motion: accelerations, deformations, stresses, reactions, energies, power.

@@ -22,7 +22,7 @@ from .stress import element_damping, element_stiffness, stress_resultants
 
 # Share of a constraint's own compliance that is added to it: round-off where constraints are independent, and what
 # keeps the system solvable where they are redundant or lose rank for a moment.
-REDUNDANT = 1e-13
+REDUNDANT = 1e-11
 
 
 class Whole(NamedTuple):
