@@ -38,6 +38,7 @@ _ROOMS = {
     "analysis.configuration": ("Configuration", "configuration"),
     "analysis.simulate": ("Motion", "Observed", "simulate"),
     "analysis.moving": ("linearize_motion", "steady_motion"),
+    "mechanics.controlled_form": ("Feedback",),
     "mechanics.drive": ("Table",),
     "solvers.rosenbrock": ("Rodas5P",),
     "analysis.compliance": ("compliance", "directional_compliance"),

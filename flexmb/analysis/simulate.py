@@ -21,6 +21,7 @@ from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.reduced_form import reduced_form
 from ..model.model import Labels, Model
 from ..results import RESULTS, check
+from .closed_loop import as_feedback, controlled_form, under_inputs
 from .configuration import Configuration, configuration
 from .equilibrium import Equilibrium
 
@@ -40,6 +41,7 @@ class Motion(Record):
         x: Nodal coordinates, (n_t, n_x) [m, rad, -].
         xd: Their velocities, (n_t, n_x) [1/s].
         near: Deformations, (n_t, n_e) [m, rad]; angles are counted past full turns.
+        u: Inputs that a controller gave, (n_t, n_u), (n_t, 0) without one [N, N m].
         steps: Number of time steps taken, refused ones included.
         result: Code of RESULTS.
         driven: What depended on time.
@@ -52,6 +54,7 @@ class Motion(Record):
     x: Float[Array, "n_t n_x"]
     xd: Float[Array, "n_t n_x"]
     near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
     steps: Int[Array, ""]
     result: Int[Array, ""]
     driven: tuple[Driven, ...]
@@ -92,7 +95,7 @@ class Motion(Record):
         Args:
             count: How many.
         """
-        parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near")}
+        parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near", "u")}
         return dataclasses.replace(self, **parts)
 
     def observe(self) -> Observed:
@@ -102,7 +105,7 @@ class Motion(Record):
             Observed.
         """
         model = self.model
-        return _observe(model.topology, model.parameters, self.driven, self.t, self.x, self.xd, self.near)
+        return _observe(model, self.driven, self.t, self.x, self.xd, self.near, self.u)
 
 
 class Observed(Record):
@@ -137,12 +140,14 @@ class Observed(Record):
 
 
 @jit_thoroughly
-def _observe(topology, parameters, driven, t, x, xd, near):
-    form = coordinates_form(topology, parameters, driven)
+def _observe(model, driven, t, x, xd, near, u):
+    topology, parameters = model.topology, model.parameters
+    undriven: Any = coordinates_form(topology, parameters, driven)
     gravity = parameters.loads.gravity
 
     def one(at):
-        t, x, xd, near = at
+        t, x, xd, near, u = at
+        form = under_inputs(model, undriven, u)
         state = form.state_of(x, xd, near)
         z = form.acceleration(t, state)
         kin, sigma, force, whole = form.forces(t, state, z)
@@ -173,27 +178,30 @@ def _observe(topology, parameters, driven, t, x, xd, near):
         kinetic = 0.5 * whole.v @ mass @ whole.v
         return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
 
-    return jax.lax.map(one, (t, x, xd, near))
+    return jax.lax.map(one, (t, x, xd, near, u))
 
 
 class _Run(NamedTuple):
     x: Float[Array, "n_t n_x"]
     xd: Float[Array, "n_t n_x"]
     near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
     steps: Int[Array, ""]
     result: Int[Array, ""]
 
 
 @jit_thoroughly
-def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
+def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
     import diffrax
 
     from ..solvers.rosenbrock import Rosenbrock
     from ..solvers.term import MotionTerm
 
-    form = coordinates_form(topology, parameters, driven)
+    form: Any = coordinates_form(model.topology, model.parameters, driven)
     if settings["form"] == "reduced":
         form = reduced_form(form)
+    if settings["feedback"] is not None:
+        form = controlled_form(model, form, settings["feedback"])
     start = form.state_of(x0, xd0, None)
     z0, regular = form.begin(times[0], start)
     rtol, atol = settings["rtol"], settings["atol"]
@@ -233,9 +241,11 @@ def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str,
 
     def whole(at):
         # Between steps the state is interpolated, off the constraints.
-        return form.whole_motion(at[0], form.settle(*at))
+        state = form.settle(*at)
+        inputs = form.inputs(at[0], state) if settings["feedback"] is not None else jnp.zeros(0)
+        return *form.whole_motion(at[0], state), inputs
 
-    x, xd, near = jax.lax.map(whole, (times, states))
+    x, xd, near, u = jax.lax.map(whole, (times, states))
     ok = diffrax.RESULTS
     result = jnp.where(solution.result == ok.successful, RESULTS.successful, RESULTS.step_too_small)
     result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
@@ -245,7 +255,7 @@ def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str,
         wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(x))
         result = jnp.where(wrong, RESULTS.step_too_small, result)
     result = jnp.where(regular, result, RESULTS.singular_mass)
-    return _Run(x, xd, near, solution.stats["num_steps"], result.astype(jnp.int32))
+    return _Run(x, xd, near, u, solution.stats["num_steps"], result.astype(jnp.int32))
 
 
 def simulate(
@@ -256,6 +266,8 @@ def simulate(
     loads: Mapping[str, Callable] | None = None,
     motion: Mapping[str, Callable] | None = None,
     increment: Callable | None = None,
+    control: Any = None,
+    reference: Callable | None = None,
     jumps: Float[Array, "k"] | None = None,
     form: Literal["coordinates", "reduced"] = "coordinates",
     rtol: float = 1e-4,
@@ -283,6 +295,9 @@ def simulate(
         motion: Values of PRESCRIBED coordinates (from their start) and deformations as functions of time, by name,
             twice differentiable.
         increment: Factor of the incremental loads as function of time; zero unless given.
+        control: Controller from the model's outputs y to its inputs u: a continuous ``control.StateSpace``, a function
+            ``u = control(t, y)``, or a :class:`Feedback`.
+        reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
         jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
             constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
@@ -315,6 +330,8 @@ def simulate(
 
     if form not in ("coordinates", "reduced"):
         raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
+    if control is not None and form == "reduced":
+        raise ValueError('A controller needs form="coordinates".')
     times = _checked_times(times)
     loads, motion = loads or {}, motion or {}
     driven = driven_by(model, loads, motion, increment)
@@ -326,6 +343,7 @@ def simulate(
     used = chosen if isinstance(chosen, Rosenbrock) else Projected(chosen)
     settings = {
         "form": form,
+        "feedback": None if control is None else as_feedback(model, control, reference),
         "rtol": jnp.asarray(rtol, float),
         "atol": jnp.asarray(ABSOLUTE * rtol if atol is None else atol, float),
         "controller": controller,
@@ -336,8 +354,10 @@ def simulate(
         "event": event,
         "max_steps": max_steps,
     }
-    run = _integrate(model.topology, model.parameters, driven, times, x0, xd0, settings)
-    found = Motion(times, run.x, run.xd, run.near, run.steps, run.result, driven, model, form, type(chosen).__name__)
+    run = _integrate(model, driven, times, x0, xd0, settings)
+    found = Motion(
+        times, run.x, run.xd, run.near, run.u, run.steps, run.result, driven, model, form, type(chosen).__name__
+    )
     check(found.result, throw)
     return found
 

@@ -75,6 +75,11 @@ class CoordinatesForm(Record):
     driven: tuple[Driven, ...] = ()
 
     @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
+
+    @property
     def size(self) -> int:
         """Number of coordinates that move."""
         return self.free.shape[0]
@@ -170,7 +175,12 @@ class CoordinatesForm(Record):
 
         return stress
 
-    def _near(self, memory):
+    def near(self, memory) -> Float[Array, "n_e"]:
+        """Deformations at the last accepted state.
+
+        Args:
+            memory: Of the state.
+        """
         return memory if memory.shape[0] else zero_near(self.topology)
 
     def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Any, Any, Whole]:
@@ -184,7 +194,7 @@ class CoordinatesForm(Record):
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
-        near = self._near(state.memory)
+        near = self.near(state.memory)
         kin, sigma, force = stressed_kinematics(self.topology, self.parameters, at.x, at.v, at.a, near, stress)
         lifted = at.a if self.falling is None else at.a - self.falling
         force = force + inertia_forces(self.topology, self.parameters, at.x, at.v, lifted)
@@ -253,7 +263,7 @@ class CoordinatesForm(Record):
         n, held = self.size, self.held
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
-        near = self._near(state.memory)
+        near = self.near(state.memory)
         e, jacobian = deformation_jacobian(top, parameters, at.x, near)
         sigma = self.stress_of(t, z[n:])(e, jacobian @ at.v)
         by_x = kinematic_derivatives(top, parameters, at.x, at.v, at.a, near, sigma)
@@ -304,7 +314,7 @@ class CoordinatesForm(Record):
         """
         zero = jnp.zeros(self.size + self.held.shape[0])
         at = self.whole(t, state.u, state.w, zero[: self.size])
-        _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self._near(state.memory))
+        _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self.near(state.memory))
         mass = mass_matrix(self.topology, self.parameters, at.x)
         scaled, rows = self._scaled(mass), self._columns(jacobian)
         heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
@@ -335,7 +345,7 @@ class CoordinatesForm(Record):
             FORMULATION.md 9 (b): projection onto D = e and D_x v = e_dot.
         """
         u, w = state.u, state.w
-        near = self._near(state.memory)
+        near = self.near(state.memory)
         zero = jnp.zeros_like(u)
         if self.held.shape[0]:
             at = self.whole(t, u, w, zero)

@@ -34,6 +34,11 @@ class ReducedForm(Record):
     sizes: Float[Array, "n_q"]
 
     @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
+
+    @property
     def size(self) -> int:
         """Number of degrees of freedom."""
         return self.sizes.shape[0]
