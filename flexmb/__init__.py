@@ -35,6 +35,7 @@ _ROOMS = {
     "analysis.buckling": ("Buckling", "buckling", "buckling_loads"),
     "analysis.path": ("Path", "path"),
     "analysis.critical": ("CriticalPoint", "limit_load"),
+    "analysis.stress": ("Location", "SectionResultants", "Stress", "section_resultants", "stress"),
     "analysis.compliance": ("compliance", "directional_compliance"),
     "statespace": ("state_matrices", "to_statespace"),
     "io.spacar": ("read_spacar", "write_spacar"),
