@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from jax.flatten_util import ravel_pytree
 
 import flexmb as fm
+from flexmb.elements.surface import von_mises
 
 EPS = np.finfo(float).eps
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
@@ -335,6 +336,17 @@ def test_round_section_without_a_direction_has_derivatives(i):
     assert np.all(np.isfinite(np.concatenate(jax.jacfwd(section.stress)(jnp.zeros(6)))))
 
 
+@pytest.mark.parametrize("name", ["rectangle", "hollow rectangle", "circle", "tube"])
+def test_equivalent_stress_of_nothing_has_a_derivative(name):
+    def total(resultants):
+        return jnp.sum(von_mises(*SECTIONS[name].stress(resultants)))
+
+    assert total(jnp.zeros(6)) == 0
+    assert not np.any(jax.grad(total)(jnp.zeros(6)))
+    # A twisted rectangle has no stress at its corners.
+    assert np.all(np.isfinite(jax.grad(total)(unit(3))))
+
+
 def flow(w, t, wall_y, wall_z, vz):
     """Shear flow of Vz in thin walls, by summing V z dA/I from the middle of the upper wall, at corner and web."""
     n = 20000
@@ -344,7 +356,7 @@ def flow(w, t, wall_y, wall_z, vz):
     return corner, corner + vz / inertia * wall_y * np.sum(z) * t / 2 / n
 
 
-@pytest.mark.parametrize("walls", [(1e-6, 1e-6), (1e-6, 3e-6)])
+@pytest.mark.parametrize("walls", [(1e-6, 1e-6), (1e-6, 3e-6), (3e-6, 1e-6)])
 def test_shear_of_a_thin_box(walls):
     w, t = 3.0, 2.0
     section = fm.HollowRectangle(w, t, *walls, STEEL)
