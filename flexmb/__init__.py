@@ -41,6 +41,7 @@ _ROOMS = {
     "mechanics.controlled_form": ("Feedback",),
     "mechanics.drive": ("Table",),
     "solvers.rosenbrock": ("Rodas5P",),
+    "analysis.stress": ("Location", "SectionResultants", "Stress", "section_resultants", "stress"),
     "analysis.compliance": ("compliance", "directional_compliance"),
     "statespace": ("state_matrices", "to_statespace"),
     "io.spacar": ("read_spacar", "write_spacar"),

@@ -11,6 +11,8 @@ from typing import Any
 from .nodes import NodeKind
 
 ALL = "all"
+# Keyword-only parameters that are handed to an element's functions and are no properties of it.
+GIVEN = ("ref", "near", "place", "sigma")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,6 +30,11 @@ class Element:
             with kinetic energy ``1/2 sum H[a, b] s_a_dot . s_b_dot`` (FORMULATION.md 3).
         force: ``f(*nodes, ref, **properties) -> (n_x,)``, nodal forces dual to the coordinates, for loads that
             depend on the configuration.
+        resultants: ``f(*nodes, ref, place, sigma, **properties) -> (6,)``, force and moment in the cross-section at a
+            place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,): normal
+            force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
+            there. They are what the part beyond the place does to the part before it (the face whose normal is +x),
+            so that a positive normal force pulls. Asked of flexible elements with a section.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
             The rest is FIXED. None: all if the element has a stiffness, none if not.
@@ -39,6 +46,7 @@ class Element:
     damping: Callable[..., Any] | None = None
     inertia: Callable[..., Any] | None = None
     force: Callable[..., Any] | None = None
+    resultants: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     fields: tuple[tuple[int, ...], ...] = ()
@@ -69,7 +77,7 @@ class Element:
         return "near" in inspect.signature(self.deformation).parameters
 
     def _functions(self) -> list[Callable[..., Any]]:
-        companions = (self.stiffness, self.damping, self.inertia, self.force, self.check)
+        companions = (self.stiffness, self.damping, self.inertia, self.force, self.resultants, self.check)
         return [self.deformation, *(c for c in companions if c is not None)]
 
     def reference(self, coordinates) -> Any:
@@ -112,7 +120,7 @@ def _signature(function) -> tuple[dict[str, NodeKind], dict[str, inspect.Paramet
     nodes, properties = {}, {}
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY:
-            if name not in ("ref", "near"):
+            if name not in GIVEN:
                 properties[name] = parameter
             continue
         kinds = [k for k in getattr(hints.get(name), "__metadata__", ()) if isinstance(k, NodeKind)]
