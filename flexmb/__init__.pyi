@@ -20,6 +20,11 @@ from .analysis.modal import modes as modes
 from .analysis.modal import poles as poles
 from .analysis.path import Path as Path
 from .analysis.path import path as path
+from .analysis.stress import Location as Location
+from .analysis.stress import SectionResultants as SectionResultants
+from .analysis.stress import Stress as Stress
+from .analysis.stress import section_resultants as section_resultants
+from .analysis.stress import stress as stress
 from .build.builder import Builder as Builder
 from .elements import planar as planar
 from .elements import sections as sections

@@ -127,7 +127,7 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
 
     def turn(walk: _Walk) -> _Walk:
         parameters, q = settled
-        wanted_x, wanted_e = _wanted(topology, parameters, q * ((walk.step + 1) / steps))
+        wanted_x, wanted_e = _wanted(topology, parameters, q * ((walk.step + 1).astype(float) / steps.astype(float)))
         x, near, regular = walk.x, walk.near, walk.regular
 
         def corrected(_, carried):

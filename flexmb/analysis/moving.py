@@ -103,7 +103,7 @@ def _steady(topology, parameters, driven, time) -> Matrices:
     def iterate(i, walk):
         q, x, near, _, _ = walk
         x, near = placed(q, x, near)
-        speed = jnp.minimum((i // STEADY_ITERATIONS + 1) / STEADY_STEPS, 1.0)
+        speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)
         at = linear(speed, x, near)
         dq = factorise(at.K).solve(-at.residual)
         return q + dq, x, near, jnp.max(jnp.abs(dq) / scale, initial=0.0), at

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,12 +16,13 @@ from ..math.compile import jit_thoroughly
 from ..math.indices import put
 from ..math.record import Record, static
 from ..mechanics.coordinates_form import coordinates_form
-from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.drive import Driven, Table
 from ..mechanics.inertia import mass_matrix, work_of_weight
+from ..mechanics.reduced_form import reduced_form
 from ..mechanics.stress import is_nonlinear, nonlinear_energy, strain_of
 from ..model.model import Labels, Model
 from ..results import RESULTS, check
+from .closed_loop import as_feedback, controlled_form, under_inputs
 from .configuration import Configuration, configuration
 from .equilibrium import Equilibrium
 
@@ -40,6 +42,7 @@ class Motion(Record):
         x: Nodal coordinates, (n_t, n_x) [m, rad, -].
         xd: Their velocities, (n_t, n_x) [1/s].
         near: Deformations, (n_t, n_e) [m, rad]; angles are counted past full turns.
+        u: Inputs that a controller gave, (n_t, n_u), (n_t, 0) without one [N, N m].
         steps: Number of time steps taken, refused ones included.
         result: Code of RESULTS.
         driven: What depended on time.
@@ -52,6 +55,7 @@ class Motion(Record):
     x: Float[Array, "n_t n_x"]
     xd: Float[Array, "n_t n_x"]
     near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
     steps: Int[Array, ""]
     result: Int[Array, ""]
     driven: tuple[Driven, ...]
@@ -86,6 +90,15 @@ class Motion(Record):
         """
         return self.xd[:, self.labels.known(node)]
 
+    def until(self, count: int) -> Motion:
+        """The first of the times only.
+
+        Args:
+            count: How many.
+        """
+        parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near", "u")}
+        return dataclasses.replace(self, **parts)
+
     def observe(self) -> Observed:
         """Everything else about the motion: accelerations, deformations, stresses, reactions, energies, power.
 
@@ -93,7 +106,7 @@ class Motion(Record):
             Observed.
         """
         model = self.model
-        return _observe(model.topology, model.parameters, self.driven, self.t, self.x, self.xd, self.near)
+        return _observe(model, self.driven, self.t, self.x, self.xd, self.near, self.u)
 
 
 class Observed(Record):
@@ -128,12 +141,14 @@ class Observed(Record):
 
 
 @jit_thoroughly
-def _observe(topology, parameters, driven, t, x, xd, near):
-    form = coordinates_form(topology, parameters, driven)
+def _observe(model, driven, t, x, xd, near, u):
+    topology, parameters = model.topology, model.parameters
+    undriven: Any = coordinates_form(topology, parameters, driven)
     gravity = parameters.loads.gravity
 
     def one(at):
-        t, x, xd, near = at
+        t, x, xd, near, u = at
+        form = under_inputs(model, undriven, u)
         state = form.state_of(x, xd, near)
         z = form.acceleration(t, state)
         kin, sigma, force, whole = form.forces(t, state, z)
@@ -160,25 +175,30 @@ def _observe(topology, parameters, driven, t, x, xd, near):
         kinetic = 0.5 * whole.v @ mass @ whole.v
         return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
 
-    return jax.lax.map(one, (t, x, xd, near))
+    return jax.lax.map(one, (t, x, xd, near, u))
 
 
 class _Run(NamedTuple):
     x: Float[Array, "n_t n_x"]
     xd: Float[Array, "n_t n_x"]
     near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
     steps: Int[Array, ""]
     result: Int[Array, ""]
 
 
 @jit_thoroughly
-def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
+def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
     import diffrax
 
     from ..solvers.rosenbrock import Rosenbrock
     from ..solvers.term import MotionTerm
 
-    form = coordinates_form(topology, parameters, driven)
+    form: Any = coordinates_form(model.topology, model.parameters, driven)
+    if settings["form"] == "reduced":
+        form = reduced_form(form)
+    if settings["feedback"] is not None:
+        form = controlled_form(model, form, settings["feedback"])
     start = form.state_of(x0, xd0, None)
     z0, regular = form.begin(times[0], start)
     rtol, atol = settings["rtol"], settings["atol"]
@@ -215,19 +235,14 @@ def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str,
         throw=False,
     )
     states: Any = solution.ys
-    none = jnp.zeros(form.size)
 
     def whole(at):
-        t, state = at
         # Between steps the state is interpolated, off the constraints.
-        state = form.settle(t, state)
-        at = form.whole(t, state.u, state.w, none)
-        near = state.memory
-        if not near.shape[0]:
-            near = deformations(topology, parameters, at.x, zero_near(topology))
-        return at.x, at.v, near
+        state = form.settle(*at)
+        inputs = form.inputs(at[0], state) if settings["feedback"] is not None else jnp.zeros(0)
+        return *form.whole_motion(at[0], state), inputs
 
-    x, xd, near = jax.lax.map(whole, (times, states))
+    x, xd, near, u = jax.lax.map(whole, (times, states))
     ok = diffrax.RESULTS
     result = jnp.where(solution.result == ok.successful, RESULTS.successful, RESULTS.step_too_small)
     result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
@@ -237,7 +252,7 @@ def _integrate(topology, parameters, driven, times, x0, xd0, settings: dict[str,
         wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(x))
         result = jnp.where(wrong, RESULTS.step_too_small, result)
     result = jnp.where(regular, result, RESULTS.singular_mass)
-    return _Run(x, xd, near, solution.stats["num_steps"], result.astype(jnp.int32))
+    return _Run(x, xd, near, u, solution.stats["num_steps"], result.astype(jnp.int32))
 
 
 def simulate(
@@ -248,7 +263,10 @@ def simulate(
     loads: Mapping[str, Callable] | None = None,
     motion: Mapping[str, Callable] | None = None,
     increment: Callable | None = None,
+    control: Any = None,
+    reference: Callable | None = None,
     jumps: Float[Array, "k"] | None = None,
+    form: Literal["coordinates", "reduced"] = "coordinates",
     rtol: float = 1e-4,
     atol: float | None = None,
     solver: diffrax.AbstractSolver | None = None,
@@ -261,9 +279,7 @@ def simulate(
 ) -> Motion:
     """Integrate the nonlinear equations of motion.
 
-    All nodal coordinates are integrated, with a multiplier for each constraint, and brought back onto the constraints
-    after every step; so no choice of degrees of freedom can fail on the way. Functions of time are compiled into the
-    simulation: give the same function object again to use compiled code again.
+    Functions of time are compiled into the simulation: give the same function object again to use compiled code again.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
@@ -276,7 +292,13 @@ def simulate(
         motion: Values of PRESCRIBED coordinates (from their start) and deformations as functions of time, by name,
             twice differentiable.
         increment: Factor of the incremental loads as function of time; zero unless given.
+        control: Controller from the model's outputs y to its inputs u: a continuous ``control.StateSpace``, a function
+            ``u = control(t, y)``, or a :class:`Feedback`.
+        reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
         jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
+        form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
+            constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
+            freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
         rtol: Relative tolerance of displacements, of one step.
         atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given.
         solver: Solver of diffrax, or one of ours; ``Rodas5P()``, for stiff motion, unless given.
@@ -303,6 +325,10 @@ def simulate(
     from ..solvers.projected import Projected
     from ..solvers.rosenbrock import Rodas5P, Rosenbrock
 
+    if form not in ("coordinates", "reduced"):
+        raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
+    if control is not None and form == "reduced":
+        raise ValueError('A controller needs form="coordinates".')
     times = _checked_times(times)
     loads, motion = loads or {}, motion or {}
     driven = driven_by(model, loads, motion, increment)
@@ -313,6 +339,8 @@ def simulate(
     chosen = Rodas5P(jumps=bool(kinks)) if solver is None else solver
     used = chosen if isinstance(chosen, Rosenbrock) else Projected(chosen)
     settings = {
+        "form": form,
+        "feedback": None if control is None else as_feedback(model, control, reference),
         "rtol": jnp.asarray(rtol, float),
         "atol": jnp.asarray(ABSOLUTE * rtol if atol is None else atol, float),
         "controller": controller,
@@ -323,9 +351,9 @@ def simulate(
         "event": event,
         "max_steps": max_steps,
     }
-    run = _integrate(model.topology, model.parameters, driven, times, x0, xd0, settings)
+    run = _integrate(model, driven, times, x0, xd0, settings)
     found = Motion(
-        times, run.x, run.xd, run.near, run.steps, run.result, driven, model, "coordinates", type(chosen).__name__
+        times, run.x, run.xd, run.near, run.u, run.steps, run.result, driven, model, form, type(chosen).__name__
     )
     check(found.result, throw)
     return found

@@ -109,7 +109,7 @@ def assemble(builder: Builder) -> Model:
         e_labels += [Entry(name, i + 1, f"{symbol}{i + 1}", kind) for i in range(len(roles))]
         e_roles += roles
 
-    blocks, properties = _blocks(builder, members, first_x)
+    blocks, properties, stressed = _blocks(builder, members, first_x)
     points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
     axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
 
@@ -143,6 +143,7 @@ def assemble(builder: Builder) -> Model:
         signals["input"],
         signals["output"],
         builder.dimension or 2,
+        stressed,
     )
     # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
     topology, parameters = jax.tree.map(lambda a: jax.device_put(a) if is_concrete(a) else a, (topology, parameters))
@@ -152,6 +153,7 @@ def assemble(builder: Builder) -> Model:
 class _Piece(NamedTuple):
     """One member on its way into a block."""
 
+    name: str
     x: list[int]
     e: list[int]
     splits: tuple[int, ...]
@@ -160,14 +162,14 @@ class _Piece(NamedTuple):
 
 
 def _blocks(builder, members, first_x):
-    """Members stacked by type and by structure of their properties, in order of first appearance.
+    """Members stacked by type and by structure of their properties, in order of first appearance; and who has stress.
 
     Deformations and companions of elements of a type share a block, so that what both compute is computed once. Where
     the companions differ, as for hinges with and without stiffness, deformations stay together in a block of their own.
     """
     groups: dict[Any, list[_Piece]] = {}
     first = 0
-    for _, element, nodes, properties, roles, _ in members:
+    for name, element, nodes, properties, roles, _ in members:
         x = [first_x[n] + i for n in nodes for i in range(builder.nodes[n].kind.size)]
         e = list(range(first, first + len(roles)))
         first += len(roles)
@@ -176,13 +178,14 @@ def _blocks(builder, members, first_x):
         present = tuple(
             c
             for c in COMPANIONS
-            # Nothing stiff is asked of an element whose deformations are all FIXED.
-            if not (rigid and c in ("stiffness", "damping", *NONLINEAR))
+            # Nothing stiff is asked of an element whose deformations are all FIXED, and no stress where no section is.
+            if not (rigid and c in ("stiffness", "damping", "resultants", *NONLINEAR))
+            and (c != "resultants" or properties.get("section") is not None)
             and element.arguments(getattr(element, c), properties) is not None
         )
         key = (element, _structure(element.arguments(element.deformation, properties)))
-        groups.setdefault(key, []).append(_Piece(x, e, splits, properties, present))
-    found: list[tuple[Block, dict[str, Any]]] = []
+        groups.setdefault(key, []).append(_Piece(name, x, e, splits, properties, present))
+    found: list[tuple[Block, dict[str, Any], tuple[str | None, ...]]] = []
     for (element, _), pieces in groups.items():
         alike: dict[Any, list[_Piece]] = {}
         for piece in pieces:
@@ -197,7 +200,7 @@ def _blocks(builder, members, first_x):
                 companions = ("deformation", *companions)
             if companions:
                 found.append(_block(element, companions, own))
-    return tuple(f[0] for f in found), tuple(f[1] for f in found)
+    return tuple(f[0] for f in found), tuple(f[1] for f in found), tuple(f[2] for f in found)
 
 
 def _structure(properties: dict[str, Any]) -> Any:
@@ -208,7 +211,9 @@ def _structure(properties: dict[str, Any]) -> Any:
     return options, structure, tuple(np.shape(leaf) for leaf in leaves)
 
 
-def _block(element: Element, companions: tuple[str, ...], pieces: list[_Piece]) -> tuple[Block, dict[str, Any]]:
+def _block(
+    element: Element, companions: tuple[str, ...], pieces: list[_Piece]
+) -> tuple[Block, dict[str, Any], tuple[str | None, ...]]:
     """Elements stacked; sections of several kinds become a tuple, one stack a kind, elements in that order."""
     kinds: dict[Any, list[_Piece]] = {}
     for piece in pieces:
@@ -231,7 +236,9 @@ def _block(element: Element, companions: tuple[str, ...], pieces: list[_Piece]) 
             stacked[name] = stacks if len(kinds) > 1 else _stack_trees([p.properties[name] for p in ordered])
         elif not _is_option(value):
             stacked[name] = _stack_trees([p.properties[name] for p in ordered])
-    return Block(element, companions, options, x, e, ordered[0].splits), stacked
+    told = "resultants" in companions
+    stressed = tuple(p.name if told and "resultants" in p.companions else None for p in ordered)
+    return Block(element, companions, options, x, e, ordered[0].splits), stacked, stressed
 
 
 def _with_section(piece: _Piece) -> _Piece:

@@ -106,6 +106,27 @@ def line_inertia(p, q, *, ref, section):
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
+def truss_resultants(p, q, *, ref, place, sigma):
+    """Normal force alone, (6,) [N, N m]."""
+    return jnp.concatenate([sigma, jnp.zeros(5)])
+
+
+def along(ends, place) -> Float[Array, "6"]:
+    """Section resultants between the two ends of a beam that carries no load in between.
+
+    To first order in the deflection within one element this is its equilibrium: bending moments linear, the other
+    resultants constant. The ends are exact, so that what joins them balances.
+
+    Args:
+        ends: Resultants at the two ends, in axes of the section there, (2, 6) [N, N m].
+        place: From 0 to 1, () [-].
+
+    Returns:
+        (6,) [N, N m].
+    """
+    return (1 - place) * ends[0] + place * ends[1]
+
+
 def check_length(*, ref) -> list[str]:
     """Faults of an element with two end positions."""
     if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:

@@ -14,7 +14,9 @@ ALL = "all"
 # Companions by what makes them: stress resultants from deformations, and the rest.
 ELASTIC = ("stiffness", "energy", "law")
 NONLINEAR = ("energy", "dissipation", "law")
-COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force")
+COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", "resultants")
+# Keyword-only parameters that are handed to an element's functions and are no properties of it.
+GIVEN = ("ref", "near", "place", "sigma")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,6 +40,11 @@ class Element:
             half of what a linear damper takes.
         law: ``f(e, ed, *, ref, **properties) -> (n_e,)``, stress resultants that need no potential: friction, contact,
             a characteristic. An element may have several of the companions; their stresses add up.
+        resultants: ``f(*nodes, ref, place, sigma, **properties) -> (6,)``, force and moment in the cross-section at a
+            place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,): normal
+            force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
+            there. They are what the part beyond the place does to the part before it (the face whose normal is +x),
+            so that a positive normal force pulls. Asked of flexible elements with a section.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
             The rest is FIXED. None: all if the element is elastic, none if not.
@@ -54,6 +61,7 @@ class Element:
     energy: Callable[..., Any] | None = None
     dissipation: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
+    resultants: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     measured: tuple[int, ...] = ()
@@ -132,9 +140,9 @@ def as_element(function: "Element | Callable[..., Any]") -> Element:
 
 @functools.cache
 def _properties(function) -> dict[str, inspect.Parameter]:
-    """Keyword-only parameters but for ``ref`` and ``near``."""
+    """Keyword-only parameters but for those that are given."""
     parameters = inspect.signature(function).parameters.items()
-    return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in ("ref", "near")}
+    return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in GIVEN}
 
 
 @functools.cache

@@ -7,6 +7,7 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -28,11 +29,16 @@ def _truss_inertia(p: Point2, q: Point2, *, ref, section: Section):
     return beams.line_inertia(p, q, ref=ref, section=section)
 
 
+def _truss_resultants(p: Point2, q: Point2, *, ref, place, sigma) -> Float[Array, "6"]:
+    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma)
+
+
 truss = Element(
     _truss,
     stiffness=beams.truss_stiffness,
     damping=beams.truss_damping,
     inertia=_truss_inertia,
+    resultants=_truss_resultants,
     check=beams.check_length,
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
@@ -91,11 +97,31 @@ def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, sect
     return vectors, l0 * beams.combine([s.mass, s.Jy], INERTIA)
 
 
+def _beam_resultants(
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place, sigma, second_order: bool = True
+) -> Float[Array, "6"]:
+    """Nodal forces of the stress resultants, in axes of the end sections.
+
+    Local z of the section is the beam's local y, across it in the plane, and local y points into the plane: a bending
+    moment about it turns clockwise.
+    """
+
+    def deformations(*nodes):
+        return _beam(*nodes, ref=ref, second_order=second_order)
+
+    _, moment_p, force, moment_q = jax.vjp(deformations, p, rot_p, q, rot_q)[1](sigma)
+    axes = jnp.stack([_axes(rot_p, ref.rot_p, ref), _axes(rot_q, ref.rot_q, ref)])
+    normal, across = (axes @ force).T
+    zero, bending = jnp.zeros(2), jnp.concatenate([moment_p, -moment_q])
+    return beams.along(jnp.stack([normal, zero, across, zero, bending, zero], axis=1), place)
+
+
 beam = Element(
     _beam,
     stiffness=_beam_stiffness,
     damping=_beam_damping,
     inertia=_beam_inertia,
+    resultants=_beam_resultants,
     check=beams.check_length,
 )
 """Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping, second_order."""

@@ -12,7 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..errors import ModelError
 from ..math.record import Record, static
+from . import surface
 
 Scalar = float | Float[Array, ""]
 
@@ -38,11 +40,36 @@ class Material(Record):
 
 
 class Section(Record):
-    """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers."""
+    """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers.
+
+    A section with a shape also says what stress it has, by :meth:`stress`.
+    """
 
     @abc.abstractmethod
     def rigidity(self) -> "Rigidity":
         """Rigidities and mass per length of the section."""
+
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """Stress at eight points of the surface.
+
+        Args:
+            resultants: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], (6,).
+
+        Returns:
+            Stress along x and shear stress along the surface, counter-clockwise about x, (8,) [Pa].
+
+        Raises:
+            ModelError: The section has no shape.
+
+        Source:
+            :mod:`flexmb.elements.surface`.
+        """
+        raise ModelError(f"A section of kind {type(self).__name__} has no shape, and so no stress.")
+
+    @property
+    def has_shape(self) -> bool:
+        """Whether :meth:`stress` answers."""
+        return type(self).stress is not Section.stress
 
     def faults(self) -> list[str]:
         """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
@@ -243,6 +270,18 @@ class Rectangle(Section):
         k = 10 * (1 + nu) / (12 + 11 * nu)
         return _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
 
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """Corners and middles of the sides in turn, from the corner at +y, +z on, counter-clockwise about x.
+
+        Torsion is Saint-Venant's also where its warping is restrained: the stress of the restraint is not counted, nor
+        that it takes a share of the torque near the clamp.
+
+        Args:
+            resultants: (6,) [N, N m].
+        """
+        it = torsion_series(self.width, self.thickness)
+        return surface.rectangle(self.width, self.thickness, it, resultants)
+
 
 class HollowRectangle(Section):
     """Thin-walled rectangular tube.
@@ -272,12 +311,25 @@ class HollowRectangle(Section):
 
     def rigidity(self) -> Rigidity:
         """Rigidities; torsion by Bredt: It = 4 A_m^2 / closed integral of ds/wall."""
+        wm, tm = self.width - self.wall_y, self.thickness - self.wall_z
+        it = 4 * (wm * tm) ** 2 / (2 * wm / self.wall_z + 2 * tm / self.wall_y)
+        area, iy, iz = self._areas()
+        return _from_geometry(self, area, iy, iz, it, 1.0)
+
+    def _areas(self):
+        """Area and second moments about y and z."""
         w, t = self.width, self.thickness
         wi, ti = w - 2 * self.wall_y, t - 2 * self.wall_z
-        wm, tm = w - self.wall_y, t - self.wall_z
-        it = 4 * (wm * tm) ** 2 / (2 * wm / self.wall_z + 2 * tm / self.wall_y)
-        iy, iz = (w * t**3 - wi * ti**3) / 12, (t * w**3 - ti * wi**3) / 12
-        return _from_geometry(self, w * t - wi * ti, iy, iz, it, 1.0)
+        return w * t - wi * ti, (w * t**3 - wi * ti**3) / 12, (t * w**3 - ti * wi**3) / 12
+
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """Corners and middles of the outer sides in turn, from the corner at +y, +z on, counter-clockwise about x.
+
+        Args:
+            resultants: (6,) [N, N m].
+        """
+        sizes = (self.width, self.thickness, self.wall_y, self.wall_z)
+        return surface.hollow_rectangle(*sizes, *self._areas(), resultants)
 
 
 class Circle(Section):
@@ -300,6 +352,14 @@ class Circle(Section):
         d, nu = self.diameter, self.material.poisson()
         i = jnp.pi * d**4 / 64
         return _from_geometry(self, jnp.pi * d**2 / 4, i, i, 2 * i, 6 * (1 + nu) / (7 + 6 * nu))
+
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """On the circumference, at the extremes of combined bending and of the combined shear force.
+
+        Args:
+            resultants: (6,) [N, N m].
+        """
+        return surface.ring(self.diameter, 0.0, resultants)
 
 
 class Tube(Section):
@@ -329,6 +389,14 @@ class Tube(Section):
         d, inner = self.diameter, self.diameter - 2 * self.wall
         i = jnp.pi * (d**4 - inner**4) / 64
         return _from_geometry(self, jnp.pi * (d**2 - inner**2) / 4, i, i, 2 * i, 1.0)
+
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """On the outer circumference, at the extremes of combined bending and of the combined shear force.
+
+        Args:
+            resultants: (6,) [N, N m].
+        """
+        return surface.ring(self.diameter, self.diameter - 2 * self.wall, resultants)
 
 
 def _from_geometry(section, area, iy, iz, it, k) -> Rigidity:

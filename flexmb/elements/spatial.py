@@ -29,11 +29,16 @@ def _truss_inertia(p: Point3, q: Point3, *, ref, section: Section):
     return beams.line_inertia(p, q, ref=ref, section=section)
 
 
+def _truss_resultants(p: Point3, q: Point3, *, ref, place, sigma) -> Float[Array, "6"]:
+    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma)
+
+
 truss = Element(
     _truss,
     stiffness=beams.truss_stiffness,
     damping=beams.truss_damping,
     inertia=_truss_inertia,
+    resultants=_truss_resultants,
     check=beams.check_length,
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
@@ -133,11 +138,42 @@ def _beam_inertia(
     return vectors, l0 * beams.combine([*mass, s.Jx, s.Jy, s.Jz, s.Jyz], INERTIA)
 
 
+def _beam_resultants(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    *,
+    ref,
+    place,
+    sigma,
+    y: Float[Array, "3"] | None = None,
+    second_order: bool = True,
+) -> Float[Array, "6"]:
+    """Nodal forces of the stress resultants, in axes of the end sections; M = Lbar f / 2 of the dual of a rotation."""
+
+    def deformations(*nodes):
+        return _beam(*nodes, ref=ref, y=y, second_order=second_order)
+
+    _, dual_p, force, dual_q = jax.vjp(deformations, p, rot_p, q, rot_q)[1](sigma)
+    triads = _triads(rot_p, rot_q, ref, y)
+    moments = jnp.stack([-lbar(rot_p) @ dual_p, lbar(rot_q) @ dual_q]) / 2
+    vectors = jnp.stack([jnp.broadcast_to(force, (2, 3)), moments], axis=1)
+    return beams.along((vectors @ triads).reshape(2, 6), place)
+
+
 def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
     return beams.check_length(ref=ref) or beams.check_across(ref, y)
 
 
-beam = Element(_beam, stiffness=_beam_stiffness, damping=_beam_damping, inertia=_beam_inertia, check=_check_beam)
+beam = Element(
+    _beam,
+    stiffness=_beam_stiffness,
+    damping=_beam_damping,
+    inertia=_beam_inertia,
+    resultants=_beam_resultants,
+    check=_check_beam,
+)
 """Flexible beam: e1 elongation, e2 torsion (l0 times twist), e3, e4 bending along z, e5, e6 along y [m].
 
 Properties: section, damping, y (vector that fixes local y), second_order.

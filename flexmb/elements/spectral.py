@@ -5,17 +5,30 @@ pose of end q follows from that of end p by quadrature of the kinematics, and it
 is the part of the deformations that stays FIXED; the closure comes first, then one strain field after the other. The
 error falls exponentially with the order (benchmarks/large_deflection.py).
 
+Section resultants at a place are those of statics, from force and moment at q, plus what distributed loads add: the
+force out of balance on the coefficient of P_k is the integral of P_k times that addition, which gives its series. A
+shear force that has no field follows from the moments, m' = -r' x n.
+
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
 
 import dataclasses
 import functools
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.quadrature import gauss, integration_matrix, legendre_integrals, legendre_values, lobatto
+from ..math.quadrature import (
+    gauss,
+    integration_matrix,
+    legendre_integrals,
+    legendre_integrals_at,
+    legendre_values,
+    legendre_values_at,
+    lobatto,
+)
 from ..math.rigid import exponential, product, products, screws
 from ..math.rotation import CROSS, initial_frame, rotation_matrix, rotation_plane
 from . import beams
@@ -66,6 +79,26 @@ class _Layout:
         return jnp.diag(jnp.concatenate([jnp.zeros(self.closure), own.ravel()]))
 
 
+def _closure_of(sigma, count: int):
+    """Force and moment at q among the stress resultants."""
+    return sigma[:count]
+
+
+def _of_distributed_loads(deformations, c, sigma, place, order: int):
+    """What distributed loads add to the resultant of each field, in the order of the fields, and its rate by place."""
+    (out_of_balance,) = jax.vjp(deformations, c)[1](sigma)
+    series = out_of_balance.reshape(-1, order) * (2.0 * np.arange(order) + 1)
+
+    def at(place):
+        return series @ legendre_values_at(order, place)
+
+    return jax.jvp(at, (place,), (jnp.ones_like(place),))
+
+
+# Fields of the planar beam, in the order of its coefficients.
+ELONGATION, CURVATURE = 0, 1
+
+
 def _arc_length(chord, half):
     """Length of an arc over a chord; ``half`` is half the curvature times the chord."""
     return chord * jnp.arcsin(half) / half
@@ -113,17 +146,20 @@ def _planar_beam(order: int) -> Element:
 
     def line(rot_p, c, ref, curvature):
         """Length, axes of end p as columns, directions and stretched directions at the nodes in those axes."""
-        chord = beams.beam_length(ref)
-        x0 = (ref.q - ref.p) / chord
-        angle = angles @ c[order:]
-        length, tilt = chord, 0.0
+        length, tilt = _length(ref, curvature), 0.0
         if curvature is not None:
-            length = _arc_length(chord, curvature * chord / 2)
-            angle, tilt = angle + curvature * length * nodes, curvature * length / 2
-        x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ x0
+            tilt = curvature * length / 2
+        x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ ((ref.q - ref.p) / beams.beam_length(ref))
         axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
-        directions = jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=1)
-        return length, axes, directions, (length + values @ c[:order])[:, None] * directions
+        directions = bent(c, length, curvature, nodes, angles)
+        return length, axes, directions, (length + values @ c.reshape(2, order)[ELONGATION])[:, None] * directions
+
+    def bent(c, length, curvature, s, integrals):
+        """Directions at places s, in axes of end p, (n, 2)."""
+        angle = integrals @ c.reshape(2, order)[CURVATURE]
+        if curvature is not None:
+            angle = angle + curvature * length * s
+        return jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)
 
     def _spectral_beam(
         p: Point2,
@@ -168,11 +204,44 @@ def _planar_beam(order: int) -> Element:
         masses = jnp.concatenate([s.mass * length * weights, s.Jy * length * weights])
         return jnp.concatenate([positions, directions @ axes.T]), jnp.diag(masses)
 
+    def _resultants(
+        p: Point2,
+        rot_p: Angle,
+        q: Point2,
+        rot_q: Angle,
+        c: Internal(layout.size, 2),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        place,
+        sigma,
+        curvature: float | None = None,
+    ) -> Float[Array, "6"]:
+        length, axes, _, _ = line(rot_p, c, ref, curvature)
+        # Quadrature from p to the place, and the place itself.
+        on_the_way = place * np.append(nodes, 1.0)
+        directions = bent(c, length, curvature, on_the_way, legendre_integrals_at(order, on_the_way))
+        stretched = length + legendre_values_at(order, on_the_way) @ c.reshape(2, order)[ELONGATION]
+        lever = axes.T @ (q - p) - place * (weights * stretched[:-1]) @ directions[:-1]
+        x, y, moment = _closure_of(sigma, 3)
+
+        def deformations(c):
+            return _spectral_beam(p, rot_p, q, rot_q, c, ref=ref, curvature=curvature)
+
+        more, rate = _of_distributed_loads(deformations, c, sigma, place, order)
+        cosine, sine = directions[-1]
+        normal = cosine * x + sine * y + more[ELONGATION]
+        across = cosine * y - sine * x - rate[CURVATURE] / stretched[-1]
+        bending = moment + lever[0] * y - lever[1] * x + more[CURVATURE]
+        # The section's own y axis points into the plane: a moment about it turns clockwise.
+        zero = jnp.zeros_like(normal)
+        return jnp.stack([normal, zero, across, zero, -bending, zero])
+
     return Element(
         _spectral_beam,
         stiffness=_stiffness,
         damping=_damping,
         inertia=_inertia,
+        resultants=_resultants,
         check=_check_planar,
         released=layout.released,
         fields=layout.numbers,
@@ -218,12 +287,13 @@ def _spatial_beam(order: int, shear: bool) -> Element:
     # Six-vectors (twist, curvatures, stretch, shears) of the fields, and the rigidity that each works against.
     places = np.eye(6)[[3, 0, 1, 2, 4, 5][: layout.fields]]
 
-    def strains(c, length, curvature):
-        own = values @ c.reshape(layout.fields, order).T @ places / length
+    def strains(c, length, curvature, place=1.0, on_the_way=None):
+        """Screw motions of the steps from end p to a place, with the values of the polynomials on the way to it."""
+        own = (values if on_the_way is None else on_the_way) @ c.reshape(layout.fields, order).T @ places / length
         own = own + np.array([0.0, 0, 0, 1, 0, 0])
         if curvature is not None:
             own = own + jnp.concatenate([curvature, jnp.zeros(3)])
-        return exponential(screws(own.reshape(steps, 3, 6) * length, lengths))
+        return exponential(screws(own.reshape(steps, 3, 6) * (length * place), lengths))
 
     def _length(ref, curvature):
         chord = beams.beam_length(ref)
@@ -294,6 +364,39 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(s.mass * np.diag(weights))
         return vectors, length * h.at[n:, n:].set(jnp.kron(np.diag(weights), moments))
 
+    def _resultants(
+        p: Point3,
+        rot_p: Rotation3,
+        q: Point3,
+        rot_q: Rotation3,
+        c: Internal(layout.size, 3),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        place,
+        sigma,
+        y: Float[Array, "3"] | None = None,
+        curvature: Float[Array, "3"] | None = None,
+    ) -> Float[Array, "6"]:
+        length = _length(ref, curvature)
+        at_p, at_q = frames(rot_p, rot_q, ref, y, curvature, length)
+        on_the_way = legendre_values_at(order, place * inner.ravel())
+        pose = product(strains(c, length, curvature, place, on_the_way))
+        force, moment = jnp.split(_closure_of(sigma, 6), 2)
+        lever = at_p.T @ (q - p) - pose[:3, 3]
+        moment = at_p.T @ (at_q @ moment) + (CROSS @ force) @ lever
+
+        def deformations(c):
+            return _spectral_beam(p, rot_p, q, rot_q, c, ref=ref, y=y, curvature=curvature)
+
+        more, rate = _of_distributed_loads(deformations, c, sigma, place, order)
+        if not shear:
+            strain = legendre_values_at(order, place) @ c.reshape(layout.fields, order).T / length
+            bent = strain[1:] if curvature is None else strain[1:] + curvature
+            slope = rate[1:] / length + (CROSS @ more[1:]) @ bent
+            more = jnp.concatenate([more, jnp.stack([-slope[2], slope[1]]) / (1 + strain[0])])
+        static = (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
+        return static + more[np.array([0, 4, 5, 1, 2, 3])]
+
     def _check(
         *,
         ref,
@@ -317,6 +420,7 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         stiffness=_stiffness,
         damping=_damping,
         inertia=_inertia,
+        resultants=_resultants,
         check=_check,
         released=layout.released,
         fields=layout.numbers,

@@ -22,6 +22,7 @@ from ..model.model import Labels, Model
 from ..model.topology import RoleIndices
 from ..results import RESULTS
 from ..statespace import state_matrices
+from .motion_answers import simulated
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
@@ -223,16 +224,16 @@ def _path(found: Path) -> dict[str, Any]:
 # Number and name of each mode; the analysis where there is one.
 MODES: dict[int, tuple[str, Callable[[Model, Linearization], dict[str, Any]] | None]] = {
     0: ("mobility", None),
+    1: ("simulate", None),
+    4: ("simulate-linearise", None),
     7: ("frequencies", _frequencies),
     8: ("buckling", _buckling),
     9: ("statespace", _statespace),
     10: ("path", None),
 }
 RESERVED = {
-    1: "simulate",
     2: "inverse",
     3: "trajectory-linearisation",
-    4: "simulate-linearise",
 }
 
 
@@ -257,6 +258,7 @@ def answer(
     release: str = "none",
     dofs: str = "named",
     max_steps: int = 200,
+    settings: dict[str, Any] | None = None,
 ) -> Answer:
     """Run one analysis mode.
 
@@ -268,6 +270,7 @@ def answer(
         release: "auto" releases over-constraints before modes other than 0.
         dofs: "named" or "auto", see Builder.build.
         max_steps: Steps of a path at most.
+        settings: What the file says beside the mechanism.
 
     Returns:
         Answer, also where the mechanism is not valid or the analysis failed.
@@ -287,6 +290,10 @@ def answer(
                 "underconstraints": found.underconstraints,
                 "mobility": _mobility_modes(found),
             }
+        elif mode in (1, 4):
+            model = builder.build(dofs=dofs, release=release)
+            extra = simulated(model, name, settings or {}, mode == 4)
+            failed = int(extra["status"] != "ok")
         elif mode == 10:
             model = builder.build(dofs=dofs, release=release)
             followed = path(model, max_steps=max_steps, throw=False)

@@ -203,7 +203,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
     if any(rates):
-        r.warnings.append((s, "velocity and acceleration are kept in settings; static analyses do not use them"))
+        r.warnings.append((s, "velocity and acceleration are for modes 1 and 4; static analyses do not use them"))
 
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:
@@ -272,7 +272,10 @@ def start_value(r: Reading, s: Statement, p: Values) -> None:
     kind, of, component = _target(p)
     r.require(of, component, kind, Role.DOF)
     r.once(s, of, component)
-    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], p.get("velocity", 0.0)))
+    velocity = p.get("velocity", 0.0)
+    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], velocity))
+    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
+    r.builder.start(str(of), component, p["value"] - start, velocity, kind=kind)
 
 
 def routine(r: Reading, s: Statement, p: Values) -> None:

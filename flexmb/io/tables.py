@@ -41,6 +41,18 @@ def _path(steps: list[dict[str, Any]], critical: list[dict[str, Any]]) -> list[s
     return lines + [f"  {c['kind']:<11} at load factor {c['load_factor']:.10g}" for c in critical]
 
 
+def _motion(data: dict[str, Any]) -> list[str]:
+    times, energy = np.asarray(data["time"]), {name: np.asarray(e) for name, e in data["energy"].items()}
+    lines = [f"motion from 0 to {times[-1]:.6g} s, {len(times)} output times; at the end:"]
+    lines += [f"  node {node:<8}{_numbers(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
+    total = sum(energy.values())
+    lines.append("energy [J] at start and end: {:.6g}, {:.6g}".format(*(np.asarray(total)[[0, -1]])))
+    for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
+        hertz = ["-" if f is None else f"{f:.6g}" for f in step["frequencies_hz"][:SHOWN_VALUES]]
+        lines.append(f"frequencies [Hz] at {step['time']:.6g} s: {'  '.join(hertz)}")
+    return lines
+
+
 def table(data: dict[str, Any]) -> str:
     """Short table of an answer for the terminal.
 
@@ -67,6 +79,8 @@ def table(data: dict[str, Any]) -> str:
         lines += [f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(data["load_multipliers"][:SHOWN_VALUES])]
     if "path" in data:
         lines += _path(data["path"], data["critical_points"])
+    if "time" in data:
+        lines += _motion(data)
     if "A" in data:
         lines.append(f"inputs: {', '.join(data['inputs']) or 'none'}")
         lines.append(f"outputs: {', '.join(data['outputs']) or 'none'}")

@@ -1,6 +1,8 @@
-"""Legendre polynomials on [0, 1], their integrals, and quadrature nodes; constants on the host."""
+"""Legendre polynomials on [0, 1], their integrals, and quadrature nodes; constants on the host but for ``_at``."""
 
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 from numpy.polynomial import legendre
 
 
@@ -33,6 +35,44 @@ def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
     values = legendre_values(order + 1, s)
     below = np.concatenate([-np.ones((len(s), 1)), values[:, :-2]], axis=1)
     return (values[:, 1:] - below) / (2 * (2 * np.arange(order) + 1))
+
+
+def legendre_values_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
+    """As :func:`legendre_values`, at places that are traced.
+
+    Args:
+        order: Number of polynomials.
+        s: Places in [0, 1], of any shape.
+
+    Returns:
+        One more axis than ``s``, (*n, order) [-].
+
+    Source:
+        (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1}.
+    """
+    x = 2 * s - 1
+    values = [jnp.ones_like(x), x]
+    for k in range(1, order - 1):
+        values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
+    return jnp.stack(values[:order], axis=-1)
+
+
+def legendre_integrals_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
+    """As :func:`legendre_integrals`, at places that are traced.
+
+    Args:
+        order: Number of polynomials.
+        s: Upper ends in [0, 1], of any shape.
+
+    Returns:
+        One more axis than ``s``, (*n, order) [-].
+
+    Source:
+        See :func:`legendre_integrals`.
+    """
+    values = legendre_values_at(order + 1, s)
+    below = jnp.concatenate([-jnp.ones_like(values[..., :1]), values[..., :-2]], axis=-1)
+    return (values[..., 1:] - below) / (4.0 * np.arange(order) + 2)
 
 
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -22,7 +22,7 @@ from .stress import element_damping, element_stiffness, is_nonlinear, stress_res
 
 # Share of a constraint's own compliance that is added to it: round-off where constraints are independent, and what
 # keeps the system solvable where they are redundant or lose rank for a moment.
-REDUNDANT = 1e-13
+REDUNDANT = 1e-11
 
 
 class Whole(NamedTuple):
@@ -73,6 +73,11 @@ class CoordinatesForm(Record):
     held: Array
     mobility: Float[Array, "n"]
     driven: tuple[Driven, ...] = ()
+
+    @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
 
     @property
     def size(self) -> int:
@@ -135,6 +140,19 @@ class CoordinatesForm(Record):
         u, w, a = (self.sizes * part for part in (u, w, a))
         return Whole(accumulate(x, self.free, u), put(v, self.free, w), put(acc, self.free, a), e, ed, edd)
 
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        near = state.memory
+        if not near.shape[0]:
+            near = deformations(self.topology, self.parameters, at.x, zero_near(self.topology))
+        return at.x, at.v, near
+
     def prescribed(self, at: Whole) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
         """Coordinates and deformations with those that are held at their values.
 
@@ -175,7 +193,12 @@ class CoordinatesForm(Record):
             stiffness, damping = self.tangents(e, jacobian @ v)
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
-    def _near(self, memory):
+    def near(self, memory) -> Float[Array, "n_e"]:
+        """Deformations at the last accepted state.
+
+        Args:
+            memory: Of the state.
+        """
         return memory if memory.shape[0] else zero_near(self.topology)
 
     def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Any, Any, Whole]:
@@ -189,7 +212,7 @@ class CoordinatesForm(Record):
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
-        near = self._near(state.memory)
+        near = self.near(state.memory)
         kin, sigma, force = stressed_kinematics(self.topology, self.parameters, at.x, at.v, at.a, near, stress)
         lifted = at.a if self.falling is None else at.a - self.falling
         force = force + inertia_forces(self.topology, self.parameters, at.x, at.v, lifted)
@@ -237,7 +260,7 @@ class CoordinatesForm(Record):
         if m == 0:
             return top
         rows = self._columns(jacobian)
-        compliance = jnp.sum(rows**2 / jnp.abs(diagonal_of(top)), axis=1)
+        compliance = rows**2 @ self.mobility
         corner = -REDUNDANT * jnp.diag(compliance)
         return jnp.block([[top, rows.T], [rows, corner]])
 
@@ -258,7 +281,7 @@ class CoordinatesForm(Record):
         n, held = self.size, self.held
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
-        near = self._near(state.memory)
+        near = self.near(state.memory)
         e, jacobian = deformation_jacobian(top, parameters, at.x, near)
         ed = jacobian @ at.v
         sigma = self.stress_of(t, z[n:])(e, ed)
@@ -311,7 +334,7 @@ class CoordinatesForm(Record):
         """
         zero = jnp.zeros(self.size + self.held.shape[0])
         at = self.whole(t, state.u, state.w, zero[: self.size])
-        _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self._near(state.memory))
+        _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self.near(state.memory))
         mass = mass_matrix(self.topology, self.parameters, at.x)
         scaled, rows = self._scaled(mass), self._columns(jacobian)
         heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
@@ -342,7 +365,7 @@ class CoordinatesForm(Record):
             FORMULATION.md 9 (b): projection onto D = e and D_x v = e_dot.
         """
         u, w = state.u, state.w
-        near = self._near(state.memory)
+        near = self.near(state.memory)
         zero = jnp.zeros_like(u)
         if self.held.shape[0]:
             at = self.whole(t, u, w, zero)

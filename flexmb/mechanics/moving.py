@@ -68,6 +68,61 @@ def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]
     return jnp.zeros((top.n_x, rows.shape[1])).at[top.x.dependent].set(change)
 
 
+class Balance(NamedTuple):
+    """Forces at a state of motion.
+
+    Attributes:
+        sigma: Stress resultants, multipliers included, (n_e,).
+        force: Nodal forces less those of inertia, (n_x,).
+        jacobian: D_x, (n_e, n_x).
+        tangent: Transfer functions.
+    """
+
+    sigma: Float[Array, "n_e"]
+    force: Float[Array, "n_x"]
+    jacobian: Float[Array, "n_e n_x"]
+    tangent: Transfer
+
+    @property
+    def DFx(self) -> Float[Array, "n_x n_q"]:
+        """First-order transfer function of the coordinates."""
+        return self.tangent.DFx
+
+    @property
+    def residual(self) -> Float[Array, "n_q"]:
+        """Force out of balance along each degree of freedom."""
+        return self.tangent.DFe.T @ self.sigma - self.tangent.DFx.T @ self.force
+
+    @property
+    def regular(self) -> Bool[Array, ""]:
+        """Whether the degrees of freedom determine the configuration here."""
+        return self.tangent.regular
+
+
+def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
+    """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
+
+    Args:
+        form: Equations of motion.
+        t: Time [s].
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Source:
+        FORMULATION.md 5.
+    """
+    top, parameters = form.topology, form.parameters
+    _, jacobian = deformation_jacobian(top, parameters, x, near)
+    tangent = transfer(top, jacobian)
+    multiplied = jnp.zeros(form.held.shape[0])
+    _, sigma, _ = stressed_kinematics(top, parameters, x, v, a, near, form.stress_of(t, multiplied))
+    lifted = a if form.falling is None else a - form.falling
+    force = form.applied(t, x) - inertia_forces(top, parameters, x, v, lifted)
+    return Balance(multipliers(top, tangent, jacobian, sigma, force), force, jacobian, tangent)
+
+
 def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     """Linearised equations about a state of motion.
 
@@ -87,15 +142,10 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         DFx and the accelerations by -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) Y), beside DFx qd and DFx qdd.
     """
     top, parameters = form.topology, form.parameters
-    _, jacobian = deformation_jacobian(top, parameters, x, near)
-    tangent = transfer(top, jacobian)
-    z = tangent.DFx
+    at = balance(form, t, x, v, a, near)
+    tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
-    _, sigma, _ = stressed_kinematics(top, parameters, x, v, a, near, form.stress_of(t, jnp.zeros(form.held.shape[0])))
-    lifted = a if form.falling is None else a - form.falling
-    force = form.applied(t, x) - inertia_forces(top, parameters, x, v, lifted)
-    sigma = multipliers(top, tangent, jacobian, sigma, force)
     by_x = kinematic_derivatives(top, parameters, x, v, a, near, sigma)
     inertia = inertia_derivatives(top, parameters, x, v, a)
     rates = by_x.ed @ z
@@ -119,14 +169,14 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         K0=dfe.T @ stiffness @ dfe,
         N0=n0,
         G0=z.T @ (by_x.curvature - loads) @ z,
-        residual=dfe.T @ sigma - z.T @ force,
+        residual=at.residual,
         DFx=z,
         DFe=dfe,
         S=stiffness,
         S_d=damping,
-        reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - force)[held]),
+        reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
         sigma=sigma,
-        regular=tangent.regular,
+        regular=at.regular,
     )
 
 

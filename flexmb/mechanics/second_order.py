@@ -39,6 +39,11 @@ class Tangent(NamedTuple):
 class Equations(Protocol):
     """Equations of motion 0 = R(t, u, w, z) with z = (accelerations (n,), multipliers (m,)), linear in z."""
 
+    @property
+    def states(self) -> int:
+        """Number of velocities, the last ones, that are states of a controller."""
+        ...
+
     def residual(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
         """R, (n + m,)."""
         ...

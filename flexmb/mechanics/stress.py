@@ -1,4 +1,4 @@
-"""Stress resultants from deformations: assembled stiffness and damping of the elements, and their nonlinear laws."""
+"""Stress resultants: stiffness, damping and laws of the elements, assembled; forces and moments in their sections."""
 
 from typing import Any
 
@@ -227,3 +227,36 @@ def stress_tangents(
     at_rest = jnp.zeros_like(e) if ed is None else ed
     by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(parameters, e), at_rest)
     return stiffness + by_e, by_ed if damping is None else damping + by_ed
+
+
+def section_resultants(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    sigma: Float[Array, "n_e"],
+    places: Float[Array, "places"],
+) -> list[Float[Array, "elements places 6"]]:
+    """Forces and moments in the cross-sections of the elements, block by block.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        sigma: Stress resultants, multipliers of FIXED deformations included, (n_e,) [N, N m].
+        places: From 0 at the first end of an element to 1 at its last, (places,) [-].
+
+    Returns:
+        For each block with the companion ``resultants``, in order, (elements, places, 6) [N, N m].
+
+    Source:
+        Each element's resultants companion.
+    """
+    found = []
+    for block, function, ref, properties in each_block(topology, parameters, "resultants"):
+
+        def one(x, ref, own, sigma, place, function=function):
+            return function(x, ref, own, sigma=sigma, place=place)
+
+        everywhere = jax.vmap(jax.vmap(one, (None, None, None, None, 0)), (0, 0, 0, 0, None))
+        found.append(everywhere(x[block.x], ref, properties, sigma[block.e], places))
+    return found

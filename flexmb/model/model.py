@@ -56,6 +56,8 @@ class Labels:
         elements: Name, type and nodes of each element, in order of addition.
         inputs, outputs: Signals of the state-space model.
         dimension: 2 or 3.
+        stressed: For each block of the topology, the name of each of its elements in the block's order; None for an
+            element, or in a block, that section stresses are not asked of.
     """
 
     x: tuple[Entry, ...]
@@ -64,6 +66,7 @@ class Labels:
     inputs: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
     dimension: int
+    stressed: tuple[tuple[str | None, ...], ...]
 
     def coordinates(self, node: str) -> list[int]:
         """Indices in x of a node, or of the rotation of a node as "name.rotation".

@@ -202,7 +202,10 @@ class Rosenbrock(diffrax.AbstractAdaptiveSolver):
         # What the error of a velocity does to the position within the step: so the ringing of stiff parts counts by its
         # displacement, and tolerances are those of positions.
         error_u = _finite(jnp.maximum(jnp.abs(error_u), h * jnp.abs(error_w)))
-        error = MotionState(error_u, jnp.zeros_like(error_w), jnp.zeros_like(y0.memory))
+        # States of a controller are velocities that nothing else is measured by.
+        error_w = jnp.where(jnp.arange(n) < n - equations.states, 0.0, _finite(error_w))
+        error_u = jnp.where(jnp.arange(n) < n - equations.states, error_u, 0.0)
+        error = MotionState(error_u, error_w, jnp.zeros_like(y0.memory))
         dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=z1[:n])
         return y1, error, dense, z1, diffrax.RESULTS.successful
 

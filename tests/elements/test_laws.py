@@ -45,10 +45,13 @@ def found_in(module: types.ModuleType) -> dict[str, Element]:
 
 
 ELEMENTS = {**found_in(planar), **found_in(spatial), "unit_norm": UNIT_NORM}
+BEAMLIKE = {name: element for name, element in ELEMENTS.items() if element.resultants is not None}
 MASSIVE = {name: element for name, element in ELEMENTS.items() if element.inertia is not None}
 POTENTIAL = {name: element for name, element in ELEMENTS.items() if element.energy or element.dissipation}
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 every_massive_element = pytest.mark.parametrize("element", MASSIVE.values(), ids=MASSIVE)
+
+every_beam = pytest.mark.parametrize("element", BEAMLIKE.values(), ids=BEAMLIKE)
 
 
 # -- what is drawn ------------------------------------------------------------------------------------------------
@@ -193,6 +196,11 @@ def drawn(draw, element: Element) -> Drawn:
 # -- what is measured ---------------------------------------------------------------------------------------------
 
 
+def some_stress(n_e: int) -> np.ndarray:
+    """Stress resultants of order one, no two alike."""
+    return np.cos(1.0 + np.arange(n_e))
+
+
 def answers(element: Element, x, ref, properties) -> dict:
     """Deformations and all companions of an element."""
     where = element.reference(ref)
@@ -216,6 +224,13 @@ def answers(element: Element, x, ref, properties) -> dict:
         found["vectors"], found["H"] = element.inertia(*x, ref=where, **chosen(element.inertia))
     if element.force is not None:
         found["force"] = element.force(*x, ref=where, **chosen(element.force))
+    if element.resultants is not None:
+        sigma, own = some_stress(found["e"].shape[0]), chosen(element.resultants)
+
+        def section(place):
+            return element.resultants(*x, ref=where, place=place, sigma=sigma, **own)
+
+        found["sections"] = jax.vmap(section)(jnp.array([0.0, 0.3, 1.0]))
     return found
 
 
@@ -349,6 +364,62 @@ def test_rigid_motion_changes_no_deformation(element, data):
     there = moved(sample, data.draw(vectors(3, 2.0)), data.draw(vectors(3, 5.0)))
     # Positions up to 10, rounded, times the triads; the second-order terms multiply by e/l0 < 4.
     np.testing.assert_allclose(Measured(there)["e"], Measured(sample)["e"], rtol=0, atol=1000 * EPS)
+
+
+@every_beam
+@given(st.data())
+def test_rigid_motion_changes_no_section_resultants(element, data):
+    sample = data.draw(drawn(element))
+    there = moved(sample, data.draw(vectors(3, 2.0)), data.draw(vectors(3, 5.0)))
+    # As for the deformations, whose derivatives multiply the stress resultants here.
+    np.testing.assert_allclose(Measured(there)["sections"], Measured(sample)["sections"], rtol=0, atol=2000 * EPS)
+
+
+@every_beam
+@given(st.data())
+def test_power_of_the_end_sections_is_that_of_the_stress(element, data):
+    """sigma . e_dot is what the rest of the mechanism does on both end sections, for any velocities of the ends."""
+    sample = data.draw(drawn(element))
+    measured = Measured(sample)
+    velocities, spins = data.draw(vectors(6)).reshape(2, 3), data.draw(vectors(6)).reshape(2, 3)
+    in_plane = next(iter(element.nodes.values())).dimension == 2
+    if in_plane:
+        velocities[:, 2], spins[:, :2] = 0, 0
+    rates, wrenches, seen = [], [], 0
+    for kind, part in zip(element.nodes.values(), sample.x, strict=True):
+        if kind.part == "position":
+            rates.append(velocities[seen][: kind.dimension])
+            seen += 1
+        else:
+            omega = spins[seen - 1]
+            rates.append(omega[2:] if in_plane else product(np.r_[0.0, omega], part) / 2)
+    ends = [
+        (np.r_[part, 0.0] if in_plane else part)
+        for kind, part in zip(element.nodes.values(), sample.x, strict=True)
+        if kind.part == "position"
+    ]
+    for i, section in enumerate((measured["sections"][0], measured["sections"][2])):
+        axes = section_axes(sample, i, ends)
+        wrenches.append((axes @ section[:3], axes @ section[3:]))
+    (n0, m0), (n1, m1) = wrenches
+    power = n1 @ velocities[1] - n0 @ velocities[0] + m1 @ spins[1] - m0 @ spins[0]
+    expected = some_stress(measured["e"].size) @ measured.by_x("e") @ np.concatenate(rates)
+    assert power == pytest.approx(float(expected), rel=1e-12, abs=1e-12)
+
+
+def section_axes(sample: Drawn, end: int, ends: list[np.ndarray]) -> np.ndarray:
+    """Axes of the end section as columns, in space: a bar's along the bar, a beam's as its node has turned them."""
+    names = list(sample.element.nodes)
+    in_plane = len(sample.x[0]) == 2
+    if "rot_p" not in names:
+        return local_frame(ends[1] - ends[0], None)
+    start, along = sample.ref[names.index(("rot_p", "rot_q")[end])], sample.ref[2] - sample.ref[0]
+    now = sample.x[names.index(("rot_p", "rot_q")[end])]
+    if in_plane:
+        # Local y into the plane: z is the normal to the left.
+        frame = local_frame(np.r_[along, 0.0], np.array([0, 0, -1.0]))
+        return Rotation.from_rotvec([0, 0, (now - start)[0]]).as_matrix() @ frame
+    return homogeneous_matrix(now) @ homogeneous_matrix(start).T @ local_frame(along, sample.numbers["y"])
 
 
 @every_massive_element

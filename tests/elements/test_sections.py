@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from jax.flatten_util import ravel_pytree
 
 import flexmb as fm
+from flexmb.elements.surface import von_mises
 
 EPS = np.finfo(float).eps
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
@@ -219,6 +220,191 @@ def test_warping_and_approximate_torsion_enter_the_rigidity():
         assert section.rigidity().GIt == pytest.approx(float(plain * factor), rel=1e-13)
 
 
+# -- stress on the surface ------------------------------------------------------------------------------------------
+
+
+def unit(i, size=1.0):
+    return size * jnp.eye(6)[i]
+
+
+@given(POSITIVE, POSITIVE)
+def test_torsion_stress_of_a_rectangle(w, t):
+    """Saint-Venant's series in the other direction: hyperbolic functions along the sides where ours has cosines.
+
+    With the sides taken for each other the sum on the longer side becomes the slow alternating one and the other way
+    round: both are the same stress function, expanded differently, and neither shares a term with the other.
+    """
+    _, tau = fm.Rectangle(w, t, STEEL).stress(unit(3))
+    constant = torsion_of_rectangle(w, t)
+    n = np.arange(1, 200001, 2)
+    half = np.pi / 2 * min(w, t) / max(w, t)
+    longest, shortest = max(w, t), min(w, t)
+    alternating = np.sum((-1.0) ** (n // 2) * np.tanh(np.minimum(n * half, 50)) / n**2)
+    on_long_side = longest / constant * 8 / np.pi**2 * alternating
+    on_short_side = longest / constant * (1 - 8 / np.pi**2 * np.sum(1 / (n**2 * np.cosh(np.minimum(n * half, 300)))))
+    at_y, at_z = (on_short_side, on_long_side) if w >= t else (on_long_side, on_short_side)
+    # The alternating sum stops at 1/n^2 = 2.5e-11, against a stress that is the difference of both near a thin strip.
+    tolerance = 1e-9 * longest / shortest
+    np.testing.assert_allclose(tau, [0, at_z, 0, at_y] * 2, rtol=tolerance, atol=1e-12 * on_long_side)
+
+
+def test_torsion_stress_of_thin_strip_and_square():
+    # Thin strip: T t/It with It = w t^3/3; square: both sides alike, Saint-Venant's 4.8 T/a^3.
+    _, tau = fm.Rectangle(1.0, 1e-4, STEEL).stress(unit(3))
+    assert tau[1] * 1e-8 / 3 == pytest.approx(1, rel=1e-4)
+    _, tau = fm.Rectangle(1.0, 1.0, STEEL).stress(unit(3))
+    np.testing.assert_allclose(tau[1::2], 4.8, atol=0.01)
+    # The largest value is at the middle of the longer side, whichever that is.
+    tall = fm.Rectangle(0.5, 1.0, STEEL).stress(unit(3))[1]
+    assert int(jnp.argmax(jnp.abs(tall))) in (3, 7)
+
+
+def test_derivative_of_the_torsion_stress_of_a_square():
+    """The sides change places there, but the stress is one analytic function of both."""
+
+    def middles(w):
+        return fm.Rectangle(w, 1.0, STEEL).stress(unit(3))[1][1:4:2]
+
+    step = 1e-4
+    difference = (middles(1 + step) - middles(1 - step)) / (2 * step)
+    # Truncation step^2 and torsion_series: 1e-9 of the value, 1e-7 of the derivative, over the step there.
+    np.testing.assert_allclose(jax.jacfwd(middles)(1.0), difference, rtol=1e-5)
+
+
+@given(POSITIVE, POSITIVE)
+def test_rectangle_stress_balances_its_resultants(w, t):
+    """Linear stress and parabolas through the points given, integrated over the section."""
+    section = fm.Rectangle(w, t, STEEL)
+    points, weights = np.polynomial.legendre.leggauss(3)
+    y, z = np.meshgrid(points * w / 2, points * t / 2, indexing="ij")
+    area = np.outer(weights, weights) * w * t / 4
+    for resultants in (np.array([1.2, 0, 0, 0, 0.7, -0.4]), np.array([0.3, 0.8, -0.5, 0, 0.2, 0.1])):
+        sigma, tau = (np.asarray(a) for a in section.stress(jnp.asarray(resultants)))
+        # A plane through the corners.
+        middle = np.mean(sigma[::2])
+        by_y = (sigma[0] - sigma[2]) / w
+        by_z = (sigma[2] - sigma[4]) / t
+        spread = middle + by_y * y + by_z * z
+        found = [np.sum(area * spread), np.sum(area * spread * z), -np.sum(area * spread * y)]
+        np.testing.assert_allclose(found, resultants[[0, 4, 5]], rtol=1e-12, atol=1e-12)
+        along_y, along_z = (tau[5] - tau[1]) / 2, (tau[7] - tau[3]) / 2
+        forces = [np.sum(area * along_y * (1 - (2 * y / w) ** 2)), np.sum(area * along_z * (1 - (2 * z / t) ** 2))]
+        np.testing.assert_allclose(forces, resultants[[1, 2]], rtol=1e-12, atol=1e-12)
+
+
+@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
+def test_round_sections(my, mz, vy, vz):
+    d, wall = 0.8, 0.1
+    for section, inner in ((fm.Circle(d, STEEL), 0.0), (fm.Tube(d, wall, STEEL), d - 2 * wall)):
+        i, area = np.pi * (d**4 - inner**4) / 64, np.pi * (d**2 - inner**2) / 4
+        sigma, tau = section.stress(jnp.array([3.0, vy, vz, 2.0, my, mz]))
+        bending = np.hypot(my, mz) * d / 2 / i
+        # The extremes of bending in any direction, on both sides; a quarter turn from them the middle.
+        np.testing.assert_allclose(np.sort(sigma)[[0, -1]], 3 / area + bending * np.array([-1, 1]), rtol=1e-12)
+        np.testing.assert_allclose(np.asarray(sigma)[1:4:2], 3 / area, atol=1e-12 * bending)
+        # V Q/(I b), at its largest in the middle, and torsion T r/It.
+        r = np.array([d / 2, inner / 2])
+        first_moment, width = 2 / 3 * -np.diff(r**3)[0], 2 * -np.diff(r)[0]
+        shear = np.hypot(vy, vz) * first_moment / (i * width)
+        twist = 2.0 * d / 2 / (2 * i)
+        np.testing.assert_allclose([np.max(tau), np.min(tau)], twist + shear * np.array([1, -1]), rtol=1e-12)
+        # The force of a thin tube, and that of the solid one by its parabola 1 - (z/R)^2, is the resultant.
+    thin = fm.Tube(1.0, 1e-6, STEEL).stress(jnp.array([0, 0, 1.0, 0, 0, 0]))[1]
+    assert np.max(thin) * np.pi * 0.5 * 1e-6 == pytest.approx(1, rel=1e-5)
+
+
+def test_round_section_is_the_same_in_every_direction():
+    section = fm.Circle(0.01, STEEL)
+    angles = np.linspace(0, 2 * np.pi, 7)
+    largest = []
+    for a in angles:
+        turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
+        sigma, tau = section.stress(jnp.r_[5.0, turn @ [0.2, 0.1], 0.3, turn @ [0.04, 0.7]])
+        largest.append(np.max(np.sqrt(sigma**2 + 3 * tau**2)))
+    np.testing.assert_allclose(largest, largest[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("i", range(6))
+def test_round_section_without_a_direction_has_derivatives(i):
+    """No bending, or bending that is round-off: derivatives stay of the size of the stress they are of."""
+    section = fm.Circle(0.01, STEEL)
+    for noise in (0.0, 1e-17):
+        at = unit(i) + noise * jnp.array([0, 0.3, 0.7, 0, 0.5, 0.2])
+        jacobian = np.concatenate(jax.jacfwd(section.stress)(at))
+        # 32/(pi d^3) is the largest section factor, 1e7.
+        assert np.max(np.abs(jacobian)) < 1.1e7
+    assert np.all(np.isfinite(np.concatenate(jax.jacfwd(section.stress)(jnp.zeros(6)))))
+
+
+@pytest.mark.parametrize("name", ["rectangle", "hollow rectangle", "circle", "tube"])
+def test_equivalent_stress_of_nothing_has_a_derivative(name):
+    def total(resultants):
+        return jnp.sum(von_mises(*SECTIONS[name].stress(resultants)))
+
+    assert total(jnp.zeros(6)) == 0
+    assert not np.any(jax.grad(total)(jnp.zeros(6)))
+    # A twisted rectangle has no stress at its corners.
+    assert np.all(np.isfinite(jax.grad(total)(unit(3))))
+
+
+def flow(w, t, wall_y, wall_z, vz):
+    """Shear flow of Vz in thin walls, by summing V z dA/I from the middle of the upper wall, at corner and web."""
+    n = 20000
+    inertia = 2 * wall_z * w * (t / 2) ** 2 + 2 * wall_y * t**3 / 12
+    corner = vz / inertia * wall_z * (t / 2) * w / 2
+    z = (np.arange(n) + 0.5) / n * t / 2
+    return corner, corner + vz / inertia * wall_y * np.sum(z) * t / 2 / n
+
+
+@pytest.mark.parametrize("walls", [(1e-6, 1e-6), (1e-6, 3e-6), (3e-6, 1e-6)])
+def test_shear_of_a_thin_box(walls):
+    w, t = 3.0, 2.0
+    section = fm.HollowRectangle(w, t, *walls, STEEL)
+    corner, web = flow(w, t, *walls, 1.0)
+    _, tau = section.stress(unit(2))
+    thinner = min(walls)
+    # Up in both webs: counter-clockwise at +y, clockwise at -y. Walls of 1e-6 of the sides.
+    expected = [
+        corner / thinner,
+        0,
+        -corner / thinner,
+        -web / walls[0],
+        -corner / thinner,
+        0,
+        corner / thinner,
+        web / walls[0],
+    ]
+    np.testing.assert_allclose(tau, expected, rtol=1e-5, atol=1e-3)
+    corner, web = flow(t, w, walls[1], walls[0], 1.0)
+    _, tau = section.stress(unit(1))
+    expected = [
+        -corner / thinner,
+        -web / walls[1],
+        -corner / thinner,
+        0,
+        corner / thinner,
+        web / walls[1],
+        corner / thinner,
+        0,
+    ]
+    np.testing.assert_allclose(tau, expected, rtol=1e-5, atol=1e-3)
+    # Bredt: T/(2 A t).
+    _, tau = section.stress(unit(3))
+    wall = np.array([thinner, walls[1], thinner, walls[0]] * 2)
+    np.testing.assert_allclose(tau, 1 / (2 * w * t * wall), rtol=1e-5)
+
+
+def test_box_without_a_hole_is_a_rectangle():
+    # Walls that meet in the middle of the width: N, bending and the parabola of Vz in the middle of the web.
+    box = fm.HollowRectangle(1.2, 0.7, 0.6, 0.35, STEEL)
+    solid = fm.Rectangle(1.2, 0.7, STEEL)
+    for i in (0, 4, 5):
+        np.testing.assert_allclose(box.stress(unit(i))[0], solid.stress(unit(i))[0], rtol=1e-12, atol=1e-12)
+    for i, points in ((1, (1, 5)), (2, (3, 7))):
+        found, expected = box.stress(unit(i))[1], solid.stress(unit(i))[1]
+        np.testing.assert_allclose(found[np.array(points)], expected[np.array(points)], rtol=1e-12)
+
+
 # -- derivatives ----------------------------------------------------------------------------------------------------
 
 MATERIAL = fm.Material(E=2.1, G=0.8, rho=1.3)
@@ -240,7 +426,8 @@ def test_derivatives_of_rigidity_and_damping(section):
 
     def numbers(point):
         own = unravel(point)
-        return ravel_pytree((own.rigidity(), fm.damping_from_ratio(own, 1.5, 0.01)))[0]
+        stress = own.stress(jnp.array([0.3, 0.02, -0.03, 0.05, 0.04, -0.06]))
+        return ravel_pytree((own.rigidity(), fm.damping_from_ratio(own, 1.5, 0.01), stress))[0]
 
     batch = fm.jit(jax.vmap(numbers))
     jacobian = np.asarray(fm.jit(jax.jacfwd(numbers))(point))

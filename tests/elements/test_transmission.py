@@ -165,7 +165,7 @@ def test_planet_on_a_turning_arm(ratio, turn):
     b.node("planet", (0.3, 0.1))
     b.rotation("sun")
     b.add(planar.rigid_beam, "centre", "planet")
-    b.add(planar.gear, "centre", "sun", "planet", "planet.rotation", name="mesh", ratio=ratio)
+    b.add(planar.gear, "centre", "sun", "planet", "planet", name="mesh", ratio=ratio)
     b.fix("centre", "position")
     b.dof("centre", "phi")
     b.prescribe("sun", "phi", sun)
@@ -205,7 +205,7 @@ def test_bevel_gears(turn):
     b.add(spatial.hinge, "box.rotation", "in", name="first", axis=axes["axis_p"])
     b.add(spatial.hinge, "box.rotation", "out", name="second", axis=axes["axis_q"])
     b.add(spatial.gear, "box.rotation", "in", "out", name="mesh", ratio=2.5, **axes)
-    b.fix("box.rotation")
+    b.fix("box")
     b.dof("first", 1)
     found = fm.configuration(b.build(), [turn])
     half = -turn / 2.5 / 2

@@ -1,0 +1,173 @@
+"""Stress at points on the surface of a cross-section, from the force and moment in it.
+
+Everywhere: resultants (N, Vy, Vz, T, My, Mz) as :class:`flexmb.Element` defines them; stress along x, and shear stress
+along the surface, positive counter-clockwise about x. No other shear stress can be there, since the surface is free.
+Stress from restrained warping, from the clamping of the Poisson contraction and at notches is not counted.
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+# Points of a rectangle over half its sides, counter-clockwise from the corner at +y, +z: corners and middles in turn.
+RECTANGLE = np.array([[1.0, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]])
+POINTS = len(RECTANGLE)
+# Middles of the sides at the ends of y, of those at the ends of z, and corners.
+AT_Y, AT_Z = (RECTANGLE[:, 1] == 0).astype(float), (RECTANGLE[:, 0] == 0).astype(float)
+CORNER = 1 - AT_Y - AT_Z
+CATALAN = 0.9159655941772190
+# A direction is looked for where what defines it is above this share of all that stresses the section.
+DIRECTED = 1e-9
+
+Stress = tuple[Float[Array, "8"], Float[Array, "8"]]
+
+
+def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """Equivalent stress sqrt(sigma^2 + 3 tau^2), with a derivative of zero where nothing is stressed.
+
+    Args:
+        sigma_x: Stress along x, any shape [Pa].
+        tau: Shear stress, the same shape [Pa].
+
+    Returns:
+        The same shape [Pa].
+
+    Source:
+        Von Mises's criterion for one normal and one shear stress.
+    """
+    square = sigma_x**2 + 3 * tau**2
+    return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
+
+
+def torsion_stress(width, thickness, torsion_constant) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Shear stress of a unit torque in the middle of the sides of a rectangle, by Saint-Venant's series.
+
+    With t the shorter side and w the longer: (t/It) (1 - (8/pi^2) sum over odd n of 1/(n^2 cosh(n pi w/2t))) on the
+    longer side, which is the largest, and (t/It) (8/pi^2) sum of (-1)^((n-1)/2) tanh(n pi w/2t)/n^2 on the shorter.
+
+    Args:
+        width: Side along y, () [m].
+        thickness: Side along z, () [m].
+        torsion_constant: It, () [m^4].
+
+    Returns:
+        On the sides at the ends of y, and on those at the ends of z, () [1/m^3]; terms left out are below 1e-10.
+
+    Source:
+        Derivatives of Saint-Venant's stress function of a rectangle, Timoshenko and Goodier, Theory of Elasticity,
+        section on rectangular bars; the alternating sum of 1/n^2 is Catalan's constant.
+    """
+    flat = width >= thickness
+    w, t = jnp.where(flat, width, thickness), jnp.where(flat, thickness, width)
+    half = jnp.pi * w / (2 * t)
+    # 1/cosh falls with exp(-n pi/2) at least, 1 - tanh with its square. Beyond n half = 300 nothing is left of it.
+    longer = 1 - 8 / jnp.pi**2 * sum(1 / (n**2 * jnp.cosh(jnp.minimum(n * half, 300.0))) for n in range(1, 13, 2))
+    rest = sum((-1) ** (n // 2) * (jnp.tanh(n * half) - 1) / n**2 for n in (1, 3, 5))
+    shorter = 8 / jnp.pi**2 * (CATALAN + rest)
+    on_longer, on_shorter = longer * t / torsion_constant, shorter * t / torsion_constant
+    return jnp.where(flat, on_shorter, on_longer), jnp.where(flat, on_longer, on_shorter)
+
+
+def rectangle(width, thickness, torsion_constant, resultants: Float[Array, "6"]) -> Stress:
+    """Stress at the points of :data:`RECTANGLE` of a solid rectangle.
+
+    Args:
+        width: Side along y, () [m].
+        thickness: Side along z, () [m].
+        torsion_constant: It, () [m^4].
+        resultants: (6,) [N, N m].
+
+    Returns:
+        Stress along x and shear stress, (8,) [Pa]. Shear forces spread as parabolas, 3/2 V/A in the middle of a side;
+        corners carry no shear.
+
+    Source:
+        N/A + My z/Iy - Mz y/Iz; V Q/(I b); :func:`torsion_stress`.
+    """
+    n, vy, vz, t, my, mz = resultants
+    y, z = RECTANGLE.T
+    area = width * thickness
+    sigma = n / area + 6 * (my / thickness * z - mz / width * y) / area
+    on_y, on_z = torsion_stress(width, thickness, torsion_constant)
+    parabola = 1.5 / area * (vz * y - vy * z)
+    return sigma, (AT_Y * on_y + AT_Z * on_z) * t + (AT_Y + AT_Z) * parabola
+
+
+def hollow_rectangle(width, thickness, wall_y, wall_z, area, iy, iz, resultants: Float[Array, "6"]) -> Stress:
+    """Stress at the points of :data:`RECTANGLE` of a thin-walled rectangular tube, on its outer surface.
+
+    Args:
+        width: Outer side along y, () [m].
+        thickness: Outer side along z, () [m].
+        wall_y: Walls at the ends of y, () [m].
+        wall_z: Walls at the ends of z, () [m].
+        area: () [m^2].
+        iy: Second moment of area about y, () [m^4].
+        iz: The same about z, () [m^4].
+        resultants: (6,) [N, N m].
+
+    Returns:
+        Stress along x and shear stress, (8,) [Pa]. The shear flow, constant in torsion (Bredt) and V Q/I of shear
+        forces, is over the wall's thickness, at a corner over the thinner one's.
+
+    Source:
+        N/A + My z/Iy - Mz y/Iz; T/(2 Am) with Am within the middle of the walls; V Q/(2 I), Q beyond the middle of a
+        wall, or of half the adjoining wall at a corner.
+    """
+    n, vy, vz, t, my, mz = resultants
+    y, z = RECTANGLE.T
+    sigma = n / area + my * z * thickness / (2 * iy) - mz * y * width / (2 * iz)
+    between_y, between_z = width - wall_y, thickness - wall_z
+    torsion = t / (2 * between_y * between_z)
+    inner_y, inner_z = width - 2 * wall_y, thickness - 2 * wall_z
+    # First moments, of half the section and of one wall without its corners' overlap.
+    middle_z, middle_y = (
+        (width * thickness**2 - inner_y * inner_z**2) / 8,
+        (thickness * width**2 - inner_z * inner_y**2) / 8,
+    )
+    corner_z, corner_y = wall_z * between_y * between_z / 2, wall_y * between_z * between_y / 2
+    along_z = vz / (2 * iy) * (CORNER * corner_z + AT_Y * middle_z)
+    along_y = vy / (2 * iz) * (CORNER * corner_y + AT_Z * middle_y)
+    wall = CORNER * jnp.minimum(wall_y, wall_z) + AT_Y * wall_y + AT_Z * wall_z
+    return sigma, (torsion + y * along_z - z * along_y) / wall
+
+
+def _direction(y, z, least) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Unit vector along (y, z), or along y where that is shorter than ``least``."""
+    square = y**2 + z**2
+    known = square > least**2
+    size = jnp.sqrt(jnp.where(known, square, 1.0))
+    return jnp.where(known, y / size, 1.0), jnp.where(known, z / size, 0.0)
+
+
+def ring(diameter, inner, resultants: Float[Array, "6"]) -> Stress:
+    """Stress on the circumference of a circle or a circular tube.
+
+    Eight points: the two where combined bending is largest and the two a quarter turn from them, then the two along
+    the combined shear force and the two a quarter turn from them, where its stress is largest.
+
+    Args:
+        diameter: Outer diameter, () [m].
+        inner: Inner diameter, () [m]; 0 for a solid one.
+        resultants: (6,) [N, N m].
+
+    Returns:
+        Stress along x and shear stress, (8,) [Pa].
+
+    Source:
+        N/A + (My z - Mz y)/I; T R/(2 I); V Q/(I b) at the height of the point, along the circumference:
+        4 V (R^2 + R r + r^2)/(3 A (R^2 + r^2)) times the sine of the angle from V.
+    """
+    n, vy, vz, t, my, mz = resultants
+    outer, hole = diameter / 2, inner / 2
+    area, i = jnp.pi * (outer**2 - hole**2), jnp.pi / 4 * (outer**4 - hole**4)
+    shear = 4 / (3 * area) * (outer**2 + outer * hole + hole**2) / (outer**2 + hole**2)
+    # A moment or force that is round-off beside the others has no direction, nor a derivative of it.
+    all_of_it = jnp.sum(jnp.abs(jax.lax.stop_gradient(resultants)) * jnp.where(np.arange(6) < 3, outer, 1.0))
+    bent = _direction(-mz, my, DIRECTED * all_of_it)
+    sheared = _direction(vy, vz, DIRECTED * all_of_it / outer)
+    first = jnp.stack([jnp.stack(bent), jnp.stack(sheared)])
+    quarter = jnp.stack([-first[:, 1], first[:, 0]], axis=1)
+    y, z = jnp.stack([first, quarter, -first, -quarter], axis=1).reshape(POINTS, 2).T
+    return n / area + outer / i * (my * z - mz * y), t * outer / (2 * i) + shear * (vz * y - vy * z)

@@ -1,0 +1,25 @@
+"""Legendre polynomials at traced places against those on the host, which numpy and quadrature hold."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+
+from flexmb.math.quadrature import gauss, legendre_integrals, legendre_integrals_at, legendre_values_at
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 9])
+def test_values_and_integrals_at_traced_places(order):
+    s = np.array([0.0, 0.2, 0.5, 1.0])
+    values = np.asarray(jax.jit(lambda s: legendre_values_at(order, s))(s))
+    expected = np.stack([legendre.Legendre.basis(k, domain=[0, 1])(s) for k in range(order)], axis=1)
+    np.testing.assert_allclose(values, expected, atol=1e-14)
+    # Gauss quadrature from 0 to s, exact for the degree.
+    nodes, weights = gauss(order)
+    by_quadrature = [end * weights @ np.asarray(legendre_values_at(order, jnp.asarray(end * nodes))) for end in s]
+    np.testing.assert_allclose(legendre_integrals_at(order, jnp.asarray(s)), by_quadrature, atol=1e-14)
+    np.testing.assert_allclose(legendre_integrals(order, s), by_quadrature, atol=1e-14)
+    # One place, and the derivative of the integral there.
+    slope = jax.jacfwd(lambda s: legendre_integrals_at(order, s))(jnp.array(0.3))
+    np.testing.assert_allclose(slope, legendre_values_at(order, jnp.array(0.3)), atol=1e-13)
