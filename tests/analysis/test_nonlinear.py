@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import flexmb as fm
 from flexmb import planar
@@ -142,3 +143,51 @@ def test_a_law_must_get_its_properties():
         mass_on(SPRINGS["law"], k=K)
     # Damping may be left out.
     mass_on(SPRINGS["law"], k=K, k3=K3)
+
+
+# -- motion -------------------------------------------------------------------------------------------------------
+
+MU, DRAG = 3.0, 20.0
+
+
+def cubic_dissipation(e, ed, *, ref, drag):
+    return drag * jnp.abs(ed[0]) ** 3 / 3
+
+
+def friction(e, ed, *, mu):
+    """Friction that grows with the distance."""
+    return mu * (1 + e) * jnp.tanh(ed / 0.05)
+
+
+def test_motion_of_a_mass_against_its_own_equation():
+    """A hardening spring, a quadratic damper and friction, each stated in its own way."""
+    b = mass_on(fm.Element(elongation, energy=hardening_energy, dissipation=cubic_dissipation), k=K, k3=K3, drag=DRAG)
+    b.add(planar.spring_damper(friction), "wall", "mass", name="friction", mu=MU)
+    b.start("mass", "x", 0.1)
+    times = np.linspace(0, 1.5, 16)
+    found = fm.simulate(b.build(), times, rtol=1e-6)
+
+    def elastic(e):
+        return K * e + K3 * e**3
+
+    def lost(e, v):
+        return DRAG * np.abs(v) * v + MU * (1 + e) * np.tanh(v / 0.05)
+
+    def rates(t, z):
+        return [z[1], -(elastic(z[0]) + lost(*z)) / MASS]
+
+    alone = solve_ivp(rates, (0, 1.5), [0.1, 0], t_eval=times, method="DOP853", rtol=1e-10, atol=1e-12).y
+    # Ten times rtol, of the motion and of the largest velocity.
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 1, alone[0], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.velocity("mass")[:, 0], alone[1], rtol=0, atol=1e-5)
+    seen = found.observe()
+    e, ed = np.asarray(seen.e[:, 0]), np.asarray(seen.ed[:, 0])
+    # What has an energy is stored, the rest is power: its rate.
+    np.testing.assert_allclose(seen.elastic, K * e**2 / 2 + K3 * e**4 / 4, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(seen.power, -lost(e, ed) * ed, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(seen.sigma.sum(axis=1), elastic(e) + lost(e, ed), rtol=1e-11, atol=1e-12)
+    lin = fm.linearize_motion(found)
+    stiffness = K + 3 * K3 * e**2 + MU * np.tanh(ed / 0.05)
+    np.testing.assert_allclose(lin.K0[:, 0, 0], stiffness, rtol=1e-10)
+    damping = 2 * DRAG * np.abs(ed) + MU * (1 + e) / 0.05 / np.cosh(ed / 0.05) ** 2
+    np.testing.assert_allclose(lin.D0[:, 0, 0], damping, rtol=1e-8, atol=1e-12)
