@@ -184,9 +184,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     dof0 = jnp.zeros(topology.e.dof.shape[0])
     begin = jnp.array(1.0)
     reached = jnp.array(0.0) if has_loads(topology, parameters) else _balanced(topology, parameters, target, x0, near0)
-    start = _Search(
-        x0, near0, x0, near0, dof0, dof0, reached, begin, begin, jnp.array(jnp.inf), zero, zero, zero
-    )
+    start = _Search(x0, near0, x0, near0, dof0, dof0, reached, begin, begin, jnp.array(jnp.inf), zero, zero, zero)
     end = jax.lax.while_loop(unfinished, turn, start)
     return _Solved(end.x, end.near, end.iterations, end.result)
 
