@@ -60,9 +60,9 @@ def test_shipped_file_survives_a_round_trip(name, tmp_path):
 
 
 def test_every_shipped_file_has_a_description():
-    assert len(mechanisms()) == 12
+    assert len(mechanisms()) == 13
     assert all(20 < len(text) < 120 and text.endswith(".") for text in mechanisms().values())
-    with pytest.raises(KeyError, match="no mechanism 'pf4d'; there are pf1dfull, "):
+    with pytest.raises(KeyError, match="no mechanism 'pf4d'; there are elevator, pf1dfull, "):
         mechanism_path("pf4d")
 
 
