@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from ..math.rotation import counted, initial_frame, relative_parameters, rotation_matrix, turned
 from .element import Element
-from .laws import diagonal_damping, diagonal_stiffness
+from .laws import diagonal_damping, diagonal_stiffness, mesh_damping, mesh_stiffness
 from .nodes import Point3, Rotation3
 
 
@@ -159,10 +159,10 @@ def _check_gear(*, ref, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ra
     return faults if float(ratio) else [*faults, "has a ratio of zero"]
 
 
-gear = Element(_gear, check=_check_gear, measured=(2,))
-"""Two gears whose hinges are on one carrier, bevel gears among them: e1 mismatch of rotation at gear p [rad], FIXED; e2
-turn of gear p relative to the carrier [rad], measured.
+gear = Element(_gear, stiffness=mesh_stiffness, damping=mesh_damping, check=_check_gear, measured=(2,))
+"""Two gears whose hinges are on one carrier, bevel gears among them: e1 mismatch of rotation at gear p [rad], FIXED
+unless the mesh has a stiffness; e2 turn of gear p relative to the carrier [rad], measured.
 
 Properties: axis_p and axis_q (of the hinges; global, undeformed state), ratio (teeth of q over teeth of p; positive
-where the gears turn in opposite senses about these axes).
+where the gears turn in opposite senses about these axes), stiffness and damping of the mesh [N m/rad, N m s/rad].
 """

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 
 def diagonal_stiffness(n: int) -> Callable[..., Any]:
@@ -37,6 +38,16 @@ def diagonal_damping(n: int) -> Callable[..., Any]:
         return jnp.diag(jnp.broadcast_to(damping, (n,)))
 
     return diagonal
+
+
+def mesh_stiffness(*, ref, stiffness: float) -> Float[Array, "2 2"]:
+    """Companion ``stiffness`` of a gear: of its first deformation, while the second is measured."""
+    return jnp.diag(jnp.stack([jnp.asarray(stiffness, float), jnp.zeros(())]))
+
+
+def mesh_damping(*, ref, damping: float) -> Float[Array, "2 2"]:
+    """Companion ``damping`` of a gear, likewise."""
+    return mesh_stiffness(ref=ref, stiffness=damping)
 
 
 def as_law(characteristic: Callable[..., Any]) -> Callable[..., Any]:

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 
 from ..math.rotation import angle_between, counted
 from .element import Element
+from .laws import mesh_damping, mesh_stiffness
 from .nodes import Angle, Point2
 from .sections import Damping, Section
 
@@ -25,14 +26,6 @@ def _gear(
     return jnp.stack([turn_p + ratio * turn_q, turn_p])
 
 
-def _gear_stiffness(*, ref, stiffness: float) -> Float[Array, "2 2"]:
-    return jnp.diag(jnp.stack([jnp.asarray(stiffness, float), jnp.zeros(())]))
-
-
-def _gear_damping(*, ref, damping: float) -> Float[Array, "2 2"]:
-    return _gear_stiffness(ref=ref, stiffness=damping)
-
-
 def _check_centres(*, ref) -> list[str]:
     if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:
         return ["has its two centres in one place"]
@@ -41,8 +34,8 @@ def _check_centres(*, ref) -> list[str]:
 
 gear = Element(
     _gear,
-    stiffness=_gear_stiffness,
-    damping=_gear_damping,
+    stiffness=mesh_stiffness,
+    damping=mesh_damping,
     check=_check_centres,
     measured=(2,),
 )
