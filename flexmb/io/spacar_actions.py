@@ -38,8 +38,8 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
     if p.get("p", 1) > LARGEST_ORDER:
         raise Fault(f"p, the coefficients of a strain field, must be at most {LARGEST_ORDER}, but is {p['p']}")
     named: dict[int, tuple[NodeKind, Statement]] = {}
-    kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
-    for node, node_kind in zip(nodes, kinds, strict=True):
+    node_kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
+    for node, node_kind in zip(nodes, node_kinds, strict=True):
         known, line = r.nodes.get(node) or named.setdefault(node, (node_kind, s))
         if known.part != node_kind.part:
             raise Fault(

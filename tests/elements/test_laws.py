@@ -494,8 +494,8 @@ def _potentials(element: Element):
 
     def both(e, ed, ref, properties):
         where = {"ref": element.reference(ref)}
-        own = (element.arguments(companion, properties) for companion in (element.energy, element.dissipation))
-        energy, dissipation = (where | given for given in own)
+        companions = (element.energy, element.dissipation)
+        energy, dissipation = (where | (element.arguments(companion, properties) or {}) for companion in companions)
         return (
             found
             for function, at in (
