@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.io.answers import answer
 
 EPS = np.finfo(float).eps
 L, W, T = mechanisms.LENGTH, mechanisms.WIDTH, mechanisms.THICKNESS
@@ -491,3 +492,17 @@ def test_where_needs_concrete_numbers(dofs):
     found = fm.stress(guide(T))
     with pytest.raises(ValueError, match="`sharpness` must be at least 2"):
         found.smooth_maximum(1.0)
+
+
+def test_answers_have_the_stress_of_sections_with_a_shape():
+    b = mechanisms.planar_guide(force=(1.0, 0.0))
+    largest = fm.stress(b.build()).by_element
+    # Half of the force on each leaf spring, as S-shape: F L/4 at its ends; the normal force is a tenth of a percent.
+    np.testing.assert_allclose(largest, 6 * 0.25 * L / (W * T**2), rtol=5e-3)
+    for mode in (7, 10):
+        data = answer(b, "guide", mode).data
+        assert list(data["stress"]) == ["left 1", "right 1"]
+        np.testing.assert_allclose(list(data["stress"].values()), largest, rtol=1e-8)
+    assert "stress" in data["path"][-1]
+    numbers = chain(planar.beam, straight(1, False), fm.Rigidity(EA=1.0, EIy=1.0, mass=1.0))
+    assert "stress" not in answer(numbers, "numbers", 7, dofs="auto").data
