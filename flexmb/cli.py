@@ -10,7 +10,7 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Flexible multibody mechanisms: frequencies, buckling and state space of a SPACAR input file.",
+    help="Flexible multibody mechanisms: motion, frequencies, buckling and state space of a SPACAR input file.",
 )
 
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.dat", help="SPACAR input file.")]
@@ -91,7 +91,18 @@ def _run(
         read = read_spacar(model)
     except SpacarError as fault:
         _refuse(str(fault))
-    found = answer(read.builder, model.name, number, list(read.warnings), release, max_steps=max_steps)
+    try:
+        found = answer(
+            read.builder,
+            model.name,
+            number,
+            list(read.warnings),
+            release,
+            max_steps=max_steps,
+            settings=read.settings,
+        )
+    except SpacarError as fault:
+        _refuse(str(fault))
     if json_path == "-":
         print(to_json(found.data))
     else:
@@ -125,7 +136,7 @@ def _guarded(debug: bool, *arguments: Any) -> None:
 @app.command()
 def run(
     model: ModelFile,
-    mode: Annotated[str | None, typer.Option("--mode", help="0, 7, 8, 9 or 10.")] = None,
+    mode: Annotated[str | None, typer.Option("--mode", help="0, 1, 4, 7, 8, 9 or 10.")] = None,
     analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
     json_path: Json = None,
     save: Save = None,
@@ -134,7 +145,7 @@ def run(
     max_steps: MaxSteps = 200,
     debug: Debug = False,
 ) -> None:
-    """Analyse a mechanism: 0 mobility, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
+    """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
     _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps)
 
 

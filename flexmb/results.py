@@ -62,6 +62,21 @@ class RESULTS(enum.IntEnum):
         "The path did not reach its end within the allowed number of steps. Allow more steps (max_steps,"
         " --max-steps), or look at the path so far: it may turn back for good.",
     )
+    out_of_reach = (
+        9,
+        "There is no configuration with these degrees of freedom: the mechanism cannot be assembled there. Check their"
+        " values, or name others.",
+    )
+    step_too_small = (
+        10,
+        "The motion could not be followed: the time step became too small. A mass may be missing or negative, a load"
+        " may jump (name the time in `jumps`), or the motion itself may run away; the results up to there are kept.",
+    )
+    motion_unfinished = (
+        11,
+        "The motion did not reach its end within the allowed number of steps. Allow more (max_steps), ask for less"
+        " accuracy (rtol), or use a solver for stiff motion; the results up to there are kept.",
+    )
 
 
 def check(result, throw: bool, about: str = "") -> None:

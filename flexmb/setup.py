@@ -1,6 +1,7 @@
 """Global settings of JAX that a user switches on by one call; importing flexmb changes none."""
 
 import os
+import sys
 from pathlib import Path
 
 
@@ -33,6 +34,10 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     from .math.compile import compile_thoroughly
 
     compile_thoroughly(thorough)
+    if "equinox" not in sys.modules:
+        # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
+        # checked for finiteness here. Equinox reads this once, when it is imported.
+        os.environ.setdefault("EQX_ON_ERROR", "nan")
     path = Path(folder) if folder is not None else cache_folder()
     path.mkdir(parents=True, exist_ok=True)
     jax.config.update("jax_compilation_cache_dir", str(path))

@@ -9,11 +9,12 @@ from jaxtyping import Array, Bool, Float
 from ..math.indices import put
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
+from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, reduced_response, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .equilibrium import held_values, sizes_of
+from .equilibrium import held_values
 
 # A correction this small beside the mechanism is taken and ends the iteration: the error left is its square.
 STEP_TOLERANCE = 1e-9

@@ -32,7 +32,7 @@ from .continuation import (
     tangent_at,
     unit,
 )
-from .equilibrium import change_of_equations, sizes_of, solve_state
+from .equilibrium import change_of_equations, solve_state
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
 SMALLEST_COSINE = 0.9
@@ -270,7 +270,7 @@ def _limit_load_jvp(primals, tangents):
     _, by_parameter = reduced_response(topology, at, *changes)
     _, by_load = load_response(topology, parameters, ramp, at)
     tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
-    _, psi = null_vectors(topology, at, sizes_of(topology, parameters), tiny)
+    _, psi = null_vectors(topology, at(topology, parameters), tiny)
     change = -(psi @ by_parameter) / (psi @ by_load)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return (found.load, found.result), (change, no_change)

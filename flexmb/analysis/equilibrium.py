@@ -12,6 +12,7 @@ from ..math.derivative import jvp_of_varied
 from ..math.indices import accumulate, put
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
+from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress import element_stiffness, stress_resultants
@@ -72,22 +73,6 @@ class _Solved(NamedTuple):
     near: Float[Array, "n_e"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
-
-
-def sizes_of(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
-    """What a change of each coordinate is measured against: the mechanism's extent for positions, 1 for rotations.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-
-    Returns:
-        (n_x,) [m, -].
-    """
-    points = parameters.reference[topology.axes]
-    extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
-    extent = jnp.where(extent > 0, extent, 1.0)
-    return put(jnp.ones(topology.n_x), topology.axes, extent)
 
 
 def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):

@@ -197,7 +197,10 @@ def _proposals(model: Model, matrix: np.ndarray, held: np.ndarray) -> tuple[tupl
 
 
 def _flexible(model: Model) -> np.ndarray:
-    """Whether each deformation belongs to an element with stiffness of which some deformation is free already."""
+    """Whether each deformation is elastic and of an element of which some deformation is free already.
+
+    The closure of a spectral beam is not elastic: releasing it would cut the beam.
+    """
     flexible = np.zeros(model.topology.n_e, bool)
     free = set(np.concatenate([np.asarray(model.topology.e.dependent), np.asarray(model.topology.e.dof)]).tolist())
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
@@ -206,6 +209,7 @@ def _flexible(model: Model) -> np.ndarray:
             continue
         if element.arguments(element.stiffness, {**dict(block.options), **properties}) is None:
             continue
-        for row in np.asarray(block.e).tolist():
-            flexible[row] = not free.isdisjoint(row)
+        elastic = [n - 1 for field in element.fields for n in field] or slice(None)
+        for row in np.asarray(block.e):
+            flexible[row[elastic]] = not free.isdisjoint(row.tolist())
     return flexible

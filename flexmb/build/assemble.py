@@ -125,7 +125,12 @@ def assemble(builder: Builder) -> Model:
     increment = _loads(builder.loads["increment"], topology, index)
     strain = _sparse(builder.loads["initial"].get("strain"), len(e_roles), index)
     has_increment = bool(jax.tree.leaves(increment)) or any("incremental" in m[3] for m in members)
-    parameters = Parameters(reference, properties, initial, increment if has_increment else None, strain)
+    start = None
+    if builder.starts:
+        order = [d for d in builder.dofs if d[0] == "node"] + [d for d in builder.dofs if d[0] == "element"]
+        pairs = [builder.starts.get(key, (0.0, 0.0)) for key in order]
+        start = tuple(stack([pair[i] for pair in pairs]) for i in range(2)) if order else None
+    parameters = Parameters(reference, properties, initial, increment if has_increment else None, strain, start)
     signals = {
         kind: tuple(Signal(name, quantity, index(key)) for name, quantity, key in entries)
         for kind, entries in builder.signals.items()

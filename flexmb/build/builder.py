@@ -76,6 +76,7 @@ class Builder:
         self.dofs: list[Key] = []
         self.loads: dict[str, dict[str, Any]] = {"initial": {}, "increment": {}}
         self.signals: dict[str, list[tuple[str, str, Key]]] = {"input": [], "output": []}
+        self.starts: dict[Key, tuple[Any, Any]] = {}
         self.dimension: int | None = None
         self._clamped: set[str] = set()
 
@@ -218,22 +219,51 @@ class Builder:
         value: float = 0.0,
         *,
         increment: bool = False,
+        axis: Sequence[float] | None = None,
+        tilt: str | None = None,
         kind: str | None = None,
     ) -> None:
-        """Prescribe a coordinate's displacement from its start value, or a deformation.
+        """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
+
+        A rotation is an angle that counts past half and full turns. In space it is that of a hinge named "turn of"
+        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle, its stress
+        resultant the moment that is needed.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
-            value: Displacement or deformation, () [m, rad].
+            component: Coordinate, "rotation", or number of a deformation, from 1.
+            value: Displacement, angle or deformation, () [m, rad].
             increment: Whether the value belongs to the incremental loads.
+            axis: Of a rotation in space, (3,) along the global axes.
+            tilt: Of a rotation in space: "fixed" (unless given) turns the node about the axis and no other way, "free"
+                holds the angle about the axis alone.
             kind: "node" or "element", where both bear the name.
         """
+        if component == "rotation" and kind != "element":
+            of, component, kind = self._turned(str(of), axis, tilt)
+        elif axis is not None or tilt is not None:
+            raise ModelError(f"'{of}.{component}': only component \"rotation\" takes an axis or a tilt.")
         entry = self._entry(of, component, kind)
         self._check_finite(f"Prescribed value of '{of}'", value)
         if self._owner(entry).roles[entry[2] - 1] is not Role.PRESCRIBED:
             self._assign(of, component, Role.PRESCRIBED, kind)
         self._load("prescribed", increment)[entry] = value
+
+    def start(
+        self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
+    ) -> None:
+        """Set where a degree of freedom starts from in a simulation; it is named as one if none are.
+
+        Args:
+            of: Name of a node or an element.
+            component: Coordinate, or number of a deformation, from 1.
+            value: Displacement from the position given, or deformation, () [m, rad].
+            velocity: Its rate, () [m/s, rad/s].
+            kind: "node" or "element", where both bear the name.
+        """
+        for what, number in (("value", value), ("velocity", velocity)):
+            self._check_finite(f"Start {what} of '{of}'", number)
+        self.starts[self._entry(of, component, kind)] = (value, velocity)
 
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
@@ -384,7 +414,8 @@ class Builder:
         """Make the model.
 
         Args:
-            dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others.
+            dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
+                the coefficients of spectral beams that they leave undetermined.
             release: "auto" releases deformations until no over-constraint is left.
             check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
 
@@ -398,12 +429,27 @@ class Builder:
         """
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
+        strangers = [
+            f"{of} {component}" for kind, of, component in self.starts if (kind, of, component) not in self.dofs
+        ]
+        if self.dofs and strangers:
+            raise ModelError(
+                f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
+            )
         model = assemble(self)
         if not is_concrete(model.parameters.reference):
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while the model's geometry is traced. Name them with dof();"
                     " an untraced build says which it finds in model.q_labels."
+                )
+            e, named = model.topology.e, model.topology.n_q
+            # By shapes, since indices are traced too under jit: the constraint matrix must be square.
+            missing = model.topology.x.dependent.shape[0] - sum(a.shape[0] for a in (e.fixed, e.prescribed, e.dof))
+            if missing:
+                raise ModelError(
+                    f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
+                    " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
             return model
         return complete(self, model, dofs, release) if check else model
@@ -414,7 +460,7 @@ class Builder:
         for field in ("nodes", "members"):
             contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
             setattr(twin, field, contents)
-        twin.dofs, twin._clamped = list(self.dofs), set(self._clamped)
+        twin.dofs, twin._clamped, twin.starts = list(self.dofs), set(self._clamped), dict(self.starts)
         twin.loads = {k: {n: dict(v) for n, v in sets.items()} for k, sets in self.loads.items()}
         twin.signals = {k: list(v) for k, v in self.signals.items()}
         return twin
@@ -442,6 +488,32 @@ class Builder:
         self.dimension = kind.dimension
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
         self.nodes[name] = Node(kind, start, [role] * kind.size)
+
+    def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> tuple[str, str | int, str]:
+        """What is prescribed in place of a node's rotation: the angle in the plane, that of a hinge in space."""
+        part = self._rotation_of(node)
+        if self.nodes[part].kind is ANGLE:
+            if axis is not None or tilt is not None:
+                raise ModelError(f"Rotation of node '{node}': in the plane it takes neither an axis nor a tilt.")
+            return part, "phi", "node"
+        if axis is None:
+            raise ModelError(f"Rotation of node '{node}': in space it needs an axis, such as axis=(0, 0, 1).")
+        if tilt not in (None, "fixed", "free"):
+            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {tilt!r}.")
+        node = part.removesuffix(".rotation")
+        name, frame = f"turn of {node}", f"frame of {node}"
+        if name not in self.members:
+            held = [role.value for role in self.nodes[part].roles if role is not Role.DEPENDENT]
+            if held:
+                raise ModelError(f"The rotation of node '{node}' is {held[0]} already and cannot be prescribed too.")
+            self.rotation(frame)
+            self.fix(frame)
+            self.add(spatial.hinge, frame, part, name=name, axis=axis, released=(2, 3) if tilt == "free" else ())
+        known, roles = self.members[name].properties["axis"], self.members[name].roles
+        other = is_concrete((known, list(axis))) and not np.allclose(known, np.asarray(axis, float))
+        if other or (tilt is not None and (tilt == "free") is not (roles[1] is Role.DEPENDENT)):
+            raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
+        return name, 1, "element"
 
     def _check_finite(self, what: str, value: Any) -> None:
         if is_concrete(value) and not np.all(np.isfinite(np.asarray(value, float))):

@@ -42,11 +42,66 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
         raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{mobility(model).report()}")
     if model.topology.n_q == 0 and dofs == "auto":
         builder = builder.copy()
-        for kind, of, component in _choose(model, motions):
+        for kind, of, component in builder.starts:
             builder.dof(of, component, kind=kind)
-        return assemble(builder)
+        started = assemble(builder)
+        _, rest = independent_rows(_named_rows(started, motions), len(builder.starts), 0.0)
+        for kind, of, component in _choose(started, motions @ rest):
+            builder.dof(of, component, kind=kind)
+        model = assemble(builder)
+        _check_named(model, motions)
+        return model
+    model = _with_coefficients(builder, model, motions)
     _check_named(model, motions)
     return model
+
+
+def complete_series(builder: Builder, model: Model) -> Model:
+    """Make degrees of freedom of those coefficients of spectral beams that the named ones leave undetermined.
+
+    Args:
+        builder: Builder of the model; not changed.
+        model: Assembled model.
+
+    Returns:
+        The model, assembled anew if there are such coefficients and nothing else is undetermined.
+    """
+    return _with_coefficients(builder, model, _motions(model)[0]) if _coefficients(model) else model
+
+
+def _coefficients(model: Model) -> list[int]:
+    """Deformations that are coefficients of a spectral beam with stiffness, and DEPENDENT."""
+    released = set(np.asarray(model.topology.e.dependent).tolist())
+    found = []
+    for block in model.topology.blocks:
+        if block.element.fields and "stiffness" in block.companions:
+            own = [n - 1 for field in block.element.fields for n in field]
+            found += [i for i in np.asarray(block.e)[:, own].ravel().tolist() if i in released]
+    return found
+
+
+def _with_coefficients(builder: Builder, model: Model, motions: np.ndarray) -> Model:
+    """In a loop no choice of whole strain fields may have the right number; single coefficients make it up."""
+    missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
+    if missing <= 0 or not candidates:
+        return model
+    rows = _named_rows(model, motions)
+    _, rest = independent_rows(rows, len(rows), 0.0)
+    effects = constraints(model).jacobian[candidates] @ motions @ rest
+    chosen, _ = independent_rows(effects, missing, INDEPENDENT)
+    if len(chosen) < missing:
+        return model
+    builder = builder.copy()
+    for i in sorted(chosen):
+        entry = model.labels.e[candidates[i]]
+        builder.dof(entry.of, entry.component, kind="element")
+    return assemble(builder)
+
+
+def _named_rows(model: Model, motions: np.ndarray) -> np.ndarray:
+    """Change of the named degrees of freedom in each motion, (n_q, f)."""
+    by_deformation = constraints(model).jacobian[np.asarray(model.topology.e.dof)] @ motions
+    return np.concatenate([motions[np.asarray(model.topology.x.dof)], by_deformation])
 
 
 def _motions(model: Model) -> tuple[np.ndarray, int]:
@@ -77,8 +132,7 @@ def _choose(model: Model, motions: np.ndarray) -> list[tuple[str, str, int]]:
 def _check_named(model: Model, motions: np.ndarray) -> None:
     topology = model.topology
     ndof, named = motions.shape[1], topology.n_q
-    rows = [motions[i] for i in np.asarray(topology.x.dof)]
-    rows += list(constraints(model).jacobian[np.asarray(topology.e.dof)] @ motions)
+    rows = list(_named_rows(model, motions))
     names = model.q_labels
     stuck = [name for name, row in zip(names, rows, strict=True) if np.linalg.norm(row) < CANNOT_MOVE]
     if stuck:

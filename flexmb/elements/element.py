@@ -38,6 +38,7 @@ class Element:
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
             The rest is FIXED. None: all if the element has a stiffness, none if not.
+        fields: Numbers (from 1) of the deformations of each strain field, where the strains are series.
     """
 
     deformation: Callable[..., Any]
@@ -48,6 +49,7 @@ class Element:
     resultants: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
+    fields: tuple[tuple[int, ...], ...] = ()
 
     @property
     def name(self) -> str:

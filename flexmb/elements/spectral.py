@@ -1,8 +1,9 @@
 """Spectral beams: geometrically exact beams whose strains are Legendre series along a whole leaf spring.
 
 The coordinates that such a beam owns are the coefficients of its strains; they are its elastic deformations too. The
-pose of end q follows from that of end p by quadrature of the kinematics, and its difference from node q is the part of
-the deformations that stays FIXED. The error falls exponentially with the order (benchmarks/large_deflection.py).
+pose of end q follows from that of end p by quadrature of the kinematics, and its difference from node q, the closure,
+is the part of the deformations that stays FIXED; the closure comes first, then one strain field after the other. The
+error falls exponentially with the order (benchmarks/large_deflection.py).
 
 Section resultants at a place are those of statics, from force and moment at q, plus what distributed loads add: the
 force out of balance on the coefficient of P_k is the integral of P_k times that addition, which gives its series. A
@@ -11,6 +12,7 @@ shear force that has no field follows from the moments, m' = -r' x n.
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
 
+import dataclasses
 import functools
 
 import jax
@@ -35,20 +37,57 @@ from .nodes import Angle, Internal, Point2, Point3, Rotation3
 from .sections import Damping, Section
 
 
-def _squares(order: int) -> np.ndarray:
-    """Integrals of the squared Legendre polynomials over the length."""
-    return 1 / (2 * np.arange(order) + 1)
+@dataclasses.dataclass(frozen=True)
+class _Layout:
+    """Order of a spectral beam's deformations: the closure, then ``order`` coefficients of each strain field.
+
+    Coordinates have the order of the fields.
+    """
+
+    closure: int
+    fields: int
+    order: int
+
+    def __post_init__(self):
+        if self.order < 1:
+            raise ValueError(f"order must be at least 1, but is {self.order}.")
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients."""
+        return self.fields * self.order
+
+    @property
+    def numbers(self) -> tuple[tuple[int, ...], ...]:
+        """Numbers (from 1) of each field's deformations."""
+        firsts = range(self.closure + 1, self.closure + self.size + 1, self.order)
+        return tuple(tuple(range(first, first + self.order)) for first in firsts)
+
+    @property
+    def released(self) -> tuple[int, ...]:
+        """Numbers of all fields' deformations."""
+        return tuple(n for field in self.numbers for n in field)
+
+    def deformations(self, closure, c):
+        """Deformations of closure and coefficients."""
+        return jnp.concatenate([closure, c])
+
+    def diagonal(self, rigidities, length):
+        """Matrix of constant rigidities by length; the integral of a squared polynomial P_k is 1/(2k + 1)."""
+        own = jnp.stack([jnp.asarray(r, float) for r in rigidities])[:, None] / length
+        own = own / (2.0 * np.arange(self.order) + 1)
+        return jnp.diag(jnp.concatenate([jnp.zeros(self.closure), own.ravel()]))
 
 
 def _closure_of(sigma, count: int):
     """Force and moment at q among the stress resultants."""
-    return sigma[-count:]
+    return sigma[:count]
 
 
 def _of_distributed_loads(deformations, c, sigma, place, order: int):
     """What distributed loads add to the resultant of each field, in the order of the fields, and its rate by place."""
     (out_of_balance,) = jax.vjp(deformations, c)[1](sigma)
-    series = out_of_balance.reshape(-1, order) / _squares(order)
+    series = out_of_balance.reshape(-1, order) * (2.0 * np.arange(order) + 1)
 
     def at(place):
         return series @ legendre_values_at(order, place)
@@ -57,7 +96,7 @@ def _of_distributed_loads(deformations, c, sigma, place, order: int):
 
 
 # Fields of the planar beam, in the order of its coefficients.
-CURVATURE, ELONGATION = 0, 1
+ELONGATION, CURVATURE = 0, 1
 
 
 def _arc_length(chord, half):
@@ -78,13 +117,12 @@ def _check_curvature(ref, curvature) -> list[str]:
     return []
 
 
-@functools.cache
 def planar_beam(order: int = 5) -> Element:
     """Planar geometrically exact beam, one for a whole leaf spring, without shear deformation.
 
-    Deformations: 1 to ``order`` the coefficients of the curvature, times length [rad], the first being the angle
-    between the ends; as many for the elongation, times length [m]; then the closure at q, FIXED: two displacements in
-    axes of end p [m] and the angle [rad]. Stress resultants of the closure are the force and moment at q.
+    Deformations: 1 to 3 the closure at q, FIXED: two displacements in axes of end p [m] and the angle [rad]; then
+    ``order`` coefficients of each strain, times length: elongation [m], curvature [rad], the first of which is the
+    angle between the ends. Stress resultants of the closure are the force and moment at q.
     Properties: section (EA, EIy, mass, Jy), damping, curvature (initial, of an arc from p to q [1/m], positive
     counter-clockwise).
 
@@ -95,8 +133,13 @@ def planar_beam(order: int = 5) -> Element:
     Source:
         Strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps)(cos theta, sin theta).
     """
-    if order < 1:
-        raise ValueError(f"order must be at least 1, but is {order}.")
+    return _planar_beam(order)
+
+
+# The defaults are filled in before: one element for all ways to ask for it, so that its blocks and code are shared.
+@functools.cache
+def _planar_beam(order: int) -> Element:
+    layout = _Layout(closure=3, fields=2, order=order)
     nodes, weights = gauss(2 * order + 8)
     values, angles = legendre_values(order, nodes), legendre_integrals(order, nodes)
     along = integration_matrix(nodes, weights)
@@ -123,37 +166,33 @@ def planar_beam(order: int = 5) -> Element:
         rot_p: Angle,
         q: Point2,
         rot_q: Angle,
-        c: Internal(2 * order, 2),  # pyright: ignore[reportInvalidTypeForm]
+        c: Internal(layout.size, 2),  # pyright: ignore[reportInvalidTypeForm]
         *,
         ref,
         curvature: float | None = None,
     ) -> Float[Array, "n_e"]:
         _, axes, _, stretched = line(rot_p, c, ref, curvature)
         displacement = axes.T @ (q - p) - weights @ stretched
-        turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - c[:1]
-        return jnp.concatenate([c, displacement, turn])
+        turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - c[order : order + 1]
+        return layout.deformations(jnp.concatenate([displacement, turn]), c)
 
     def _length(ref, curvature):
         chord = beams.beam_length(ref)
         return chord if curvature is None else _arc_length(chord, curvature * chord / 2)
 
-    def _diagonal(first, second, length):
-        own = jnp.concatenate([first / length * _squares(order), second / length * _squares(order), jnp.zeros(3)])
-        return jnp.diag(own)
-
     def _stiffness(*, ref, section: Section, curvature: float | None = None):
         s = section.rigidity()
-        return _diagonal(s.EIy, s.EA, _length(ref, curvature))
+        return layout.diagonal([s.EA, s.EIy], _length(ref, curvature))
 
     def _damping(*, ref, damping: Damping, curvature: float | None = None):
-        return _diagonal(damping.EIy, damping.EA, _length(ref, curvature))
+        return layout.diagonal([damping.EA, damping.EIy], _length(ref, curvature))
 
     def _inertia(
         p: Point2,
         rot_p: Angle,
         q: Point2,
         rot_q: Angle,
-        c: Internal(2 * order, 2),  # pyright: ignore[reportInvalidTypeForm]
+        c: Internal(layout.size, 2),  # pyright: ignore[reportInvalidTypeForm]
         *,
         ref,
         section: Section,
@@ -170,7 +209,7 @@ def planar_beam(order: int = 5) -> Element:
         rot_p: Angle,
         q: Point2,
         rot_q: Angle,
-        c: Internal(2 * order, 2),  # pyright: ignore[reportInvalidTypeForm]
+        c: Internal(layout.size, 2),  # pyright: ignore[reportInvalidTypeForm]
         *,
         ref,
         place,
@@ -204,7 +243,8 @@ def planar_beam(order: int = 5) -> Element:
         inertia=_inertia,
         resultants=_resultants,
         check=_check_planar,
-        released=tuple(range(1, 2 * order + 1)),
+        released=layout.released,
+        fields=layout.numbers,
     )
 
 
@@ -215,13 +255,12 @@ def _check_spatial(*, ref, y: Float[Array, "3"] | None = None, curvature: Float[
     return faults
 
 
-@functools.cache
 def spatial_beam(order: int = 5, shear: bool = False) -> Element:
     """Spatial geometrically exact beam, one for a whole leaf spring.
 
-    Deformations, ``order`` coefficients of each strain, times length: elongation [m], twist, curvature about local y,
-    curvature about local z [rad], with ``shear`` also the shears along y and along z [m]; then the closure at q,
-    FIXED: three displacements [m] and three tilts [rad] in axes of end p and of end q. Stress resultants of the
+    Deformations: 1 to 6 the closure at q, FIXED: three displacements [m] and three tilts [rad] in axes of end p and of
+    end q; then ``order`` coefficients of each strain, times length: elongation [m], twist, curvature about local y,
+    curvature about local z [rad], with ``shear`` also the shears along y and along z [m]. Stress resultants of the
     closure are the force and moment at q.
     Properties: section, damping, y (vector that fixes local y), curvature (initial, (0, about y, about z) in local
     axes, of an arc from p to q [1/m]).
@@ -234,20 +273,23 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
         Strains of Simo (1985) and Reissner: r' = R (1 + eps, gamma_y, gamma_z), R' = R hat(kappa); poses by the
         exponentials of :mod:`flexmb.math.rigid`.
     """
-    if order < 1:
-        raise ValueError(f"order must be at least 1, but is {order}.")
+    return _spatial_beam(order, bool(shear))
+
+
+@functools.cache
+def _spatial_beam(order: int, shear: bool) -> Element:
+    layout = _Layout(closure=6, fields=6 if shear else 4, order=order)
     steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     inner = ends[:-1, None] + lengths[:, None] * gauss(3)[0]
     values = legendre_values(order, inner.ravel())
-    fields = 6 if shear else 4
     # Six-vectors (twist, curvatures, stretch, shears) of the fields, and the rigidity that each works against.
-    places = np.eye(6)[[3, 0, 1, 2, 4, 5][:fields]]
+    places = np.eye(6)[[3, 0, 1, 2, 4, 5][: layout.fields]]
 
     def strains(c, length, curvature, place=1.0, on_the_way=None):
         """Screw motions of the steps from end p to a place, with the values of the polynomials on the way to it."""
-        own = (values if on_the_way is None else on_the_way) @ c.reshape(fields, order).T @ places / length
+        own = (values if on_the_way is None else on_the_way) @ c.reshape(layout.fields, order).T @ places / length
         own = own + np.array([0.0, 0, 0, 1, 0, 0])
         if curvature is not None:
             own = own + jnp.concatenate([curvature, jnp.zeros(3)])
@@ -274,7 +316,7 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
         rot_p: Rotation3,
         q: Point3,
         rot_q: Rotation3,
-        c: Internal(fields * order, 3),  # pyright: ignore[reportInvalidTypeForm]
+        c: Internal(layout.size, 3),  # pyright: ignore[reportInvalidTypeForm]
         *,
         ref,
         y: Float[Array, "3"] | None = None,
@@ -286,29 +328,25 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
         displacement = at_p.T @ (q - p) - pose[:3, 3]
         between = (at_p @ pose[:3, :3]).T @ at_q
         tilt = 0.5 * jnp.einsum("ijk,kj->i", CROSS, between)
-        return jnp.concatenate([c, displacement, tilt])
-
-    def _diagonal(rigidities, length):
-        own = jnp.stack([jnp.asarray(r, float) for r in rigidities]) / length
-        return jnp.diag(jnp.concatenate([(own[:, None] * _squares(order)).ravel(), jnp.zeros(6)]))
+        return layout.deformations(jnp.concatenate([displacement, tilt]), c)
 
     def _stiffness(*, ref, section: Section, curvature: Float[Array, "3"] | None = None):
         s = section.rigidity()
         rigidities = [s.EA, s.GIt, s.EIy, s.EIz]
         if shear:
             rigidities += [s.EIz / s.shear_y, s.EIy / s.shear_z]
-        return _diagonal(rigidities, _length(ref, curvature))
+        return layout.diagonal(rigidities, _length(ref, curvature))
 
     def _damping(*, ref, damping: Damping, curvature: Float[Array, "3"] | None = None):
         d = damping
-        return _diagonal([d.EA, d.GIt, d.EIy, d.EIz] + [0.0] * (fields - 4), _length(ref, curvature))
+        return layout.diagonal([d.EA, d.GIt, d.EIy, d.EIz] + [0.0] * (layout.fields - 4), _length(ref, curvature))
 
     def _inertia(
         p: Point3,
         rot_p: Rotation3,
         q: Point3,
         rot_q: Rotation3,
-        c: Internal(fields * order, 3),  # pyright: ignore[reportInvalidTypeForm]
+        c: Internal(layout.size, 3),  # pyright: ignore[reportInvalidTypeForm]
         *,
         ref,
         section: Section,
@@ -331,7 +369,7 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
         rot_p: Rotation3,
         q: Point3,
         rot_q: Rotation3,
-        c: Internal(fields * order, 3),  # pyright: ignore[reportInvalidTypeForm]
+        c: Internal(layout.size, 3),  # pyright: ignore[reportInvalidTypeForm]
         *,
         ref,
         place,
@@ -352,7 +390,7 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
 
         more, rate = _of_distributed_loads(deformations, c, sigma, place, order)
         if not shear:
-            strain = legendre_values_at(order, place) @ c.reshape(fields, order).T / length
+            strain = legendre_values_at(order, place) @ c.reshape(layout.fields, order).T / length
             bent = strain[1:] if curvature is None else strain[1:] + curvature
             slope = rate[1:] / length + (CROSS @ more[1:]) @ bent
             more = jnp.concatenate([more, jnp.stack([-slope[2], slope[1]]) / (1 + strain[0])])
@@ -384,5 +422,6 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
         inertia=_inertia,
         resultants=_resultants,
         check=_check,
-        released=tuple(range(1, fields * order + 1)),
+        released=layout.released,
+        fields=layout.numbers,
     )

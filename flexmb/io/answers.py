@@ -15,6 +15,7 @@ from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
 from ..analysis.stress import stress, without_shape
+from ..build.dofs import complete_series
 from ..errors import AnalysisError, MechanismError
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
@@ -22,6 +23,7 @@ from ..model.model import Labels, Model
 from ..model.topology import RoleIndices
 from ..results import RESULTS
 from ..statespace import state_matrices
+from .motion_answers import simulated
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
@@ -49,11 +51,14 @@ def _number(name: str) -> int | str:
     return int(name) if name.isdigit() else name
 
 
-def _by_owner(values, entries, keep: Callable[[Any], bool] = lambda entry: True) -> dict[str, list[float]]:
-    """Entries of a vector by the node or element they belong to."""
+def _by_owner(values, entries) -> dict[str, list[float]]:
+    """Entries of a vector by the node or element they belong to.
+
+    Coordinates that an element owns are among its deformations and not repeated.
+    """
     grouped: dict[str, list[float]] = {}
     for value, entry in zip(np.asarray(values).tolist(), entries, strict=True):
-        if entry.kind != "norm" and keep(entry):
+        if entry.kind not in ("norm", "internal"):
             grouped.setdefault(entry.of, []).append(value)
     return grouped
 
@@ -137,6 +142,11 @@ def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
     return {"poles": [[p.real, p.imag] for p in poles(lin).tolist()]}
 
 
+def _compliance(lin: Linearization) -> dict[str, list[float]]:
+    own = {entry.of for entry in lin.labels.x if entry.kind == "internal"}
+    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node not in own}
+
+
 def _shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
     return [_by_owner(column, labels.x) for column in np.asarray(columns).T]
 
@@ -169,7 +179,7 @@ def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
         **_state(lin),
         "load_multipliers": np.asarray(found.multipliers),
         "modes": _shapes(found.shapes, lin.labels),
-        "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+        "compliance": _compliance(lin),
         "warnings": [silent] if silent else [],
     }
 
@@ -201,7 +211,7 @@ def _step(found: Path, i: int) -> dict[str, Any]:
         "frequencies_hz": _hertz(values[finite], np.asarray(found.frequencies[i])[finite]),
         "load_multipliers": multipliers[np.isfinite(multipliers)],
         **_matrices(lin),
-        "compliance": {node: values.tolist() for node, values in directional_compliance(lin).items()},
+        "compliance": _compliance(lin),
     }
 
 
@@ -224,16 +234,16 @@ def _path(found: Path) -> dict[str, Any]:
 # Number and name of each mode; the analysis where there is one.
 MODES: dict[int, tuple[str, Callable[[Model, Linearization], dict[str, Any]] | None]] = {
     0: ("mobility", None),
+    1: ("simulate", None),
+    4: ("simulate-linearise", None),
     7: ("frequencies", _frequencies),
     8: ("buckling", _buckling),
     9: ("statespace", _statespace),
     10: ("path", None),
 }
 RESERVED = {
-    1: "simulate",
     2: "inverse",
     3: "trajectory-linearisation",
-    4: "simulate-linearise",
 }
 
 
@@ -258,6 +268,7 @@ def answer(
     release: str = "none",
     dofs: str = "named",
     max_steps: int = 200,
+    settings: dict[str, Any] | None = None,
 ) -> Answer:
     """Run one analysis mode.
 
@@ -269,13 +280,14 @@ def answer(
         release: "auto" releases over-constraints before modes other than 0.
         dofs: "named" or "auto", see Builder.build.
         max_steps: Steps of a path at most.
+        settings: What the file says beside the mechanism.
 
     Returns:
         Answer, also where the mechanism is not valid or the analysis failed.
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = list(warnings or [])
-    model = builder.build(check=False)
+    model = complete_series(builder, builder.build(check=False))
     lin = None
     failed = 0
     try:
@@ -288,6 +300,10 @@ def answer(
                 "underconstraints": found.underconstraints,
                 "mobility": _mobility_modes(found),
             }
+        elif mode in (1, 4):
+            model = builder.build(dofs=dofs, release=release)
+            extra = simulated(model, name, settings or {}, mode == 4)
+            failed = int(extra["status"] != "ok")
         elif mode == 10:
             model = builder.build(dofs=dofs, release=release)
             followed = path(model, max_steps=max_steps, throw=False)

@@ -109,7 +109,7 @@ _KINEMATIC = (
 )
 _INVERSE = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
 REFUSED = {
-    **dict.fromkeys(("BEAMW", "SCREW", "PLBELT", "TUBE", "PLTUBE", "SBEAM", "PLSBEAM"), f"element type {_LATER}"),
+    **dict.fromkeys(("BEAMW", "SCREW", "PLBELT", "TUBE", "PLTUBE"), f"element type {_LATER}"),
     **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
     **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
     **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), _INVERSE),
@@ -144,7 +144,9 @@ def read_spacar(
 ) -> SpacarModel:
     """Read a SPACAR input file.
 
-    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise.
+    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Two keywords are our own: PLSBEAM
+    and SBEAM, spectral beams of order p, 4 unless given; RLSE, DYNE, ESIG and EINIT take the numbers of a beam's
+    deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
@@ -328,8 +330,10 @@ def _build(r: Reading, faults: list) -> None:
         kind, names = declared.kind, [str(n) for n in declared.nodes]
         try:
             _check_rigid(r, declared)
-            properties = kind.properties(r.lines.get(number, {}), declared.vector)
-            r.builder.add(kind.element, *names, name=str(number), released=(), **properties)
+            lines = r.lines.get(number, {})
+            element = kind.element_of(declared.order, lines.get("ESTIFF", []))
+            properties = kind.properties(lines, declared.vector)
+            r.builder.add(element, *names, name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):
                 _blame(faults, declared.statement, _without_name(str(fault)), kind.form)

@@ -3,11 +3,15 @@
 Each takes the reading, the line, and its parameters by name.
 """
 
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
 
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..model.roles import Role
-from .spacar_elements import NOTHING, ElementKind
+from . import spacar_series as series
+from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
 from .spacar_lines import DRAWING, Fault, Statement
 from .spacar_reading import Declared, Reading
 
@@ -29,8 +33,11 @@ def declare(r: Reading, s: Statement, p: Values, kind: ElementKind) -> None:
             f" {names[first.kind.dimension]}; a mechanism is one or the other"
         )
     _check_ends(kind, p)
+    if p.get("p", 1) > LARGEST_ORDER:
+        raise Fault(f"p, the coefficients of a strain field, must be at most {LARGEST_ORDER}, but is {p['p']}")
     named: dict[int, tuple[NodeKind, Statement]] = {}
-    for node, node_kind in zip(nodes, kind.element.nodes.values(), strict=True):
+    kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
+    for node, node_kind in zip(nodes, kinds, strict=True):
         known, line = r.nodes.get(node) or named.setdefault(node, (node_kind, s))
         if known.part != node_kind.part:
             raise Fault(
@@ -39,7 +46,7 @@ def declare(r: Reading, s: Statement, p: Values, kind: ElementKind) -> None:
             )
     r.nodes |= named
     vector = [p[name] for name in ("y1", "y2", "y3", "axis1", "axis2", "axis3") if name in p]
-    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None)
+    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"))
 
 
 def _check_ends(kind: ElementKind, p: Values) -> None:
@@ -79,9 +86,12 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
     for name, value in zip(names, values, strict=False):
         if name == NOTHING and value != 0:
-            raise Fault(f"{kind.keyword} has no cross-section that turns: a rotary inertia of {value} must be 0")
+            what = "cross-section that turns: a rotary inertia" if s.keyword == "EM" else "shear deformation: a shear"
+            raise Fault(f"{kind.keyword} has no {what} of {value} must be 0")
         if name not in ("stiffness", "damping", "Jyz") and value < 0:
             raise Fault(f"{name} must not be negative, but is {value}")
+    if kind.series is not None and s.keyword == "ESTIFF" and sum(v > 0 for v in (*values, 0, 0)[4:6]) == 1:
+        raise Fault(f"{kind.keyword} counts shear in both directions or in none: give shear_z and shear_y, or neither")
     r.once(s, p["element"])
     r.lines.setdefault(p["element"], {})[s.keyword] = values
 
@@ -91,18 +101,23 @@ def _counted(names: tuple[str, ...]) -> str:
     return f"{len(names)} number{'s' if len(names) > 1 else ''} ({', '.join(shown)})"
 
 
-def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: str, repeatable: bool) -> None:
-    r.entries(of, components, kind)
+def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: str, repeatable: bool) -> list[int]:
+    """Give entries a role; returns their own numbers, each once."""
     what = "coordinate" if kind == "node" else "deformation"
+    named: dict[int, int] = {}
     for i, component in enumerate(components):
-        first = r.roles.get((kind, of, component))
         if component in components[:i]:
             raise Fault(f"{what} {component} is named twice")
+        for number in r.meant(of, component, kind):
+            named.setdefault(number, component)
+    for number, component in named.items():
+        first = r.roles.get((kind, of, number))
         if first is not None and (first.keyword != s.keyword or not repeatable):
             raise Fault(
                 f"{what} {component} has a role already by {first.keyword} on line {first.line}; it can have one only"
             )
-    r.roles |= {(kind, of, component): s for component in components}
+    r.roles |= {(kind, of, number): s for number in named}
+    return list(named)
 
 
 def fix(r: Reading, s: Statement, p: Values) -> None:
@@ -115,8 +130,8 @@ def fix(r: Reading, s: Statement, p: Values) -> None:
 
 def release(r: Reading, s: Statement, p: Values) -> None:
     """RLSE: deformations that may change."""
-    _take_role(r, s, p["element"], p["deformation"], "element", repeatable=True)
-    r.builder.release(str(p["element"]), *p["deformation"])
+    numbers = _take_role(r, s, p["element"], p["deformation"], "element", repeatable=True)
+    r.builder.release(str(p["element"]), *numbers)
     if r.declared(p["element"]).kind.keyword in ("RBEAM", "PINBODY", "PLRBEAM", "PLPINBODY"):
         r.warnings.append((s, "deformations of a rigid offset are taken along axes that start global and turn with p"))
 
@@ -124,15 +139,15 @@ def release(r: Reading, s: Statement, p: Values) -> None:
 def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
     """DYNX, DYNE: degrees of freedom."""
     kind, of, components = _target(p)
-    _take_role(r, s, of, components, kind, repeatable=False)
-    r.builder.dof(str(of), *components, kind=kind)
+    r.builder.dof(str(of), *_take_role(r, s, of, components, kind, repeatable=False), kind=kind)
 
 
 def prescribed(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the kinematics block: what is prescribed, at its start value so far."""
     kind, of, components = _target(p)
-    _take_role(r, s, of, components, kind, repeatable=True)
     for component in components:
+        r.single(of, component, kind)
+    for component in _take_role(r, s, of, components, kind, repeatable=True):
         r.builder.prescribe(str(of), component, kind=kind)
 
 
@@ -188,7 +203,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
     if any(rates):
-        r.warnings.append((s, "velocity and acceleration are kept in settings; static analyses do not use them"))
+        r.warnings.append((s, "velocity and acceleration are for modes 1 and 4; static analyses do not use them"))
 
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:
@@ -199,22 +214,34 @@ def motion_increment(r: Reading, s: Statement, p: Values) -> None:
     r.builder.prescribe(str(of), component, p["increment"], increment=True, kind=kind)
 
 
-def _element_values(r: Reading, s: Statement, p: Values) -> str:
-    roles = r.entries(p["element"], list(range(1, len(p["value"]) + 1)), "element")
-    r.once(s, p["element"])
-    if all(role is Role.FIXED for role, value in zip(roles, p["value"], strict=True) if value):
+def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., dict[int, float]]) -> list[float]:
+    """Values of an element's deformations; ``spread`` makes those of a spectral beam of those of a beam."""
+    of, values = p["element"], p["value"]
+    roles = r.entries(of, list(range(1, len(values) + 1)), "element")
+    r.once(s, of)
+    member = r.builder.members[str(of)]
+    if member.element.fields:
+        start, end = (np.asarray(r.builder.nodes[member.nodes[k]].start, float) for k in (0, 2))
+        try:
+            own = spread(member.element, float(np.linalg.norm(end - start)), values)
+        except ValueError as fault:
+            raise Fault(str(fault)) from None
+        values = [own.get(n, 0.0) for n in range(1, max(own, default=1) + 1)]
+        roles = member.roles[: len(values)]
+    if all(role is Role.FIXED for role, value in zip(roles, values, strict=True) if value):
         r.warnings.append((s, "acts on deformations that are fixed and has no effect there"))
-    return str(p["element"])
+    return values
 
 
 def prestress(r: Reading, s: Statement, p: Values) -> None:
     """ESIG, DELESIG: stress resultants added to those of the stiffness."""
-    r.builder.prestress(_element_values(r, s, p), *p["value"], increment=s.keyword == "DELESIG")
+    values = _element_values(r, s, p, series.resultants)
+    r.builder.prestress(str(p["element"]), *values, increment=s.keyword == "DELESIG")
 
 
 def strain(r: Reading, s: Statement, p: Values) -> None:
     """EINIT: deformations without stress."""
-    r.builder.strain(_element_values(r, s, p), *p["value"])
+    r.builder.strain(str(p["element"]), *_element_values(r, s, p, series.strains))
 
 
 def gravity(r: Reading, s: Statement, p: Values) -> None:
@@ -245,7 +272,10 @@ def start_value(r: Reading, s: Statement, p: Values) -> None:
     kind, of, component = _target(p)
     r.require(of, component, kind, Role.DOF)
     r.once(s, of, component)
-    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], p.get("velocity", 0.0)))
+    velocity = p.get("velocity", 0.0)
+    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], velocity))
+    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
+    r.builder.start(str(of), component, p["value"] - start, velocity, kind=kind)
 
 
 def routine(r: Reading, s: Statement, p: Values) -> None:
@@ -292,7 +322,7 @@ def signal(r: Reading, s: Statement, p: Values) -> None:
     kind, of, component = _target(p)
     side = "input" if s.keyword.startswith("IN") else "output"
     number_signal(r, s, p["number"])
-    r.entries(of, [component], kind)
+    r.single(of, component, kind)
     quantity = QUANTITIES.get(s.keyword)
 
     def add():

@@ -1,6 +1,7 @@
 """Element types as SPACAR input files name them, and the order of their numbers; read and written alike."""
 
 import dataclasses
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from ..elements.sections import Damping, Rigidity
 
 # A place in a line of numbers that must be zero, since the element has nothing for it.
 NOTHING = ""
+# Coefficients of each strain field of a spectral beam: as many as are usual, and as are sensible at most.
+ORDER, LARGEST_ORDER = 4, 40
 
 
 @dataclasses.dataclass(frozen=True)
@@ -19,11 +22,12 @@ class ElementKind:
 
     Attributes:
         keyword: Keyword.
-        element: Element type.
+        element: Element type; of a spectral beam that of the usual order.
         form: Parameters of the keyword; see spacar_lines.parse.
         stiffness: Names in Rigidity of the numbers of ESTIFF, in order; ("stiffness",) * n for a hinge.
         mass: Names in Rigidity of the numbers of EM.
         damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
+        series: Of a spectral beam: element type by order, and by whether shear is counted.
     """
 
     keyword: str
@@ -32,6 +36,7 @@ class ElementKind:
     stiffness: tuple[str, ...] = ()
     mass: tuple[str, ...] = ()
     damping: tuple[str, ...] = ()
+    series: Callable[[int, bool], Element] | None = None
 
     @property
     def dimension(self) -> int:
@@ -42,6 +47,28 @@ class ElementKind:
     def node_names(self) -> list[str]:
         """Names of the node numbers in the form."""
         return [name for name in self.form.split() if name in ("xp", "rotp", "xq", "rotq")]
+
+    def element_of(self, order: int | None, stiffness: list[float]) -> Element:
+        """Element type of one line of a file.
+
+        Args:
+            order: Order of a spectral beam, where given.
+            stiffness: Numbers of ESTIFF.
+        """
+        if self.series is None:
+            return self.element
+        return self.series(ORDER if order is None else order, any(stiffness[4:]))
+
+    def stands_for(self, element: Element) -> bool:
+        """Whether this keyword names an element type.
+
+        Args:
+            element: Element type.
+        """
+        if self.series is None:
+            return self.element is element
+        made = (self.series(len(element.fields[0]), shear) for shear in (False, True) if element.fields)
+        return any(other is element for other in made)
 
     def properties(self, lines: dict[str, list[float]], vector: list[float] | None) -> dict[str, Any]:
         """Properties for ``Builder.add``.
@@ -84,6 +111,15 @@ KINDS = (
         ("mass", "Jx", "Jy", "Jz", "Jyz"),
         _BEAM[:4],
     ),
+    ElementKind(
+        "SBEAM",
+        spatial.spectral_beam(ORDER),
+        "element xp rotp xq rotq y1 y2 y3 [p]",
+        _BEAM,
+        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _BEAM[:4],
+        spatial.spectral_beam,
+    ),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
     ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
     ElementKind("HINGE", spatial.hinge, "element rotp rotq axis1 axis2 axis3", *_TURNS),
@@ -95,6 +131,15 @@ KINDS = (
         ("EA", "EIy", "shear_z"),
         ("mass", "Jy"),
         ("EA", "EIy"),
+    ),
+    ElementKind(
+        "PLSBEAM",
+        planar.spectral_beam(ORDER),
+        "element xp rotp xq rotq [p]",
+        ("EA", "EIy", NOTHING),
+        ("mass", "Jy"),
+        ("EA", "EIy"),
+        lambda order, shear: planar.spectral_beam(order),
     ),
     ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
     ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),

@@ -7,6 +7,7 @@ from typing import Any
 from ..build.builder import Builder
 from ..elements.nodes import NodeKind
 from ..model.roles import Role
+from . import spacar_series as series
 from .spacar_elements import ElementKind
 from .spacar_lines import Fault, Statement
 
@@ -24,12 +25,14 @@ class Declared:
         kind: Element type.
         nodes: Node numbers in the order of the element's parameters.
         vector: Local y vector or hinge axis, if given.
+        order: Order of a spectral beam, if given.
     """
 
     statement: Statement
     kind: ElementKind
     nodes: tuple[int, ...]
     vector: list[float] | None
+    order: int | None = None
 
 
 @dataclasses.dataclass
@@ -106,8 +109,23 @@ class Reading:
                 raise Fault(f"{what[:-1]} {component} is out of range: {kind} {of} has {what} 1 to {len(owner.roles)}")
         return [owner.roles[c - 1] for c in components]
 
+    def meant(self, of: int, component: int, kind: str) -> tuple[int, ...]:
+        """Coordinates or deformations that a number stands for: all of a strain field, of a spectral beam."""
+        self.entries(of, [component], kind)
+        return (component,) if kind == "node" else series.meant(self.builder.members[str(of)].element, component)
+
+    def single(self, of: int, component: int, kind: str) -> None:
+        """Refuse a whole strain field where one number is wanted."""
+        self.entries(of, [component], kind)
+        if kind == "element" and component <= (first := series.closure(self.builder.members[str(of)].element)):
+            raise Fault(
+                f"{self.declared(of).kind.keyword} has a strain field there; name one of its coefficients by its number"
+                f" in e, from {first + 1} on, not {component}"
+            )
+
     def require(self, of: int, component: int, kind: str, role: Role) -> None:
         """Refuse a value for an entry that has another role."""
+        self.single(of, component, kind)
         if self.entries(of, [component], kind) != [role]:
             letter = "X" if kind == "node" else "E"
             keyword = f"INPUT{letter}" if role is Role.PRESCRIBED else f"DYN{letter}"

@@ -12,9 +12,11 @@ import numpy as np
 from ..build.assemble import is_concrete
 from ..build.builder import Builder, Member
 from ..elements import planar, spatial
+from ..elements.element import Element
 from ..elements.nodes import ROTATION3
 from ..errors import ModelError
 from ..model.roles import Role
+from . import spacar_series as series
 from .spacar_actions import QUANTITIES
 from .spacar_elements import KINDS, NOTHING, ElementKind
 from .spacar_lines import DRAWING
@@ -75,6 +77,16 @@ def _numbered(names: list[str]) -> dict[str, int]:
     return {name: own[name] if name in own else next(free) for name in names}
 
 
+class _Nodes(dict[str, int]):
+    """Number of each node that the format has a number for."""
+
+    def __missing__(self, name: str):
+        raise ModelError(
+            f"'{name}' is named, coordinates that an element owns, for which a SPACAR input file has no number; name"
+            " the deformations of the element instead."
+        )
+
+
 class _Writer:
     """Lines of the file, block by block."""
 
@@ -85,7 +97,7 @@ class _Writer:
         self.builder, self.settings = builder, settings
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
-        self.node = _numbered(list(builder.nodes))
+        self.node = _Nodes(_numbered([n for n, node in builder.nodes.items() if node.kind.part != "internal"]))
         self.element = _numbered(list(self.shown))
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
         self._check()
@@ -97,7 +109,7 @@ class _Writer:
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
 
     def _kind(self, name: str, member: Member) -> ElementKind:
-        found = [kind for kind in KINDS if kind.element is member.element]
+        found = [kind for kind in KINDS if kind.stands_for(member.element)]
         if not found:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
             raise ModelError(
@@ -108,6 +120,13 @@ class _Writer:
                 f"Element '{name}' ({member.element.name}) has second_order=False, which a SPACAR input file cannot"
                 " express."
             )
+        if member.properties.get("curvature") is not None:
+            raise ModelError(
+                f"Element '{name}' ({member.element.name}) has an initial curvature, which a SPACAR input file cannot"
+                " express."
+            )
+        if found[0].series is not None:
+            return found[0]
         # A rigid beam without length is what the format calls a pinned body.
         p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
         return found[-1] if len(found) > 1 and np.array_equal(p, q) else found[0]
@@ -120,6 +139,8 @@ class _Writer:
         for m in self.builder.members.values():
             if m.element in (planar.follower_force, spatial.follower_force, spatial.follower_moment):
                 raise ModelError(f"The load that follows node '{m.nodes[0]}' cannot be expressed in a SPACAR file.")
+        for name, m in self.shown.items():
+            self._check_closure(name, m)
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(f"Node '{name}' is in no element, so a SPACAR input file cannot have it.")
@@ -127,6 +148,19 @@ class _Writer:
                 raise ModelError(f"Node '{name}' starts turned, which a SPACAR input file cannot express.")
         if "gravity" in self.builder.loads["increment"]:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
+
+    def _check_closure(self, name: str, m: Member) -> None:
+        """Numbers up to those of the closure stand for strain fields in a file, so that nothing can be said of it."""
+        closed = range(1, series.closure(m.element) + 1)
+        values = [
+            *(k for sets in self.builder.loads.values() for load in sets.values() for k, v in load.items() if v != 0),
+            *(key for signals in self.builder.signals.values() for *_, key in signals),
+        ]
+        if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
+            raise ModelError(
+                f"Element '{name}' ({m.element.name}) has a role, a load or a signal at its closure, deformations 1 to"
+                f" {len(closed)}, which a SPACAR input file cannot express."
+            )
 
     def _legend(self) -> list[str]:
         """Which number is which name, where they differ."""
@@ -144,34 +178,51 @@ class _Writer:
         lines = []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
-            if keyword == "RBEAM":
+            if keyword == "RBEAM" or (keyword == "SBEAM" and vector is None):
                 vector = self._across(m)
-            nodes = [self.node[n] for n in m.nodes]
-            lines.append(_line(keyword, self.element[name], *nodes, *([] if vector is None else _numbers(vector))))
+            nodes = [
+                self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if k.part != "internal"
+            ]
+            order = [len(m.element.fields[0])] if m.element.fields else []
+            across = [] if vector is None else _numbers(vector)
+            lines.append(_line(keyword, self.element[name], *nodes, *across, *order))
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
                 lines.append(_line("X", self.node[name], *_numbers(node.start)))
         for name, node in self.builder.nodes.items():
-            lines += self._roles(self.node[name], node.roles, {Role.FIXED: "FIX", Role.PRESCRIBED: "INPUTX"})
+            if node.kind.part != "internal" or any(role is not Role.DEPENDENT for role in node.roles):
+                lines += self._roles(self.node[name], node.roles, {Role.FIXED: "FIX", Role.PRESCRIBED: "INPUTX"})
         for name, m in self.shown.items():
-            lines += self._roles(self.element[name], m.roles, {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"})
+            keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
+            lines += self._roles(self.element[name], m.roles, keywords, m.element)
         # One line each, since their order is that of q.
-        for kind, of, number in self.builder.dofs:
-            lines.append(_line(*(("DYNX", self.node[of]) if kind == "node" else ("DYNE", self.element[of])), number))
+        for (kind, of), numbers in self._dofs():
+            if kind == "node":
+                lines += [_line("DYNX", self.node[of], number) for number in numbers]
+            else:
+                numbers = series.shortened(self.shown[of].element, numbers)
+                lines += [_line("DYNE", self.element[of], number) for number in numbers]
         return lines
 
+    def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
+        """Degrees of freedom that follow each other at one node or element."""
+        runs = itertools.groupby(self.builder.dofs, key=lambda key: key[:2])
+        return [(of, [number for *_, number in run]) for of, run in runs]
+
     def _across(self, m: Member) -> np.ndarray:
-        """A local y vector for a rigid beam, which needs none here but has one in the format."""
+        """A local y vector for a beam that needs none here but has one in the format; the one taken without."""
         p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (m.nodes[0], m.nodes[-1]))
         return np.eye(3)[np.argmin(np.abs(q - p))]
 
     @staticmethod
-    def _roles(number: int, roles: list[Role], keywords: dict[Role, str]) -> list[str]:
+    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[str]:
         lines = []
         for role, keyword in keywords.items():
             having = [i for i, r in enumerate(roles, 1) if r is role]
             if having:
                 whole = keyword == "FIX" and len(having) == len(roles)
+                if element is not None and keyword == "RLSE":
+                    having = series.shortened(element, series.arranged(element, having))
                 lines.append(_line(keyword, number, *([] if whole else having)))
         return lines
 

@@ -8,6 +8,7 @@ from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..model.model import Model
 from ..model.roles import Role
 from .answers import Answer
+from .spacar_series import described
 
 SHOWN_VALUES = 12
 CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "R"}
@@ -40,6 +41,18 @@ def _path(steps: list[dict[str, Any]], critical: list[dict[str, Any]]) -> list[s
     return lines + [f"  {c['kind']:<11} at load factor {c['load_factor']:.10g}" for c in critical]
 
 
+def _motion(data: dict[str, Any]) -> list[str]:
+    times, energy = np.asarray(data["time"]), {name: np.asarray(e) for name, e in data["energy"].items()}
+    lines = [f"motion from 0 to {times[-1]:.6g} s, {len(times)} output times; at the end:"]
+    lines += [f"  node {node:<8}{_numbers(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
+    total = sum(energy.values())
+    lines.append("energy [J] at start and end: {:.6g}, {:.6g}".format(*(np.asarray(total)[[0, -1]])))
+    for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
+        hertz = ["-" if f is None else f"{f:.6g}" for f in step["frequencies_hz"][:SHOWN_VALUES]]
+        lines.append(f"frequencies [Hz] at {step['time']:.6g} s: {'  '.join(hertz)}")
+    return lines
+
+
 def table(data: dict[str, Any]) -> str:
     """Short table of an answer for the terminal.
 
@@ -66,6 +79,8 @@ def table(data: dict[str, Any]) -> str:
         lines += [f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(data["load_multipliers"][:SHOWN_VALUES])]
     if "path" in data:
         lines += _path(data["path"], data["critical_points"])
+    if "time" in data:
+        lines += _motion(data)
     if "A" in data:
         lines.append(f"inputs: {', '.join(data['inputs']) or 'none'}")
         lines.append(f"outputs: {', '.join(data['outputs']) or 'none'}")
@@ -80,6 +95,13 @@ def _entries(title: str, entries, roles) -> list[str]:
         if entry.kind != "norm":
             grouped.setdefault(entry.of, []).append(f"{entry.symbol}: {i} {CLASS[role]}")
     return lines + [f"  {name:<10}{'  '.join(parts)}" for name, parts in grouped.items()]
+
+
+def _series(model: Model) -> list[str]:
+    """What the numbers of spectral beams stand for."""
+    blocks = [b for b in model.topology.blocks if b.element.fields and "deformation" in b.companions]
+    firsts = [(model.labels.e[row[0]].of, described(b.element)) for b in blocks for row in np.asarray(b.e).tolist()]
+    return ["SPECTRAL BEAMS", *(f"  {name:<10}{text}" for name, text in firsts)] if firsts else []
 
 
 def _counts(kind: str, roles) -> str:
@@ -113,6 +135,7 @@ def log(found: Answer, source: str) -> str:
         x_roles, e_roles = model.roles()
         lines += ["", "Classes: O fixed, C calculable, M degree of freedom, R prescribed"]
         lines += _entries("ELEMENTS: deformation numbers and classes", model.labels.e, e_roles)
+        lines += _series(model)
         lines += _entries("NODES: coordinate numbers and classes", model.labels.x, x_roles)
         lines += ["DEGREES OF FREEDOM", *(f"  {i + 1}  {name}" for i, name in enumerate(model.q_labels))]
         lines += [_counts("E", e_roles), _counts("X", x_roles)]

@@ -6,6 +6,7 @@ from typing import Any
 
 import jax
 import jax.core
+import numpy as np
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
@@ -60,6 +61,46 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         return chosen(structure, tuple(sorted(options.items())), *leaves)
 
     return call
+
+
+def jit_thoroughly(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function that runs long, whose arguments may hold what is no array: functions, solvers, options.
+
+    Such leaves of the arguments are compared, not traced, so they must be hashable; a function defined anew is another
+    one and is compiled again.
+
+    Args:
+        function: Function of pytrees.
+
+    Returns:
+        The compiled function.
+    """
+
+    def flat(structure, fixed, *leaves):
+        numbers = iter(leaves)
+        whole = [next(numbers) if leaf is _NUMBER else leaf for leaf in fixed]
+        return function(*jax.tree.unflatten(structure, whole))
+
+    compiled = jax.jit(flat, static_argnums=(0, 1), compiler_options=THOROUGH)
+    nested = jax.jit(flat, static_argnums=(0, 1))
+
+    @functools.wraps(function)
+    def call(*arguments):
+        leaves, structure = jax.tree.flatten(arguments)
+        is_number = [isinstance(leaf, jax.Array | np.ndarray) for leaf in leaves]
+        fixed = tuple(_NUMBER if number else leaf for leaf, number in zip(leaves, is_number, strict=True))
+        numbers = [leaf for leaf, number in zip(leaves, is_number, strict=True) if number]
+        traced = any(isinstance(leaf, jax.core.Tracer) for leaf in numbers)
+        return (nested if traced else compiled)(structure, fixed, *numbers)
+
+    return call
+
+
+class _Number:
+    """Stands for an array among the leaves that are compared."""
+
+
+_NUMBER = _Number()
 
 
 def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:

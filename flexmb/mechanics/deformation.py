@@ -10,7 +10,17 @@ from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
 
 
-def _functions(topology: Topology, parameters: Parameters, near):
+def deformation_functions(topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]):
+    """Blocks that deform, with the deformation function of one element and what it is mapped over beside x.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Yields:
+        Block, ``f(x_el, *arguments_el) -> (n_el,)``, stacked arguments.
+    """
     for block, function, ref, properties in each_block(topology, parameters, "deformation"):
         if block.e.shape[1] == 0:
             continue
@@ -44,7 +54,7 @@ def deformations(
         Each element's own function.
     """
     pieces = []
-    for block, function, arguments in _functions(topology, parameters, near):
+    for block, function, arguments in deformation_functions(topology, parameters, near):
         pieces.append((block.e, jax.vmap(function)(x[block.x], *arguments)))
     return scatter_vector(topology.n_e, pieces)
 
@@ -68,7 +78,7 @@ def deformation_jacobian(
         Derivative of :func:`deformations`.
     """
     values, matrices = [], []
-    for block, function, arguments in _functions(topology, parameters, near):
+    for block, function, arguments in deformation_functions(topology, parameters, near):
 
         def with_value(x, *rest, function=function):
             e = function(x, *rest)
@@ -105,7 +115,7 @@ def deformation_curvature(
         FORMULATION.md 6: Hessian of the Lagrangian, element by element.
     """
     pieces = []
-    for block, function, arguments in _functions(topology, parameters, near):
+    for block, function, arguments in deformation_functions(topology, parameters, near):
 
         def energy(x, sigma, *rest, function=function):
             return sigma @ function(x, *rest)

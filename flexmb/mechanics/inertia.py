@@ -69,6 +69,33 @@ def _weight_potential(topology, parameters, gravity):
         yield block, work, (motion[block.x], ref, properties)
 
 
+def work_of_weight(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    gravity: Float[Array, "axes"],
+) -> Float[Array, ""]:
+    """Work of gravity on the way from the undeformed mechanism.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        gravity: Acceleration, (axes,) [m/s^2].
+
+    Returns:
+        () [J].
+
+    Source:
+        Potential of :func:`weight`.
+    """
+    total = jnp.array(0.0)
+    for block, work, arguments in _weight_potential(topology, parameters, gravity):
+        at, start = x[block.x], parameters.reference[block.x]
+        total = total + jnp.sum(jax.vmap(work)(at, at, *arguments) - jax.vmap(work)(start, start, *arguments))
+    return total
+
+
 @traced_once
 def weight(
     topology: Topology,

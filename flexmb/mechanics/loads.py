@@ -1,5 +1,6 @@
 """Nodal forces of the constant loads at a configuration, and their derivative."""
 
+import dataclasses
 from typing import NamedTuple
 
 import jax
@@ -56,6 +57,15 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
         a, b = getattr(first, name), getattr(second, name)
         fields[name] = b if a is None else a if b is None else a + b
     return Loads(**fields)
+
+
+def without_gravity(parameters: Parameters) -> Parameters:
+    """The same numbers without gravity.
+
+    Args:
+        parameters: Numbers.
+    """
+    return dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
 
 
 def has_loads(topology: Topology, parameters: Parameters) -> bool:

@@ -18,7 +18,7 @@ class Entry:
         of: Node or element.
         component: Its number there, from 1.
         symbol: How it is written: "x", "phi", "e2".
-        kind: "position" or "rotation" for a coordinate, "deformation", or "norm" (counted by no one).
+        kind: "position", "rotation" or "internal" for a coordinate, "deformation", or "norm" (counted by no one).
     """
 
     of: str

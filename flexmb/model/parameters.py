@@ -34,6 +34,7 @@ class Parameters(Record):
         loads: Constant loads.
         increment: Loads that a path or a buckling analysis scales while ``loads`` stay, or None: then all scale.
         strain: Deformations at which the elements are free of stress, (n_e,), or None: zero.
+        start: Degrees of freedom and their rates at the start of a simulation, twice (n_q,), or None: zero.
     """
 
     reference: Float[Array, "n_x"]
@@ -41,3 +42,4 @@ class Parameters(Record):
     loads: Loads
     increment: Loads | None = None
     strain: Float[Array, "n_e"] | None = None
+    start: tuple[Float[Array, "n_q"], Float[Array, "n_q"]] | None = None

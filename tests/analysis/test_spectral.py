@@ -232,7 +232,7 @@ def test_derivatives_of_a_loaded_spectral_beam():
         b.add(planar.spectral_beam(4), "0", "1", name="leaf", section=section, curvature=curvature)
         b.fix("0")
         b.force("1", (0, load))
-        b.dof("leaf", *range(1, 9))
+        b.dof("leaf", *range(4, 12))
         model = b.build()
         return np.array([1.0, 0]) @ fm.equilibrium(model).at("1") + fm.frequencies(model)[0]
 
@@ -265,6 +265,39 @@ def test_shear_is_counted_by_both_or_neither():
     ):
         with pytest.raises(fm.ModelError, match=message):
             chain(spatial.spectral_beam(3, shear=shear), straight(1, space=True), section)
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_deformations_are_the_closure_and_then_one_field_after_the_other(space):
+    # Small loads on a straight cantilever of length 1: tension, twist and a moment each fill the first coefficient of
+    # one field, a force across the first two of a bending.
+    rigidities = {"EA": 2.0, "GIt": 3.0, "EIy": 5.0, "EIz": 7.0} if space else {"EA": 2.0, "EIy": 5.0}
+    order, closure = 4, 6 if space else 3
+    element = spatial.spectral_beam(order) if space else planar.spectral_beam(order)
+    assert element.fields == tuple(
+        tuple(range(closure + 1 + order * i, closure + 1 + order * (i + 1))) for i in range(len(rigidities))
+    )
+    assert element.released == tuple(range(closure + 1, closure + order * len(rigidities) + 1))
+    b = chain(element, straight(1, space), fm.Rigidity(**rigidities), **({"y": (0, 1, 0)} if space else {}))
+    f = 1e-7
+    b.force("1", (f, 0, 2 * f) if space else (f, 2 * f))
+    b.moment("1", (3 * f, 0, 5 * f) if space else 5 * f)
+    e = np.asarray(fm.equilibrium(b.build()).e) / f
+    found = e[closure : closure + order * len(rigidities)].reshape(-1, order)
+    # Moment 2 (1 - s) of a force across: coefficients 1 and -1 of the series; about y it is negative.
+    across = np.array([1.0, -1, 0, 0]) / 5
+    turned = np.array([5.0 / (7 if space else 5), 0, 0, 0])
+    first = np.array([1 / 2, 0, 0, 0])
+    expected = [first, [1, 0, 0, 0], -across, turned] if space else [first, across + turned]
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+    np.testing.assert_allclose(e[:closure], 0, atol=1e-6)
+
+
+def test_one_element_for_all_ways_to_ask_for_it():
+    assert planar.spectral_beam() is planar.spectral_beam(order=5)
+    assert spatial.spectral_beam() is spatial.spectral_beam(5, shear=False)
+    with pytest.raises(ValueError, match="order must be at least 1"):
+        planar.spectral_beam(0)
 
 
 def test_rigid_motion_does_not_deform():

@@ -129,6 +129,59 @@ def test_traced_geometry_needs_named_degrees_of_freedom():
         jax.grad(frequency)(0.1)
 
 
+def spectral_guide(height=0.1, held=True):
+    b = fm.Builder()
+    leaf = fm.Rectangle(0.018, 5e-4, STEEL)
+    for name, place in {"A": (0, 0), "B": (0, height), "C": (0.1, height), "D": (0.1, 0)}.items():
+        b.node(name, place)
+    b.add(planar.spectral_beam(4), "A", "B", name="left", section=leaf)
+    b.add(planar.spectral_beam(4), "D", "C", name="right", section=leaf)
+    b.add(planar.beam, "B", "C", name="stage")
+    b.fix("A")
+    b.fix("D", *(() if held else ("position",)))
+    b.mass("C", 0.2)
+    return b
+
+
+def test_coefficients_of_spectral_beams_make_up_the_degrees_of_freedom():
+    b = spectral_guide()
+    expected = fm.frequencies(b.build())
+    b.dof("B", "x")
+    model = b.build()
+    assert model.q_labels[0] == "B.x"
+    assert len(model.q_labels) == 13
+    assert all(label.startswith(("left.e", "right.e")) for label in model.q_labels[1:])
+    np.testing.assert_allclose(fm.frequencies(model), expected, rtol=1e-8)
+    # A foot that turns freely has a stiffness too, that of its leaf spring: it needs no name.
+    assert len(spectral_guide(held=False).build(dofs="named").q_labels) == 14
+    # What has none does: nothing holds the mechanism as a whole.
+    b = fm.Builder()
+    for name, x in (("A", 0), ("B", 1)):
+        b.node(name, (x, 0))
+    b.add(planar.spectral_beam(4), "A", "B", name="leaf", section=fm.Rigidity(EA=1.0, EIy=1.0, mass=1.0))
+    with pytest.raises(fm.MechanismError, match="NDOF = 11, but 0 degrees of freedom are named") as info:
+        b.build(dofs="named")
+    assert info.value.code == "underconstrained"
+
+
+def test_a_traced_build_has_all_degrees_of_freedom_named():
+    def tip(height, names=()):
+        b = spectral_guide(height)
+        b.dof("B", "x")
+        for of, number in names:
+            b.dof(of, number)
+        return fm.frequencies(b.build())[0]
+
+    with pytest.raises(fm.ModelError, match="NDOF = 13, but 1 degrees of freedom are named, and the rest"):
+        jax.grad(tip)(0.1)
+    b = spectral_guide()
+    b.dof("B", "x")
+    names = [(of, int(e[1:])) for of, e in (label.split(".") for label in b.build().q_labels[1:])]
+    found = jax.grad(lambda h: tip(h, names))(0.1)
+    # Central difference: truncation 1e-8.
+    assert found == pytest.approx((float(tip(0.1 + 1e-6)) - float(tip(0.1 - 1e-6))) / 2e-6, rel=1e-6)
+
+
 def test_own_element_from_a_notebook():
     """A gear pair on a turning arm: the wheel turns by -1/ratio of the pinion."""
 

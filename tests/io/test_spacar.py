@@ -2,10 +2,10 @@
 
 import functools
 
-import jax
 import numpy as np
 import pytest
 import scipy.linalg
+from spacar_checks import assert_same, faults
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -24,14 +24,6 @@ def frequencies(lin):
     k = np.asarray(lin.K0 + lin.G0)
     mu = scipy.linalg.eigh(np.asarray(lin.M0), (k + k.T) / 2, eigvals_only=True)
     return np.sort(mu[mu > 1e-14 * mu.max()] ** -0.5) / (2 * np.pi)
-
-
-def assert_same(actual, expected):
-    """Two builders of equal models: structure, names and every number."""
-    models = [b.build(check=False) for b in (actual, expected)]
-    assert jax.tree.structure(models[0]) == jax.tree.structure(models[1])
-    for a, b in zip(*map(jax.tree.leaves, models), strict=True):
-        np.testing.assert_allclose(a, b, rtol=1e-15, atol=0)
 
 
 # -- shipped mechanisms -------------------------------------------------------------------------------------------
@@ -516,12 +508,6 @@ BAD = [
     ("S", "OUTS 1 5 1", "{S}: OUTS: output 1: there is no element 5 (there are: 1, 2)"),
     ("S", "OUTF 1 3 1", "{S}: OUTF: output 1: (a force as an output of the state space) is not available yet"),
 ]
-
-
-def faults(text):
-    with pytest.raises(fm.SpacarError) as info:
-        fm.read_spacar(text)
-    return str(info.value).splitlines()
 
 
 @pytest.mark.parametrize(("block", "lines", "expected"), BAD)

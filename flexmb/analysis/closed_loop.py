@@ -1,0 +1,113 @@
+"""Controllers around a mechanism: python-control systems and functions, as feedback for a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jax.tree_util import Partial
+
+from ..errors import ModelError
+from ..mechanics.controlled_form import ControlledForm, Feedback, driven_by_inputs
+from ..mechanics.coordinates_form import CoordinatesForm
+from ..model.model import Model
+
+MEASURED = ("position", "velocity", "deformation", "deformation rate")
+
+
+def _seen(y, t, reference):
+    return y if reference is None else jnp.atleast_1d(jnp.asarray(reference(t), float)) - y
+
+
+def _linear_output(c, d, reference, t, z, y):
+    return c @ z + d @ _seen(y, t, reference)
+
+
+def _linear_rate(a, b, reference, t, z, y):
+    return a @ z + b @ _seen(y, t, reference)
+
+
+def _static_output(function, reference, t, z, y):
+    return function(t, _seen(y, t, reference))
+
+
+def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedback:
+    """Feedback of a controller given as python-control system, function or Feedback.
+
+    Args:
+        model: Mechanism with named inputs and outputs.
+        control: See :func:`flexmb.simulate`.
+        reference: Wanted outputs as a function of time, or None.
+
+    Raises:
+        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller, an output that cannot be fed
+            back.
+    """
+    inputs, outputs = model.labels.inputs, model.labels.outputs
+    if not inputs or not outputs:
+        raise ModelError(
+            "A controller needs an input and an output of the mechanism: name them with input() and output()."
+        )
+    for signal in outputs:
+        if signal.quantity not in MEASURED:
+            raise ModelError(
+                f"Output '{signal.name}' is a {signal.quantity} and cannot be fed back. Feed back one of:"
+                f" {', '.join(MEASURED)}."
+            )
+    if isinstance(control, Feedback):
+        if reference is not None:
+            raise ModelError("A Feedback has its reference inside: leave `reference` out.")
+        return control
+    if hasattr(control, "A") and hasattr(control, "D"):
+        if getattr(control, "dt", 0) not in (0, None):
+            raise ModelError(
+                f"The controller is sampled (dt = {control.dt}), which a simulation does not close the loop around."
+                " Give a continuous one."
+            )
+        a, b, c, d = (jnp.asarray(np.asarray(getattr(control, name)), float) for name in "ABCD")
+        if d.shape != (len(inputs), len(outputs)):
+            raise ModelError(
+                f"The controller has {d.shape[1]} inputs and {d.shape[0]} outputs, but the mechanism has {len(outputs)}"
+                f" outputs ({', '.join(s.name for s in outputs)}) and {len(inputs)} inputs"
+                f" ({', '.join(s.name for s in inputs)})."
+            )
+        start = jnp.zeros(a.shape[0])
+        return Feedback(Partial(_linear_output, c, d, reference), Partial(_linear_rate, a, b, reference), start)
+    if callable(control):
+        return Feedback(Partial(_static_output, control, reference))
+    raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), or a Feedback.")
+
+
+def _places(model: Model):
+    """Index of what each input acts on, and its place among the inputs: forces, then stresses, (2, k) each."""
+    pairs: dict[str, list[tuple[int, int]]] = {"force": [], "stress": []}
+    for place, signal in enumerate(model.labels.inputs):
+        pairs[signal.quantity].append((signal.index, place))
+    return tuple(jnp.array(pairs[kind], int).reshape(-1, 2).T for kind in ("force", "stress"))
+
+
+def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
+    """Equations of motion under given inputs.
+
+    Args:
+        model: Mechanism.
+        form: Its equations of motion.
+        u: Inputs, (n_u,), or (0,) for none.
+    """
+    return driven_by_inputs(form, *_places(model), u) if u.shape[0] else form
+
+
+def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback) -> ControlledForm:
+    """Equations of motion of a mechanism with a controller.
+
+    Args:
+        model: Mechanism.
+        form: Its equations of motion.
+        feedback: Controller.
+    """
+    forces, stresses = _places(model)
+    outputs = model.labels.outputs
+    indices = jnp.array([s.index for s in outputs], int)
+    return ControlledForm(form, feedback, forces, stresses, indices, tuple(s.quantity for s in outputs))

@@ -1,0 +1,441 @@
+"""Nonlinear motion in time, integrated by diffrax."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..errors import ModelError
+from ..math.compile import jit_thoroughly
+from ..math.indices import put
+from ..math.record import Record, static
+from ..mechanics.coordinates_form import coordinates_form
+from ..mechanics.drive import Driven, Table
+from ..mechanics.inertia import mass_matrix, work_of_weight
+from ..mechanics.reduced_form import reduced_form
+from ..model.model import Labels, Model
+from ..results import RESULTS, check
+from .closed_loop import as_feedback, controlled_form, under_inputs
+from .configuration import Configuration, configuration
+from .equilibrium import Equilibrium
+
+if TYPE_CHECKING:
+    import diffrax
+
+# Absolute tolerance of a position, as share of the mechanism's extent, and of a rotation, over the relative one.
+ABSOLUTE = 1e-3
+SMALLEST_STEP = 1e-12
+
+
+class Motion(Record):
+    """Motion of a mechanism at the times asked for.
+
+    Attributes:
+        t: Times, (n_t,) [s].
+        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
+        xd: Their velocities, (n_t, n_x) [1/s].
+        near: Deformations, (n_t, n_e) [m, rad]; angles are counted past full turns.
+        u: Inputs that a controller gave, (n_t, n_u), (n_t, 0) without one [N, N m].
+        steps: Number of time steps taken, refused ones included.
+        result: Code of RESULTS.
+        driven: What depended on time.
+        model: Mechanism.
+        form: Form of the equations that was integrated.
+        solver: Name of the solver.
+    """
+
+    t: Float[Array, "n_t"]
+    x: Float[Array, "n_t n_x"]
+    xd: Float[Array, "n_t n_x"]
+    near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
+    driven: tuple[Driven, ...]
+    model: Model
+    form: str = static()
+    solver: str = static()
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.model.labels
+
+    def at(self, node: str) -> Float[Array, "n_t n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation", at every time.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.x[:, self.labels.known(node)]
+
+    def velocity(self, node: str) -> Float[Array, "n_t n"]:
+        """Velocities of a node's coordinates at every time.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.xd[:, self.labels.known(node)]
+
+    def until(self, count: int) -> Motion:
+        """The first of the times only.
+
+        Args:
+            count: How many.
+        """
+        parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near", "u")}
+        return dataclasses.replace(self, **parts)
+
+    def observe(self) -> Observed:
+        """Everything else about the motion: accelerations, deformations, stresses, reactions, energies, power.
+
+        Returns:
+            Observed.
+        """
+        model = self.model
+        return _observe(model, self.driven, self.t, self.x, self.xd, self.near, self.u)
+
+
+class Observed(Record):
+    """Quantities that follow from positions and velocities, at every time.
+
+    Attributes:
+        xdd: Accelerations, (n_t, n_x) [1/s^2].
+        e: Deformations, (n_t, n_e) [m, rad].
+        ed: Their rates, (n_t, n_e) [m/s, rad/s].
+        sigma: Stress resultants, multipliers included, (n_t, n_e) [N, N m].
+        reactions: Forces of the supports on the mechanism, (n_t, n_x) [N, N m].
+        kinetic: Kinetic energy, (n_t,) [J].
+        elastic: Elastic energy, (n_t,) [J].
+        potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
+        power: Power of all other loads and of prescribed motion, less what dampers take, (n_t,) [W].
+    """
+
+    xdd: Float[Array, "n_t n_x"]
+    e: Float[Array, "n_t n_e"]
+    ed: Float[Array, "n_t n_e"]
+    sigma: Float[Array, "n_t n_e"]
+    reactions: Float[Array, "n_t n_x"]
+    kinetic: Float[Array, "n_t"]
+    elastic: Float[Array, "n_t"]
+    potential: Float[Array, "n_t"]
+    power: Float[Array, "n_t"]
+
+    @property
+    def energy(self) -> Float[Array, "n_t"]:
+        """Whole energy, (n_t,) [J]; its rate is ``power``."""
+        return self.kinetic + self.elastic + self.potential
+
+
+@jit_thoroughly
+def _observe(model, driven, t, x, xd, near, u):
+    topology, parameters = model.topology, model.parameters
+    undriven: Any = coordinates_form(topology, parameters, driven)
+    gravity = parameters.loads.gravity
+
+    def one(at):
+        t, x, xd, near, u = at
+        form = under_inputs(model, undriven, u)
+        state = form.state_of(x, xd, near)
+        z = form.acceleration(t, state)
+        kin, sigma, force, whole = form.forces(t, state, z)
+        mass = mass_matrix(topology, parameters, whole.x)
+        drive = form.drive(t)
+        moving = whole.x - parameters.reference
+        constant = parameters.loads.force
+        potential = jnp.array(0.0) if constant is None else -constant @ moving
+        if gravity is not None:
+            potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
+        stored = kin.e if parameters.strain is None else kin.e - parameters.strain
+        stored = put(stored, form.held, 0.0)
+        elastic = 0.5 * stored @ form.S @ stored
+        if drive.loads.prestress is not None:
+            elastic = elastic + put(drive.loads.prestress, form.held, 0.0) @ stored
+        # All forces but inertia, springs, constant forces and gravity.
+        other = form.applied(t, whole.x) - (0.0 if constant is None else constant)
+        held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
+        reactions = jnp.where(held == 1.0, force, 0.0)
+        power = (other + reactions) @ whole.v
+        multiplied = put(jnp.zeros(topology.n_e), form.held, sigma[form.held])
+        power = power - multiplied @ kin.ed
+        dissipated = put(kin.ed, form.held, 0.0)
+        if form.S_d is not None:
+            power = power - dissipated @ form.S_d @ dissipated
+        if drive.stress is not None:
+            power = power - drive.stress @ dissipated
+        kinetic = 0.5 * whole.v @ mass @ whole.v
+        return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
+
+    return jax.lax.map(one, (t, x, xd, near, u))
+
+
+class _Run(NamedTuple):
+    x: Float[Array, "n_t n_x"]
+    xd: Float[Array, "n_t n_x"]
+    near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+@jit_thoroughly
+def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
+    import diffrax
+
+    from ..solvers.rosenbrock import Rosenbrock
+    from ..solvers.term import MotionTerm
+
+    form: Any = coordinates_form(model.topology, model.parameters, driven)
+    if settings["form"] == "reduced":
+        form = reduced_form(form)
+    if settings["feedback"] is not None:
+        form = controlled_form(model, form, settings["feedback"])
+    start = form.state_of(x0, xd0, None)
+    z0, regular = form.begin(times[0], start)
+    rtol, atol = settings["rtol"], settings["atol"]
+    controller = settings["controller"]
+    if controller is None:
+        controller = diffrax.PIDController(
+            rtol=rtol,
+            atol=atol,
+            pcoeff=0.1,
+            icoeff=0.3,
+            dtmin=SMALLEST_STEP * (times[-1] - times[0]),
+            force_dtmin=False,
+        )
+    if settings["jumps"] is not None:
+        controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
+    dt0 = settings["dt0"]
+    if dt0 is None:
+        # Over the first step acceleration moves the mechanism by some ten tolerances.
+        fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
+        dt0 = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (times[-1] - times[0]) / 50)
+    solution = diffrax.diffeqsolve(
+        MotionTerm(form),
+        settings["solver"],
+        times[0],
+        times[-1],
+        dt0,
+        start,
+        saveat=diffrax.SaveAt(ts=times),
+        stepsize_controller=controller,
+        adjoint=settings["adjoint"],
+        event=settings["event"],
+        max_steps=settings["max_steps"],
+        solver_state=z0 if isinstance(settings["solver"], Rosenbrock) else None,
+        throw=False,
+    )
+    states: Any = solution.ys
+
+    def whole(at):
+        # Between steps the state is interpolated, off the constraints.
+        state = form.settle(*at)
+        inputs = form.inputs(at[0], state) if settings["feedback"] is not None else jnp.zeros(0)
+        return *form.whole_motion(at[0], state), inputs
+
+    x, xd, near, u = jax.lax.map(whole, (times, states))
+    ok = diffrax.RESULTS
+    result = jnp.where(solution.result == ok.successful, RESULTS.successful, RESULTS.step_too_small)
+    result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
+    if settings["event"] is not None:
+        result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
+    else:
+        wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(x))
+        result = jnp.where(wrong, RESULTS.step_too_small, result)
+    result = jnp.where(regular, result, RESULTS.singular_mass)
+    return _Run(x, xd, near, u, solution.stats["num_steps"], result.astype(jnp.int32))
+
+
+def simulate(
+    model: Model,
+    times: Float[Array, "n_t"],
+    *,
+    initial: Equilibrium | Configuration | Motion | None = None,
+    loads: Mapping[str, Callable] | None = None,
+    motion: Mapping[str, Callable] | None = None,
+    increment: Callable | None = None,
+    control: Any = None,
+    reference: Callable | None = None,
+    jumps: Float[Array, "k"] | None = None,
+    form: Literal["coordinates", "reduced"] = "coordinates",
+    rtol: float = 1e-4,
+    atol: float | None = None,
+    solver: diffrax.AbstractSolver | None = None,
+    controller: diffrax.AbstractStepSizeController | None = None,
+    dt0: float | None = None,
+    adjoint: diffrax.AbstractAdjoint | None = None,
+    event: diffrax.Event | None = None,
+    max_steps: int = 200_000,
+    throw: bool = True,
+) -> Motion:
+    """Integrate the nonlinear equations of motion.
+
+    Functions of time are compiled into the simulation: give the same function object again to use compiled code again.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+        times: Times at which to give the motion, ascending, the first is the start, (n_t,) [s].
+        initial: Where it starts from: an equilibrium (at rest), a configuration, or the end of another motion. None:
+            the start values of the builder, otherwise the undeformed mechanism at rest.
+        loads: Loads as functions of time, by name: a coordinate "tip.x" or a deformation "leaf.e2" (a stress that is
+            added) with a number, a node "tip" with its force components [N], a rotation in space "tip.rotation" with
+            the moment about global axes [N m]. A :class:`Table` is a piecewise linear function.
+        motion: Values of PRESCRIBED coordinates (from their start) and deformations as functions of time, by name,
+            twice differentiable.
+        increment: Factor of the incremental loads as function of time; zero unless given.
+        control: Controller from the model's outputs y to its inputs u: a continuous ``control.StateSpace``, a function
+            ``u = control(t, y)``, or a :class:`Feedback`.
+        reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
+        jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
+        form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
+            constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
+            freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
+        rtol: Relative tolerance of displacements, of one step.
+        atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given.
+        solver: Solver of diffrax, or one of ours; ``Rodas5P()``, for stiff motion, unless given.
+        controller: Step size controller of diffrax; a PIDController with rtol and atol unless given.
+        dt0: First step [s].
+        adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
+        event: Event of diffrax that ends the motion; later times are then given as not finite.
+        max_steps: Most steps to take.
+        throw: Raise where the simulation fails; otherwise the code is in ``result``.
+
+    Returns:
+        Motion.
+
+    Raises:
+        ValueError: times not ascending.
+        ModelError: Unknown name, or what cannot be driven.
+        AnalysisError: singular_mass, step_too_small or motion_unfinished.
+
+    Source:
+        FORMULATION.md 5 and 9.
+    """
+    import diffrax
+
+    from ..solvers.projected import Projected
+    from ..solvers.rosenbrock import Rodas5P, Rosenbrock
+
+    if form not in ("coordinates", "reduced"):
+        raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
+    if control is not None and form == "reduced":
+        raise ValueError('A controller needs form="coordinates".')
+    times = _checked_times(times)
+    loads, motion = loads or {}, motion or {}
+    driven = driven_by(model, loads, motion, increment)
+    kinks = [jnp.asarray(one.value.times, float) for one in driven if isinstance(one.value, Table)]
+    if jumps is not None:
+        kinks.append(jnp.asarray(jumps, float))
+    x0, xd0 = _initial(model, initial)
+    chosen = Rodas5P(jumps=bool(kinks)) if solver is None else solver
+    used = chosen if isinstance(chosen, Rosenbrock) else Projected(chosen)
+    settings = {
+        "form": form,
+        "feedback": None if control is None else as_feedback(model, control, reference),
+        "rtol": jnp.asarray(rtol, float),
+        "atol": jnp.asarray(ABSOLUTE * rtol if atol is None else atol, float),
+        "controller": controller,
+        "jumps": jnp.sort(jnp.concatenate(kinks)) if kinks else None,
+        "solver": used,
+        "dt0": None if dt0 is None else jnp.asarray(dt0, float),
+        "adjoint": diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+        "event": event,
+        "max_steps": max_steps,
+    }
+    run = _integrate(model, driven, times, x0, xd0, settings)
+    found = Motion(
+        times, run.x, run.xd, run.near, run.u, run.steps, run.result, driven, model, form, type(chosen).__name__
+    )
+    check(found.result, throw)
+    return found
+
+
+def _checked_times(times):
+    times = jnp.asarray(times, float)
+    if times.ndim != 1 or times.shape[0] < 2:
+        raise ValueError(f"Argument `times` must be at least two times, the first of them the start, not {times}.")
+    if not isinstance(times, jax.core.Tracer) and not bool(np.all(np.diff(np.asarray(times)) > 0)):
+        raise ValueError("Argument `times` must be ascending, without a time twice.")
+    return times
+
+
+def _initial(model: Model, initial):
+    if initial is None:
+        if model.parameters.start is None and model.parameters.loads.x is None and model.parameters.loads.e is None:
+            return model.parameters.reference, jnp.zeros(model.topology.n_x)
+        initial = configuration(model)
+    if isinstance(initial, Motion):
+        return initial.x[-1], initial.xd[-1]
+    rest = jnp.zeros(model.topology.n_x)
+    return initial.x, initial.xd if isinstance(initial, Configuration) else rest
+
+
+def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple[Driven, ...]:
+    """Functions of time with the indices of what they drive.
+
+    Args:
+        model: Mechanism.
+        loads: See :func:`simulate`.
+        motion: See :func:`simulate`.
+        increment: See :func:`simulate`.
+
+    Raises:
+        ModelError: Unknown name, or what cannot be driven.
+    """
+    labels, topology = model.labels, model.topology
+    x_names = {str(entry): i for i, entry in enumerate(labels.x)}
+    e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
+    found = []
+    for name, value in loads.items():
+        nodes = labels.coordinates(name)
+        if name in x_names:
+            found.append(Driven("force", jnp.array([x_names[name]]), value))
+        elif name in e_names:
+            found.append(Driven("stress", jnp.array([e_names[name]]), value))
+        elif nodes:
+            turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
+            found.append(Driven("moment" if turned else "force", jnp.array(nodes), value))
+        else:
+            raise ModelError(
+                f"Load '{name}' names no coordinate, deformation or node. There are: {_some(x_names, e_names)}."
+            )
+    for name, value in motion.items():
+        for names, roles, quantity in ((x_names, topology.x, "x"), (e_names, topology.e, "e")):
+            if name not in names:
+                continue
+            order = np.asarray(roles.prescribed).tolist()
+            if names[name] not in order:
+                raise ModelError(f"Motion '{name}' is not PRESCRIBED: say prescribe() of it in the builder.")
+            if isinstance(value, Table):
+                raise ModelError(f"Motion '{name}' is a table, whose velocity jumps. Give a smooth function of time.")
+            found.append(Driven(quantity, jnp.array([order.index(names[name])]), value))
+            break
+        else:
+            raise ModelError(
+                f"Motion '{name}' names no coordinate or deformation. There are: {_some(x_names, e_names)}."
+            )
+    if increment is not None:
+        own = model.parameters.increment
+        if own is None:
+            raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
+        if own.gravity is not None:
+            raise ModelError("Gravity among the incremental loads does not change with time. Make it a constant load.")
+        found.append(Driven("increment", jnp.zeros(0, int), increment))
+    return tuple(found)
+
+
+def _some(*groups) -> str:
+    names = [name for group in groups for name in group]
+    return ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

@@ -1,0 +1,292 @@
+"""A mechanism with a controller around it, as one system of equations of motion."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..math.record import Record, static
+from .coordinates_form import CoordinatesForm
+from .deformation import deformations
+from .drive import Driven
+from .motion import kinematic_derivatives
+from .second_order import MotionState, Tangent
+
+
+class Feedback(Record):
+    """A controller: inputs of the mechanism from its outputs, in the order in which the builder named them.
+
+    Attributes:
+        output: ``u = output(t, z, y)``, (n_u,) [N, N m].
+        rate: ``dz/dt = rate(t, z, y)``, (n_z,), or None for a controller without state.
+        start: State at the start, (n_z,).
+    """
+
+    output: Callable[..., Any]
+    rate: Callable[..., Any] | None = None
+    start: Float[Array, "n_z"] | None = None
+
+
+class Held(Record):
+    """A number that does not depend on time.
+
+    Attributes:
+        value: The number or numbers.
+    """
+
+    value: Any
+
+    def __call__(self, t):
+        """The number.
+
+        Args:
+            t: Not used.
+        """
+        return self.value
+
+
+def driven_by_inputs(form: CoordinatesForm, forces, stresses, u) -> CoordinatesForm:
+    """Equations of a mechanism under given inputs.
+
+    Args:
+        form: Equations of the mechanism.
+        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
+        stresses: The same for inputs that are stresses, index in e, (2, l).
+        u: Inputs, (n_u,).
+    """
+    extra = []
+    if forces.shape[1]:
+        extra.append(Driven("force", forces[0], Held(u[forces[1]])))
+    if stresses.shape[1]:
+        extra.append(Driven("stress", stresses[0], Held(u[stresses[1]])))
+    return dataclasses.replace(form, driven=(*form.driven, *extra))
+
+
+class ControlledForm(Record):
+    """Equations of motion of a mechanism and a controller.
+
+    The states of the controller are velocities of coordinates of their own, after those of the mechanism: their
+    "accelerations" are the rates of the states, and so one solver serves both.
+
+    Attributes:
+        form: Equations of the mechanism.
+        feedback: Controller.
+        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
+        stresses: The same for inputs that are stresses, index in e, (2, k).
+        outputs: Index in x or e of each output.
+        quantities: What each output is: "position", "velocity", "deformation" or "deformation rate".
+    """
+
+    form: CoordinatesForm
+    feedback: Feedback
+    forces: Int[Array, "2 k"]
+    stresses: Int[Array, "2 l"]
+    outputs: Int[Array, "n_y"]
+    quantities: tuple[str, ...] = static()
+
+    @property
+    def states(self) -> int:
+        """Number of states of the controller."""
+        return 0 if self.feedback.start is None else self.feedback.start.shape[0]
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates that move, those of the controller included."""
+        return self.form.size + self.states
+
+    def _split(self, state: MotionState, z=None):
+        """State of the mechanism, of the controller, accelerations and multipliers of the mechanism, rates."""
+        n = self.form.size
+        own = MotionState(state.u[:n], state.w[:n], state.memory)
+        if z is None:
+            return own, state.w[n:], None, None
+        return own, state.w[n:], jnp.concatenate([z[:n], z[self.size :]]), z[n : self.size]
+
+    def _joined(self, mechanism, controller):
+        """Rows of the mechanism's coordinates, of the controller, of the constraints."""
+        n = self.form.size
+        return jnp.concatenate([mechanism[:n], controller, mechanism[n:]])
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates, with the controller at its start.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None.
+        """
+        own = self.form.state_of(x, xd, near)
+        if not self.states:
+            return own
+        start: Any = self.feedback.start
+        u, w = jnp.concatenate([own.u, jnp.zeros(self.states)]), jnp.concatenate([own.w, start])
+        return MotionState(u, w, own.memory)
+
+    def measured(self, t, own: MotionState):
+        """Outputs of the mechanism, (n_y,).
+
+        Args:
+            t: Time [s].
+            own: State of the mechanism.
+        """
+        at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
+        top, parameters = self.form.topology, self.form.parameters
+        e = ed = jnp.zeros(top.n_e)
+        if any("deformation" in quantity for quantity in self.quantities):
+            near = self.form.near(own.memory)
+            e, ed = jax.jvp(lambda x: deformations(top, parameters, x, near), (at.x,), (at.v,))
+        moved = at.x - parameters.reference
+        sources = {"position": moved, "velocity": at.v, "deformation": e, "deformation rate": ed}
+        values = [sources[q][self.outputs[i]] for i, q in enumerate(self.quantities)]
+        return jnp.stack(values) if values else jnp.zeros(0)
+
+    def _driven(self, u) -> CoordinatesForm:
+        """Equations of the mechanism under given inputs."""
+        return driven_by_inputs(self.form, self.forces, self.stresses, u)
+
+    def inputs(self, t, state: MotionState):
+        """Inputs of the mechanism, (n_u,).
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        own, z, _, _ = self._split(state)
+        return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, z, self.measured(t, own)), float))
+
+    def residual(self, t, state: MotionState, z):
+        """Residual of the mechanism, and of the controller's rates.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers.
+        """
+        own, states, own_z, rates = self._split(state, z)
+        y = self.measured(t, own)
+        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        mechanism = self._driven(u).residual(t, own, own_z)
+        controller = rates
+        if self.states:
+            rate: Any = self.feedback.rate
+            controller = rates - rate(t, states, y)
+        return self._joined(mechanism, controller)
+
+    def tangent(self, t, state: MotionState, z) -> Tangent:
+        """Derivatives of the residual: those of the mechanism, and through its outputs and the controller.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers.
+
+        Source:
+            Chain rule.
+        """
+        own, states, own_z, _ = self._split(state, z)
+        n, k = self.form.size, self.states
+        y, (y_by_u, y_by_w) = self._measured_derivatives(t, own)
+        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        at = self._driven(u).tangent(t, own, own_z)
+        u_by_z, u_by_y = jax.jacfwd(lambda z, y: jnp.atleast_1d(self.feedback.output(t, z, y)), (0, 1))(states, y)
+        by_input = self._by_input(t, own, own_z, u)
+        none = jnp.zeros((at.by_u.shape[0], k))
+        mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by_y @ y_by_u, none], axis=1)
+        mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by_y @ y_by_w, by_input @ u_by_z], axis=1)
+        controller_u = controller_w = jnp.zeros((k, n + k))
+        if k:
+            rate: Any = self.feedback.rate
+            r_by_z, r_by_y = jax.jacfwd(lambda z, y: rate(t, z, y), (0, 1))(states, y)
+            controller_u = jnp.concatenate([-r_by_y @ y_by_u, jnp.zeros((k, k))], axis=1)
+            controller_w = jnp.concatenate([-r_by_y @ y_by_w, -r_by_z], axis=1)
+        by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
+        kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
+        by_z = by_z.at[kept[:, None], kept].set(at.by_z)
+        by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
+
+    def _by_input(self, t, own, own_z, u):
+        """Derivative of the mechanism's residual by its inputs, in which it is linear."""
+        return jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
+
+    def _measured_derivatives(self, t, own: MotionState):
+        top, form = self.form.topology, self.form
+        at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
+        rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
+        by_x = None
+        if any("deformation" in quantity for quantity in self.quantities):
+            near, nothing = form.near(own.memory), jnp.zeros(top.n_e)
+            by_x = kinematic_derivatives(top, form.parameters, at.x, at.v, jnp.zeros(top.n_x), near, nothing)
+        found: tuple[list, list] = ([], [])
+        for i, quantity in enumerate(self.quantities):
+            j = self.outputs[i]
+            if by_x is None or "deformation" not in quantity:
+                row = rows[j][None]
+                pair = (row, zero) if quantity == "position" else (zero, row)
+            elif quantity == "deformation":
+                pair = (by_x.e[j][None], zero)
+            else:
+                pair = (by_x.ed[j][None], by_x.e[j][None])
+            for rows_of, row in zip(found, pair, strict=True):
+                rows_of.append(row)
+        matrices = tuple(
+            (jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in found
+        )
+        return self.measured(t, own), matrices
+
+    def acceleration(self, t, state: MotionState):
+        """Accelerations and multipliers, and rates of the controller.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.begin(t, state)[0]
+
+    def begin(self, t, state: MotionState):
+        """Accelerations and multipliers, and whether every motion carries mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        own, states, _, _ = self._split(state)
+        y = self.measured(t, own)
+        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        z, regular = self._driven(u).begin(t, own)
+        rate: Any = self.feedback.rate
+        return self._joined(z, rate(t, states, y) if self.states else jnp.zeros(0)), regular
+
+    def rate_of_memory(self, t, state: MotionState, z):
+        """As the mechanism.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers.
+        """
+        own, _, own_z, _ = self._split(state, z)
+        return self.form.rate_of_memory(t, own, own_z)
+
+    def settle(self, t, state: MotionState) -> MotionState:
+        """The mechanism brought back onto its constraints.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        n = self.form.size
+        own = self.form.settle(t, self._split(state)[0])
+        return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
+
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.form.whole_motion(t, self._split(state)[0])

@@ -1,0 +1,401 @@
+"""Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..math.indices import accumulate, put
+from ..math.linear import diagonal_of, factorise, is_positive_definite
+from ..math.record import Record
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from .deformation import deformation_jacobian, deformations, zero_near
+from .drive import Drive, Driven, drive_at
+from .extent import sizes_of
+from .inertia import mass_matrix, uniform_motion
+from .loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
+from .motion import Kinematics, inertia_derivatives, inertia_forces, kinematic_derivatives, stressed_kinematics
+from .second_order import MotionState, Tangent
+from .stress import element_damping, element_stiffness, stress_resultants
+
+# Share of a constraint's own compliance that is added to it: round-off where constraints are independent, and what
+# keeps the system solvable where they are redundant or lose rank for a moment.
+REDUNDANT = 1e-11
+
+
+class Whole(NamedTuple):
+    """All coordinates with their rates.
+
+    Attributes:
+        x: (n_x,) [m, rad, -].
+        v: (n_x,) [1/s].
+        a: (n_x,) [1/s^2].
+        e: Wanted values of the held deformations, (held,) [m, rad].
+        ed: Their rates.
+        edd: Their second rates.
+    """
+
+    x: Float[Array, "n_x"]
+    v: Float[Array, "n_x"]
+    a: Float[Array, "n_x"]
+    e: Any
+    ed: Any
+    edd: Any
+
+
+class CoordinatesForm(Record):
+    """Equations of motion in the coordinates that are not held, with a multiplier for each held deformation.
+
+    Attributes:
+        topology: Structure.
+        parameters: Numbers, without gravity.
+        S: Stiffness of the elements, (n_e, n_e).
+        S_d: Their damping, (n_e, n_e), or None.
+        gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
+        falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
+        free: Indices of the coordinates that move, (n,).
+        sizes: What their displacements are measured in: the mechanism's extent, or 1 for rotations, (n,) [m, -].
+        held: Indices of the held deformations, (m,).
+        mobility: Inverse masses of the coordinates that move, by which drift is shared among them, (n,).
+        driven: What depends on time.
+    """
+
+    topology: Topology
+    parameters: Parameters
+    S: Float[Array, "n_e n_e"]
+    S_d: Float[Array, "n_e n_e"] | None
+    gravity: Float[Array, "axes"] | None
+    falling: Float[Array, "n_x"] | None
+    free: Array
+    sizes: Float[Array, "n"]
+    held: Array
+    mobility: Float[Array, "n"]
+    driven: tuple[Driven, ...] = ()
+
+    @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates that move."""
+        return self.free.shape[0]
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
+        """
+        tracks = any(block.element.tracks_angle for block in self.topology.blocks)
+        memory = jnp.zeros(0)
+        if tracks:
+            guess = zero_near(self.topology) if near is None else near
+            memory = deformations(self.topology, self.parameters, x, guess)
+        moved = (x - self.parameters.reference)[self.free] / self.sizes
+        return MotionState(moved, xd[self.free] / self.sizes, memory)
+
+    def drive(self, t) -> Drive:
+        """What depends on time, at one time.
+
+        Args:
+            t: Time [s].
+        """
+        return drive_at(self.topology, self.parameters, self.driven, t)
+
+    def whole(self, t, u, w, a) -> Whole:
+        """All coordinates from those that move.
+
+        Args:
+            t: Time [s].
+            u: Displacements over their sizes, (n,) [-].
+            w: Their rates, (n,) [1/s].
+            a: Their second rates, (n,) [1/s^2].
+        """
+        top = self.topology
+        zero_x, zero_m = jnp.zeros(top.n_x), jnp.zeros(self.held.shape[0])
+
+        def prescribed(t):
+            drive = self.drive(t)
+            x, e = self.parameters.reference, zero_m
+            if drive.x is not None:
+                x = accumulate(x, top.x.prescribed, drive.x)
+            if drive.e is not None:
+                e = jnp.concatenate([e[: top.e.fixed.shape[0]], drive.e])
+            return x, e
+
+        if not any(one.quantity in ("x", "e", "increment") for one in self.driven):
+            (x, e), (v, ed), (acc, edd) = prescribed(t), (zero_x, zero_m), (zero_x, zero_m)
+        else:
+
+            def first(t):
+                return jax.jvp(prescribed, (t,), (jnp.ones_like(t),))
+
+            ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
+        u, w, a = (self.sizes * part for part in (u, w, a))
+        return Whole(accumulate(x, self.free, u), put(v, self.free, w), put(acc, self.free, a), e, ed, edd)
+
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        near = state.memory
+        if not near.shape[0]:
+            near = deformations(self.topology, self.parameters, at.x, zero_near(self.topology))
+        return at.x, at.v, near
+
+    def prescribed(self, at: Whole) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+        """Coordinates and deformations with those that are held at their values.
+
+        Args:
+            at: All coordinates at some time.
+        """
+        return at.x, put(jnp.zeros(self.topology.n_e), self.held, at.e)
+
+    def stress_of(self, t, multipliers):
+        """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
+        drive = self.drive(t)
+
+        def stress(e, ed):
+            sigma = stress_resultants(self.parameters, drive.loads, self.S, e)
+            if self.S_d is not None:
+                sigma = sigma + self.S_d @ ed
+            if drive.stress is not None:
+                sigma = sigma + drive.stress
+            return put(sigma, self.held, multipliers)
+
+        return stress
+
+    def near(self, memory) -> Float[Array, "n_e"]:
+        """Deformations at the last accepted state.
+
+        Args:
+            memory: Of the state.
+        """
+        return memory if memory.shape[0] else zero_near(self.topology)
+
+    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Any, Any, Whole]:
+        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
+        n = self.size
+        at = self.whole(t, state.u, state.w, z[:n])
+        stress = self.stress_of(t, z[n:])
+        near = self.near(state.memory)
+        kin, sigma, force = stressed_kinematics(self.topology, self.parameters, at.x, at.v, at.a, near, stress)
+        lifted = at.a if self.falling is None else at.a - self.falling
+        force = force + inertia_forces(self.topology, self.parameters, at.x, at.v, lifted)
+        return kin, sigma, force - self.applied(t, at.x), at
+
+    def applied(self, t, x):
+        """Nodal forces of all loads but gravity, (n_x,) [N, N m].
+
+        Args:
+            t: Time [s].
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+        """
+        drive = self.drive(t)
+        force = nodal_forces(self.topology, self.parameters, LoadFactors(1.0, drive.increment), x)
+        if drive.force is not None:
+            force = force + drive.force
+        return force if drive.turning is None else force + drive.turning @ x
+
+    def residual(self, t, state: MotionState, z):
+        """Forces out of balance at the coordinates that move, and second rates of the held deformations.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+
+        Returns:
+            (n + m,) [N, N m; m/s^2, rad/s^2].
+
+        Source:
+            FORMULATION.md 5 and 9 (b).
+        """
+        kin, _, force, at = self.forces(t, state, z)
+        return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
+
+    def _scaled(self, matrix):
+        return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
+
+    def _columns(self, matrix):
+        return matrix[self.held][:, self.free] * self.sizes
+
+    def _system(self, mass, jacobian):
+        m = self.held.shape[0]
+        top = self._scaled(mass)
+        if m == 0:
+            return top
+        rows = self._columns(jacobian)
+        compliance = rows**2 @ self.mobility
+        corner = -REDUNDANT * jnp.diag(compliance)
+        return jnp.block([[top, rows.T], [rows, corner]])
+
+    def tangent(self, t, state: MotionState, z) -> Tangent:
+        """Derivatives of the residual.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+
+        Returns:
+            Tangent.
+
+        Source:
+            Derivative of :meth:`residual`, element by element (FORMULATION.md 6).
+        """
+        n, held = self.size, self.held
+        top, parameters = self.topology, self.parameters
+        at = self.whole(t, state.u, state.w, z[:n])
+        near = self.near(state.memory)
+        e, jacobian = deformation_jacobian(top, parameters, at.x, near)
+        sigma = self.stress_of(t, z[n:])(e, jacobian @ at.v)
+        by_x = kinematic_derivatives(top, parameters, at.x, at.v, at.a, near, sigma)
+        lifted = at.a if self.falling is None else at.a - self.falling
+        inertia = inertia_derivatives(top, parameters, at.x, at.v, lifted)
+        # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
+        keep = put(jnp.ones(top.n_e), held, 0.0)[:, None]
+        strained = self.S @ by_x.e
+        drive = self.drive(t)
+        k = inertia.by_x + by_x.curvature
+        k = k - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
+        if drive.turning is not None:
+            k = k - drive.turning
+        c = inertia.by_v
+        if self.S_d is not None:
+            damped = self.S_d @ by_x.e
+            strained = strained + self.S_d @ by_x.ed
+            c = c + by_x.e.T @ (keep * damped)
+        k = k + by_x.e.T @ (keep * strained)
+        by_u = jnp.concatenate([self._scaled(k), self._columns(by_x.edd)])
+        by_w = jnp.concatenate([self._scaled(c), 2 * self._columns(by_x.ed)])
+        by_t = None
+        if self.driven:
+            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        return Tangent(by_u, by_w, self._system(inertia.by_a, by_x.e), by_t)
+
+    def acceleration(self, t, state: MotionState):
+        """Accelerations and multipliers.
+
+        Args:
+            t: Time [s].
+            state: State.
+
+        Returns:
+            (n + m,) [1/s^2; N, N m].
+
+        Source:
+            FORMULATION.md 9 (b): one symmetric solve.
+        """
+        return self.begin(t, state)[0]
+
+    def begin(self, t, state: MotionState):
+        """Accelerations and multipliers, and whether every motion that the constraints allow carries mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        zero = jnp.zeros(self.size + self.held.shape[0])
+        at = self.whole(t, state.u, state.w, zero[: self.size])
+        _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self.near(state.memory))
+        mass = mass_matrix(self.topology, self.parameters, at.x)
+        scaled, rows = self._scaled(mass), self._columns(jacobian)
+        heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
+        regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
+        return factorise(self._system(mass, jacobian)).solve(-self.residual(t, state, zero)), regular
+
+    def rate_of_memory(self, t, state: MotionState, z):
+        """Rates of the deformations, where their turn is remembered.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
+        if not state.memory.shape[0]:
+            return state.memory
+        at = self.whole(t, state.u, state.w, z[: self.size])
+        return deformation_jacobian(self.topology, self.parameters, at.x, state.memory)[1] @ at.v
+
+    def settle(self, t, state: MotionState) -> MotionState:
+        """Positions and velocities brought back onto the constraints, by the least change measured by inertia.
+
+        Args:
+            t: Time [s].
+            state: State.
+
+        Source:
+            FORMULATION.md 9 (b): projection onto D = e and D_x v = e_dot.
+        """
+        u, w = state.u, state.w
+        near = self.near(state.memory)
+        zero = jnp.zeros_like(u)
+        if self.held.shape[0]:
+            at = self.whole(t, u, w, zero)
+            _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, near)
+            rows = self._columns(jacobian)
+            square = (rows * self.mobility) @ rows.T
+            factors = factorise(square + jnp.diag(REDUNDANT * diagonal_of(square)))
+
+            def corrected(_, moving):
+                at = self.whole(t, *moving, zero)
+                e, ed = jax.jvp(lambda x: deformations(self.topology, self.parameters, x, near), (at.x,), (at.v,))
+                excess = jnp.stack([e[self.held] - at.e, ed[self.held] - at.ed], axis=1)
+                change = self.mobility[:, None] * (rows.T @ factors.solve(excess))
+                return moving[0] - change[:, 0], moving[1] - change[:, 1]
+
+            # The second time removes what the first left, which is of second order.
+            u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
+        memory = state.memory
+        if memory.shape[0]:
+            memory = deformations(self.topology, self.parameters, self.whole(t, u, w, zero).x, memory)
+        return MotionState(u, w, memory)
+
+
+def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
+    """Equations of motion of a model in all its coordinates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        driven: What depends on time.
+
+    Returns:
+        CoordinatesForm.
+    """
+    gravity = parameters.loads.gravity
+    damped = any("damping" in block.companions for block in topology.blocks)
+    free = jnp.concatenate([topology.x.dependent, topology.x.dof])
+    mass = diagonal_of(mass_matrix(topology, parameters, parameters.reference))[free]
+    sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
+    mass = jax.lax.stop_gradient(mass) * sizes**2
+    return CoordinatesForm(
+        topology,
+        without_gravity(parameters),
+        element_stiffness(topology, parameters),
+        element_damping(topology, parameters) if damped else None,
+        gravity,
+        None if gravity is None else uniform_motion(topology, gravity),
+        free,
+        sizes,
+        jnp.concatenate([topology.e.fixed, topology.e.prescribed]),
+        1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),
+        driven,
+    )

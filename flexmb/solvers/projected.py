@@ -1,0 +1,56 @@
+"""Any solver of diffrax, with the state brought back onto the constraints after each step."""
+
+import diffrax
+
+from .term import equations_of
+
+
+class Projected(diffrax.AbstractWrappedSolver):
+    """A solver of diffrax whose every step ends on the constraints.
+
+    Attributes:
+        solver: The solver.
+    """
+
+    solver: diffrax.AbstractSolver
+
+    @property
+    def term_structure(self):
+        """As the solver."""
+        return self.solver.term_structure
+
+    @property
+    def interpolation_cls(self):
+        """As the solver."""
+        return self.solver.interpolation_cls
+
+    def order(self, terms):
+        """As the solver."""
+        return self.solver.order(terms)
+
+    def error_order(self, terms):
+        """As the solver."""
+        return self.solver.error_order(terms)
+
+    def init(self, terms, t0, t1, y0, args):
+        """As the solver."""
+        return self.solver.init(terms, t0, t1, y0, args)
+
+    def func(self, terms, t0, y0, args):
+        """As the solver."""
+        return self.solver.func(terms, t0, y0, args)
+
+    def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
+        """A step of the solver, then the constraints.
+
+        Args:
+            terms: Equations of motion.
+            t0: Begin [s].
+            t1: End [s].
+            y0: State at the begin.
+            args: Not used.
+            solver_state: State of the solver.
+            made_jump: Whether loads jump at the begin.
+        """
+        y1, error, dense, state, result = self.solver.step(terms, t0, t1, y0, args, solver_state, made_jump)
+        return equations_of(terms).settle(t1, y1), error, dense, state, result

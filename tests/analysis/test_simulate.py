@@ -1,0 +1,256 @@
+"""Nonlinear motion against closed forms, printed solutions of independent integrations, and conservation laws."""
+
+import control
+import diffrax
+import jax
+import jax.numpy as jnp
+import motions
+import numpy as np
+import pytest
+from jax.tree_util import Partial
+from scipy.integrate import solve_ivp
+
+import flexmb as fm
+from flexmb import planar
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    return motions.pendulum().build()
+
+
+PENDULUM = (-0.2750874626, -0.9614192051)  # REFERENCES D5, closed form, t = 10
+
+
+def test_pendulum_in_all_coordinates(pendulum):
+    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9)
+    # Global error over four swings: some hundred times the tolerance of one step.
+    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
+    seen = found.observe()
+    assert np.ptp(seen.energy) < 1e-7 * np.max(seen.kinetic)
+    # Round-off of the projection.
+    assert np.max(np.abs(seen.e)) < 1e-14 and np.max(np.abs(seen.ed)) < 1e-13
+
+
+def test_pendulum_in_its_degree_of_freedom(pendulum):
+    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9, form="reduced")
+    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-6)
+    assert found.form == "reduced"
+
+
+def test_pendulum_by_an_explicit_solver(pendulum):
+    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9, atol=1e-9, solver=diffrax.Dopri8())
+    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
+    assert found.solver == "Dopri8"
+
+
+def test_order_of_the_default_solver(pendulum):
+    """Fixed steps: the error falls with the fifth power of the step."""
+    errors = []
+    for steps in (100, 200):
+        found = fm.simulate(
+            pendulum, np.array([0.0, 2.0]), controller=diffrax.ConstantStepSize(), dt0=2.0 / steps, solver=fm.Rodas5P()
+        )
+        exact = solve_ivp(lambda t, y: [y[1], -9.81 * np.cos(y[0] + np.pi)], (0, 2), [0, 0], rtol=1e-13, atol=1e-13)
+        angle = exact.y[0, -1]
+        errors.append(abs(float(found.at("rod")[-1, 0]) - angle))
+    assert np.log2(errors[0] / errors[1]) > 4.5, errors
+
+
+FOUR_BARS = {
+    1: (-30.343944970939, -1.966934719, (0.4783850578, 0.8781501788), 20.4533333333),
+    2: (-30.179800860189, -1.506642181, (0.3284581115, 0.9445185382), 35.835),
+}  # REFERENCES D5: theta, its rate, top of crank 1 at t = 10, energy with the potential zero at theta = 0
+
+
+@pytest.mark.parametrize("loops", FOUR_BARS)
+def test_four_bars_pass_their_singular_position(loops):
+    """At theta = 0 and pi the constraints lose rank: it must stay on the branch of the parallelogram."""
+    theta, rate, _, energy = FOUR_BARS[loops]
+    model = motions.four_bars(loops).build()
+    found = fm.simulate(model, np.linspace(0, 10, 21), rtol=1e-11, atol=1e-11)
+    # Ten half turns, each through a position where round-off is amplified by the lost rank.
+    assert abs(float(found.at("crank0")[-1, 0]) + np.pi / 2 - theta) < 2e-7
+    assert abs(float(found.velocity("crank0")[-1, 0]) - rate) < 1e-6
+    np.testing.assert_allclose(found.at("crank1"), found.at("crank0"), atol=1e-9)
+    seen = found.observe()
+    np.testing.assert_allclose(seen.energy, seen.energy[0], rtol=1e-8 * energy)
+    assert np.max(np.abs(seen.e)) < 1e-9
+
+
+def test_heavy_top():
+    """REFERENCES C5: t = 0.5 and 1, Runge-Kutta of order 8."""
+    model = motions.body((0.234375, 0.46875, 0.234375), (0, 150, -4.61538), 15.0, (0, 1, 0), (0, 0, -9.81)).build()
+    found = fm.simulate(model, np.array([0, 0.5, 1.0]), solver=diffrax.Dopri8(), rtol=1e-10, atol=1e-10)
+    expected = [(-0.7024683, -0.0211652, -0.7114003), (0.1733440, 0.6400886, -0.7484908)]
+    np.testing.assert_allclose(found.at("centre")[1:], expected, atol=1e-6)
+    np.testing.assert_allclose(motions.body_rates(found)[1:, 1], 150, rtol=1e-8)
+    seen = found.observe()
+    # The reference counts the potential from the fixed point, where the centre of mass starts.
+    np.testing.assert_allclose(seen.energy, 5435.69679086, rtol=1e-9)
+
+
+def test_body_flips_about_its_middle_axis():
+    """REFERENCES D5: period of the middle rate, by elliptic functions."""
+    period = 57.4628488744
+    model = motions.body((1, 2, 3), (1e-3, 1, 0)).build()
+    times = np.array([0, period / 2, period])
+    found = fm.simulate(model, times, solver=diffrax.Dopri8(), rtol=1e-11, atol=1e-11)
+    rates = motions.body_rates(found)
+    np.testing.assert_allclose(rates[1], (1e-3, -1, 0), atol=2e-6)
+    np.testing.assert_allclose(rates[2], rates[0], atol=2e-6)
+
+
+def test_loads_as_functions_of_time():
+    """A mass on a spring under a force that ramps up and stays: closed form, with the bend stepped onto."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (1.0, 0))
+    b.add(planar.truss, "foot", "mass", name="spring", section=fm.Rigidity(EA=400.0))
+    b.fix("foot")
+    b.fix("mass", "y")
+    b.mass("mass", 1.0)
+    b.dof("mass", "x")
+    model = b.build()
+    times = np.array([0, 0.5, 1.0, 2.0])
+    table = fm.Table(jnp.array([0.0, 0.7, 3.0]), jnp.array([0.0, 7.0, 7.0]))
+    found = fm.simulate(model, times, loads={"mass.x": table}, rtol=1e-9)
+    omega = 20.0
+
+    def ramp(t):
+        return 10.0 * np.where(t > 0, t - np.sin(omega * t) / omega, 0.0) / omega**2
+
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, ramp(times) - ramp(times - 0.7), atol=1e-9)
+
+
+def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (1.0, 0))
+    b.add(planar.truss, "foot", "mass", name="s", section=fm.Rigidity(EA=100.0), damping=fm.Damping(EA=0.5))
+    b.fix("foot")
+    b.fix("mass", "y")
+    b.mass("mass", 1.0)
+    b.dof("mass", "x")
+    b.input("mass", "x")
+    b.output("mass", "x")
+    model = b.build()
+    lead = control.ss(control.tf([200, 3000], [1, 100]))
+    times = np.linspace(0, 2, 21)
+    found = fm.simulate(model, times, control=lead, reference=lambda t: jnp.array([0.01]), rtol=1e-8, atol=1e-9)
+    loop = control.feedback(fm.to_statespace(model) * lead, 1)
+    _, expected = control.step_response(loop, times)
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, 0.01 * np.asarray(expected), atol=1e-7)
+    seen = found.observe()
+    # What the controller puts in is the change of energy and what the damper takes: trapezoidal rule of 20 intervals.
+    assert found.u.shape == (21, 1) and np.all(np.isfinite(seen.power))
+
+
+@pytest.fixture(scope="module")
+def guide():
+    model = motions.released_guide().build()
+    return model, fm.equilibrium(motions.pushed(model, "left2", 0, 0.945))
+
+
+def test_released_guide_against_an_explicit_integration(guide):
+    """The bar of a guide with axial modes of 14 kHz, against diffrax's Dopri8 at small steps."""
+    model, bent = guide
+    times = np.linspace(0, 0.02, 5)
+    found = fm.simulate(model, times, initial=bent, rtol=1e-6)
+    tight = fm.simulate(model, times, initial=bent, rtol=1e-9, atol=1e-11, solver=diffrax.Dopri8())
+    np.testing.assert_allclose(found.at("left2"), tight.at("left2"), atol=1e-8)
+    assert int(found.steps) < int(tight.steps)
+
+
+def test_derivative_of_a_motion(guide):
+    _, bent = guide
+
+    def place(thickness, **options):
+        model = motions.released_guide(thickness)
+        model = fm_build(model)
+        found = fm.simulate(model, np.array([0.0, 0.03]), initial=bent, rtol=1e-6, **options)
+        return found.at("left2")[-1, 0]
+
+    names = motions.released_guide().build().q_labels
+
+    def fm_build(builder):
+        for name in names:
+            of, _, component = name.rpartition(".")
+            builder.dof(of, component.removeprefix("e") if of not in builder.nodes else component)
+        return builder.build()
+
+    t = 0.0005
+    _, forward = jax.jvp(lambda t: place(t, adjoint=diffrax.ForwardMode()), (t,), (1.0,))
+    step = 1e-6 * t
+    difference = (place(t + step) - place(t - step)) / (2 * step)
+    # The steps are chosen anew for each difference: their error is that of the integration, over the step.
+    np.testing.assert_allclose(forward, difference, rtol=1e-3)
+    reverse = jax.grad(place)(t)
+    np.testing.assert_allclose(reverse, forward, rtol=1e-9)
+
+
+def test_hinge_counts_past_full_turns_in_space():
+    b = fm.Builder()
+    b.node("o", (0, 0, 0))
+    b.node("end", (0.1, 0, 0))
+    b.rotation("ground")
+    b.rotation("arm")
+    b.fix("o", "x", "y", "z")
+    b.fix("ground")
+    b.add(fm.spatial.hinge, "ground", "arm", name="hinge", axis=(0, 0, 1.0))
+    b.add(fm.spatial.rigid_beam, "o", "arm", "end", name="bar")
+    b.mass("end", 1.0)
+    b.start("hinge", 1, 0.0, 10.0)
+    found = fm.simulate(b.build(), np.linspace(0, 2, 5), rtol=1e-8)
+    np.testing.assert_allclose(found.observe().e[:, 0], 10.0 * np.linspace(0, 2, 5), rtol=1e-6)
+
+
+# -- what is refused ----------------------------------------------------------------------------------------------
+
+
+def test_names_and_times_are_checked(pendulum):
+    with pytest.raises(fm.ModelError, match="'mess' names no coordinate, deformation or node"):
+        fm.simulate(pendulum, [0, 1.0], loads={"mess": abs})
+    with pytest.raises(fm.ModelError, match=r"'mass\.x' is not PRESCRIBED"):
+        fm.simulate(pendulum, [0, 1.0], motion={"mass.x": abs})
+    with pytest.raises(ValueError, match="ascending"):
+        fm.simulate(pendulum, [0, 1.0, 0.5])
+    with pytest.raises(fm.ModelError, match="needs an input and an output"):
+        fm.simulate(pendulum, [0, 1.0], control=lambda t, y: y)
+    with pytest.raises(fm.ModelError, match="no incremental loads"):
+        fm.simulate(pendulum, [0, 1.0], increment=jnp.sin)
+
+
+def test_motion_without_mass_is_named():
+    b = motions.pendulum()
+    b.members = {name: member for name, member in b.members.items() if not member.hidden}
+    with pytest.raises(fm.AnalysisError, match="some motion carries no mass") as fault:
+        fm.simulate(b.build(), [0, 1.0])
+    assert fault.value.code == "singular_mass"
+
+
+def test_too_few_steps_keep_what_was_reached(pendulum):
+    found = fm.simulate(pendulum, np.linspace(0, 10, 11), rtol=1e-9, max_steps=100, throw=False)
+    assert fm.RESULTS(int(found.result)) == fm.RESULTS.motion_unfinished
+    reached = np.isfinite(found.x).all(axis=1)
+    assert reached[0] and not reached[-1]
+
+
+def test_functions_given_as_data_are_compiled_once(pendulum):
+    """A Partial of arrays is data: another number does not compile again."""
+    builder = motions.rotor(2)
+    model = builder.build()
+    count = []
+
+    def angle(t, speed):
+        count.append(1)
+        return speed * t
+
+    for speed in (1.0, 2.0):
+        found = fm.simulate(
+            model, [0, 0.01], motion={"hub.rotation.phi": Partial(angle, speed=jnp.array(speed))}, rtol=1e-4
+        )
+        np.testing.assert_allclose(found.at("hub.rotation")[-1, 0], 0.01 * speed, rtol=1e-12)
+        if speed == 1.0:
+            traced = len(count)
+    assert len(count) == traced
