@@ -29,7 +29,8 @@ def test_pendulum_in_all_coordinates(pendulum):
     seen = found.observe()
     assert np.ptp(seen.energy) < 1e-7 * np.max(seen.kinetic)
     # Round-off of the projection.
-    assert np.max(np.abs(seen.e)) < 1e-14 and np.max(np.abs(seen.ed)) < 1e-13
+    assert np.max(np.abs(seen.e)) < 1e-14
+    assert np.max(np.abs(seen.ed)) < 1e-13
 
 
 def test_pendulum_in_its_degree_of_freedom(pendulum):
@@ -144,7 +145,8 @@ def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, 0.01 * np.asarray(expected), atol=1e-7)
     seen = found.observe()
     # What the controller puts in is the change of energy and what the damper takes: trapezoidal rule of 20 intervals.
-    assert found.u.shape == (21, 1) and np.all(np.isfinite(seen.power))
+    assert found.u.shape == (21, 1)
+    assert np.all(np.isfinite(seen.power))
 
 
 @pytest.fixture(scope="module")
@@ -233,15 +235,16 @@ def test_motion_without_mass_is_named():
 def test_too_few_steps_keep_what_was_reached(pendulum):
     found = fm.simulate(pendulum, np.linspace(0, 10, 11), rtol=1e-9, max_steps=100, throw=False)
     assert fm.RESULTS(int(found.result)) == fm.RESULTS.motion_unfinished
-    reached = np.isfinite(found.x).all(axis=1)
-    assert reached[0] and not reached[-1]
+    reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
+    assert reached[0]
+    assert not reached[-1]
 
 
 def test_functions_given_as_data_are_compiled_once(pendulum):
     """A Partial of arrays is data: another number does not compile again."""
     builder = motions.rotor(2)
     model = builder.build()
-    count = []
+    count, traced = [], 0
 
     def angle(t, speed):
         count.append(1)
