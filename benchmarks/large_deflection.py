@@ -1,7 +1,8 @@
-"""Error against time for a guide at a large stroke: SPACAR beams and spectral beams.
+"""Error against time for a guide at a large stroke: SPACAR beams, spectral beams, Exudyn's geometrically exact beam.
 
 ``python benchmarks/large_deflection.py`` writes results/large_deflection.json and results/large_deflection.png, which
-README shows. The tutorial's spatial guide under 9.5 N along its drive direction moves some 10 mm.
+README shows. The tutorial's spatial guide under 9.5 N along its drive direction moves some 10 mm. Exudyn takes part
+where it is installed (``pip install -e '.[peers]'``), in the same run.
 """
 
 import sys
@@ -9,46 +10,133 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 FORCE = 9.5
-BEAMS = (1, 2, 4, 8, 16)
+LENGTH = DISTANCE = 0.1
+BEAMS = (1, 2, 4, 8, 16, 32)
 ORDERS = (2, 3, 4, 5, 6)
-RUNS = 7
+RUNS = 15
+EXUDYN = "Exudyn, geometrically exact beams"
 
 
-def guide(element, beams=1, **options):
+def leaf(shear=False):
+    """Section of the leaf springs.
+
+    Args:
+        shear: Whether shear deformation is counted.
+    """
+    from scenes import STEEL
+
+    import flexmb as fm
+
+    return fm.Rectangle(0.018, 0.0005, fm.Material(**STEEL), shear=shear)
+
+
+def guide(element, beams=1, shear=False, **options):
     """Spatial guide of two leaf springs 0.1 m long and 0.1 m apart, upright, a rigid bar on top.
 
     Args:
         element: Beam element of the leaf springs.
         beams: Elements a leaf spring.
+        shear: Whether shear deformation is counted; the element must know it too.
         options: Properties of the beams.
     """
-    from scenes import STEEL
-
     import flexmb as fm
     from flexmb import spatial
 
-    leaf = fm.Rectangle(0.018, 0.0005, fm.Material(**STEEL))
+    section = leaf(shear)
     b = fm.Builder()
-    for side, y in (("left", 0.0), ("right", 0.1)):
+    for side, y in (("left", 0.0), ("right", DISTANCE)):
         for i in range(beams + 1):
-            b.node(f"{side}{i}", (0, y, 0.1 * i / beams))
+            b.node(f"{side}{i}", (0, y, LENGTH * i / beams))
         for i in range(beams):
             ends = f"{side}{i}", f"{side}{i + 1}"
-            b.add(element, *ends, name=f"{side} {i + 1}", section=leaf, y=(1, 0, 0), **options)
+            b.add(element, *ends, name=f"{side} {i + 1}", section=section, y=(1, 0, 0), **options)
         b.fix(f"{side}0")
     b.add(spatial.beam, f"left{beams}", f"right{beams}", name="bar", y=(1, 0, 0))
     b.force(f"right{beams}", (0, FORCE, 0))
     return b.build()
 
 
-def main() -> None:
-    """Compute, time, print, save and draw."""
+def stroke(model, beams):
+    """Of the stage at equilibrium [m], and the solution.
+
+    Args:
+        model: As from :func:`guide`.
+        beams: Elements a leaf spring.
+    """
+    import flexmb as fm
+
+    solved = fm.equilibrium(model)
+    return float(solved.at(f"right{beams}")[1]) - DISTANCE, solved
+
+
+def peers(found, run):
+    """Add Exudyn to what was found and what is timed, where it is installed.
+
+    Its beam deforms in shear, so its strokes are compared with the converged stroke that counts shear.
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+
+    Returns:
+        Names of the packages that took part.
+    """
+    import numpy as np
+    import peer_exudyn
+
+    from flexmb import spatial
+
+    if not peer_exudyn.installed():
+        print("Exudyn is not installed and is left out: pip install -e '.[peers]' brings it.")
+        return ()
+    exact, _ = stroke(guide(spatial.spectral_beam(8, shear=True), 2, shear=True), 2)
+    for n in BEAMS:
+        best = peer_exudyn.fastest(leaf(shear=True).rigidity(), LENGTH, DISTANCE, FORCE, n)
+        # The feet stand still; the nodes above have six degrees of freedom each, the last two share theirs.
+        entry = {"error": abs(best["stroke"] / exact - 1), "stroke": best["stroke"], "of": exact}
+        found[f"{EXUDYN}: {n}"] = entry | {"degrees_of_freedom": 12 * n - 6, "settings": best["settings"]}
+        run[f"{EXUDYN}: {n}"] = best["solve"]
+    # Two programs agree on the answer: Exudyn's strokes extrapolate to ours.
+    fine, finer = (found[f"{EXUDYN}: {n}"]["stroke"] for n in BEAMS[-2:])
+    np.testing.assert_allclose((4 * finer - fine) / 3, exact, rtol=1e-5)
+    return ("exudyn",)
+
+
+def draw(found, timed):
+    """Chart of error against time.
+
+    Args:
+        found: Entries by name, with their error.
+        timed: Times by name.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from record import RESULTS
+
+    families: dict[str, list[str]] = {}
+    for name in found:
+        families.setdefault(name.rsplit(": ", 1)[0], []).append(name)
+    figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
+    for (family, names), marker in zip(families.items(), "osD^", strict=False):
+        x, y = [1e3 * timed[name]["median"] for name in names], [found[name]["error"] for name in names]
+        axes.loglog(x, y, marker=marker, label=family)
+        for name, xi, yi in zip(names, x, y, strict=True):
+            size = name.rsplit(": ", 1)[1]
+            axes.annotate(size, (xi, yi), textcoords="offset points", xytext=(4, 4), fontsize=8)
+    axes.set_xlabel("time of one equilibrium, compiled [ms]")
+    axes.set_ylabel("error of the stroke [-]")
+    axes.set_title("Guide at 10 mm: elements a leaf spring, or the order of one", fontsize=11)
+    axes.grid(True, which="major", alpha=0.4)
+    axes.legend(fontsize=8)
+    figure.savefig(RESULTS / "large_deflection.png", dpi=120)
+
+
+def main() -> None:
+    """Compute, time, print, save and draw."""
     import numpy as np
-    from record import RESULTS, interleaved, save, show
+    from record import PACKAGES, interleaved, save, show
 
     import flexmb as fm
     from flexmb import spatial
@@ -60,48 +148,28 @@ def main() -> None:
         "SPACAR beams, no second-order terms": {n: (guide(spatial.beam, n, second_order=False), n) for n in BEAMS},
         "one spectral beam a leaf spring": {p: (guide(spatial.spectral_beam(p)), 1) for p in ORDERS},
     }
-    fine = fm.equilibrium(guide(spatial.spectral_beam(8), 2))
-    exact = float(fine.at("right2")[1]) - 0.1
-    found = {}
+    exact, _ = stroke(guide(spatial.spectral_beam(8), 2), 2)
+    found, run = {}, {}
     for family, models in families.items():
         for size, (model, beams) in models.items():
-            solved = fm.equilibrium(model)
-            stroke = float(solved.at(f"right{beams}")[1]) - 0.1
+            reached, solved = stroke(model, beams)
             found[f"{family}: {size}"] = {
-                "error": abs(stroke / exact - 1),
+                "error": abs(reached / exact - 1),
                 "iterations": int(solved.iterations),
                 "degrees_of_freedom": model.topology.n_q,
             }
-    timed = interleaved(
-        {
-            f"{family}: {size}": lambda model=model: fm.equilibrium(model).x.block_until_ready()
-            for family, models in families.items()
-            for size, (model, _) in models.items()
-        },
-        RUNS,
-    )
+            run[f"{family}: {size}"] = lambda model=model: fm.equilibrium(model).x.block_until_ready()
+    took_part = peers(found, run)
+    timed = interleaved(run, RUNS)
     show(f"Equilibrium at a stroke of {exact:.6f} m, compiled", timed)
     for name, entry in found.items():
-        size = f"{entry['degrees_of_freedom']} degrees of freedom"
-        print(f"{name:44s} error {entry['error']:.1e}   {entry['iterations']:3d} iterations   {size}")
+        how = entry.get("settings") or f"{entry['iterations']:3d} iterations"
+        print(f"{name:44s} error {entry['error']:.1e}   {entry['degrees_of_freedom']:4d} degrees of freedom   {how}")
     # Two independent elements agree on the answer: the finest mesh of SPACAR beams converges to it with order two.
     errors = [found[f"SPACAR beams: {n}"]["error"] for n in BEAMS]
     np.testing.assert_allclose(np.divide(errors[2:-1], errors[3:]), 4, rtol=0.2)
-    save("large_deflection", {"stroke": exact, "found": found, "times": timed})
-
-    figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
-    for (family, models), marker in zip(families.items(), "osD", strict=True):
-        names = [f"{family}: {size}" for size in models]
-        x = [1e3 * timed[name]["median"] for name in names]
-        axes.loglog(x, [found[name]["error"] for name in names], marker=marker, label=family)
-        for size, xi, name in zip(models, x, names, strict=True):
-            axes.annotate(str(size), (xi, found[name]["error"]), textcoords="offset points", xytext=(4, 4), fontsize=8)
-    axes.set_xlabel("time of one equilibrium, compiled [ms]")
-    axes.set_ylabel("error of the stroke [-]")
-    axes.set_title("Guide at 10 mm: beams a leaf spring, or the order of one", fontsize=11)
-    axes.grid(True, which="major", alpha=0.4)
-    axes.legend()
-    figure.savefig(RESULTS / "large_deflection.png", dpi=120)
+    save("large_deflection", {"stroke": exact, "found": found, "times": timed}, PACKAGES + took_part)
+    draw(found, timed)
 
 
 if __name__ == "__main__":

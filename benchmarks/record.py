@@ -46,12 +46,13 @@ def processor() -> str:
         return platform.processor()
 
 
-def save(name: str, data: dict[str, Any]) -> None:
+def save(name: str, data: dict[str, Any], packages: tuple[str, ...] = PACKAGES) -> None:
     """Write results with versions, processor and date.
 
     Args:
         name: File name without its ending.
         data: Results.
+        packages: Those whose versions are written.
     """
     import os
 
@@ -60,7 +61,7 @@ def save(name: str, data: dict[str, Any]) -> None:
         "python": platform.python_version(),
         "processor": processor(),
         "cores": os.cpu_count(),
-        "versions": {p: importlib.metadata.version(p) for p in PACKAGES},
+        "versions": {p: importlib.metadata.version(p) for p in packages},
     }
     RESULTS.mkdir(exist_ok=True)
     (RESULTS / f"{name}.json").write_text(json.dumps({"about": about, **data}, indent=1) + "\n")

@@ -5,6 +5,8 @@ from .analysis.buckling import buckling as buckling
 from .analysis.buckling import buckling_loads as buckling_loads
 from .analysis.compliance import compliance as compliance
 from .analysis.compliance import directional_compliance as directional_compliance
+from .analysis.configuration import Configuration as Configuration
+from .analysis.configuration import configuration as configuration
 from .analysis.critical import CriticalPoint as CriticalPoint
 from .analysis.critical import limit_load as limit_load
 from .analysis.equilibrium import Equilibrium as Equilibrium
@@ -18,8 +20,13 @@ from .analysis.modal import Modes as Modes
 from .analysis.modal import frequencies as frequencies
 from .analysis.modal import modes as modes
 from .analysis.modal import poles as poles
+from .analysis.moving import linearize_motion as linearize_motion
+from .analysis.moving import steady_motion as steady_motion
 from .analysis.path import Path as Path
 from .analysis.path import path as path
+from .analysis.simulate import Motion as Motion
+from .analysis.simulate import Observed as Observed
+from .analysis.simulate import simulate as simulate
 from .analysis.stress import Location as Location
 from .analysis.stress import SectionResultants as SectionResultants
 from .analysis.stress import Stress as Stress
@@ -52,10 +59,13 @@ from .errors import SpacarError as SpacarError
 from .io.spacar import read_spacar as read_spacar
 from .io.spacar import write_spacar as write_spacar
 from .math.compile import jit as jit
+from .mechanics.controlled_form import Feedback as Feedback
+from .mechanics.drive import Table as Table
 from .model.model import Model as Model
 from .results import RESULTS as RESULTS
 from .setup import enable_cache as enable_cache
 from .setup import enable_x64 as enable_x64
+from .solvers.rosenbrock import Rodas5P as Rodas5P
 from .statespace import state_matrices as state_matrices
 from .statespace import to_statespace as to_statespace
 

@@ -62,6 +62,12 @@ class RESULTS(enum.IntEnum):
         "The path did not reach its end within the allowed number of steps. Allow more steps (max_steps,"
         " --max-steps), or look at the path so far: it may turn back for good.",
     )
+    critical_state = (
+        8,
+        "The equilibrium was found, but at a critical state: the loads take away all but a ten-thousandth of the"
+        " stiffness of some motion, so that the derivative does not exist or holds for no finite change. Lower the"
+        " load, follow the path, or differentiate limit_load.",
+    )
     out_of_reach = (
         9,
         "There is no configuration with these degrees of freedom: the mechanism cannot be assembled there. Check their"
@@ -80,7 +86,9 @@ class RESULTS(enum.IntEnum):
 
 
 def check(result, throw: bool, about: str = "") -> None:
-    """Raise the text of a result that is not a success; does nothing under a trace or with ``throw=False``.
+    """Raise the text of a result that is a failure; does nothing under a trace or with ``throw=False``.
+
+    A critical state is a success with a warning for whom differentiates.
 
     Args:
         result: Integer code, () or a batch of them.
@@ -95,7 +103,8 @@ def check(result, throw: bool, about: str = "") -> None:
 
     if not throw or isinstance(result, jax.core.Tracer):
         return
-    worst = int(np.max(np.asarray(result)))
+    codes = np.asarray(result)
+    worst = int(np.max(np.where(codes == RESULTS.critical_state, RESULTS.successful, codes)))
     if worst != RESULTS.successful:
         member = RESULTS(worst)
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))

@@ -1,5 +1,8 @@
+import gc
+
 import hypothesis
 import jax
+import pytest
 
 import flexmb as fm
 from flexmb.setup import cache_folder
@@ -17,3 +20,11 @@ hypothesis.settings.register_profile(
     "flexmb", deadline=None, derandomize=True, max_examples=10, database=None, phases=phases
 )
 hypothesis.settings.load_profile("flexmb")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled_code_is_given_back():
+    """Each compiled function holds a dozen memory maps, of which a process has 65530: beyond them compiling crashes."""
+    yield
+    jax.clear_caches()
+    gc.collect()

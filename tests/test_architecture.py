@@ -16,6 +16,7 @@ ROWS = [
     ("elements",),
     ("model",),
     ("mechanics",),
+    ("solvers",),
     ("analysis",),
     ("build",),
     ("statespace", "mechanisms"),

@@ -8,6 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
+from jaxtyping import Array
 
 from ..errors import ModelError
 from ..mechanics.controlled_form import ControlledForm, Feedback, driven_by_inputs
@@ -80,12 +81,13 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
     raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), or a Feedback.")
 
 
-def _places(model: Model):
+def _places(model: Model) -> tuple[Array, Array]:
     """Index of what each input acts on, and its place among the inputs: forces, then stresses, (2, k) each."""
     pairs: dict[str, list[tuple[int, int]]] = {"force": [], "stress": []}
     for place, signal in enumerate(model.labels.inputs):
         pairs[signal.quantity].append((signal.index, place))
-    return tuple(jnp.array(pairs[kind], int).reshape(-1, 2).T for kind in ("force", "stress"))
+    forces, stresses = (jnp.array(pairs[kind], int).reshape(-1, 2).T for kind in ("force", "stress"))
+    return forces, stresses
 
 
 def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
@@ -96,7 +98,8 @@ def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
         form: Its equations of motion.
         u: Inputs, (n_u,), or (0,) for none.
     """
-    return driven_by_inputs(form, *_places(model), u) if u.shape[0] else form
+    forces, stresses = _places(model)
+    return driven_by_inputs(form, forces, stresses, u) if u.shape[0] else form
 
 
 def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback) -> ControlledForm:

@@ -11,6 +11,7 @@ from ..math.compile import jit
 from ..math.indices import put
 from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
+from ..mechanics.extent import sizes_of
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, reduced_response, state
 from ..mechanics.stress import is_nonlinear
@@ -272,7 +273,7 @@ def _limit_load_jvp(primals, tangents):
     _, by_parameter = reduced_response(topology, at, *changes)
     _, by_load = load_response(topology, parameters, ramp, at)
     tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
-    _, psi = null_vectors(topology, at(topology, parameters), tiny)
+    _, psi = null_vectors(topology, at, sizes_of(topology, parameters), tiny)
     change = -(psi @ by_parameter) / (psi @ by_load)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return (found.load, found.result), (change, no_change)

@@ -10,11 +10,12 @@ from jaxtyping import Array, Float, Int
 from ..math.compile import jit
 from ..math.derivative import jvp_of_varied
 from ..math.indices import accumulate, put
+from ..math.linear import diagonal_of, factorise
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, linear_response, state
+from ..mechanics.residual import State, linear_response, reduced_response, state
 from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
@@ -34,6 +35,11 @@ CONTRACTION = 0.35
 MAX_ITERATIONS = 12
 # Round-off of a deformation, beside what the whole mechanism's extent would make of it.
 ROUND_OFF = 1e-13
+# An equilibrium is critical where its stiffness K is, in some motion, below this share of the structural stiffness K0.
+# At a limit point the share falls with the root of the distance: a change of the load by some 1e-9 of itself doubles
+# the derivative there. At a bifurcation it is the distance itself. Free of units, and 1 without load however slender a
+# leaf spring is.
+CRITICAL = 1e-4
 SMALLEST_LOAD_STEP = 1e-5
 
 
@@ -46,7 +52,7 @@ class Equilibrium(Record):
         sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
         reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
-        result: Code of RESULTS.
+        result: Code of RESULTS; critical_state is no failure: the state is right, its derivative is not.
         labels: Names.
     """
 
@@ -108,9 +114,17 @@ class _Search(NamedTuple):
     step: Float[Array, ""]
     first: Float[Array, ""]
     before: Float[Array, ""]
+    soft: Float[Array, "n_q"]
+    softness: Float[Array, ""]
     tries: Int[Array, ""]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
+
+
+def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
+    """A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones."""
+    diagonal = diagonal_of(k0)
+    return jnp.cos(jnp.arange(1.0, k0.shape[0] + 1) ** 2) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
 
 
 def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
@@ -118,6 +132,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
 
     DOF deformations and their stress are carried as numbers of their own and x follows: a step that bends a leaf
     spring is straight in x and feigns an elongation, second order in the step, whose stress would spoil the tangent.
+
+    Beside the Newton iteration runs the power method for the largest 1/mu of K v = mu K0 v, one step a turn with the
+    factors at hand: from below, whether the state is critical.
     """
     sizes = sizes_of(topology, parameters)
     held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
@@ -132,7 +149,14 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         at = state(topology, parameters, factors, s.trial, s.trial_near, dof=s.trial_dof)
         excess = at.e - put(wanted_e, topology.e.dof, s.trial_dof) + at.jacobian @ shift
         imbalance = at.jacobian.T @ at.sigma - at.force
-        change, dq = linear_response(topology, at, excess, shift, imbalance)
+        particular, residual = reduced_response(topology, at, excess, shift, imbalance)
+        k0 = at.K0
+        energy = s.soft @ k0 @ s.soft
+        kept = (energy > 0) & jnp.isfinite(energy)
+        soft = jnp.where(kept, s.soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), _uneven(k0))
+        energy = soft @ k0 @ soft
+        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
+        change = particular + at.transfer.DFx @ dq
         size = jnp.max(jnp.abs(change) / sizes)
         contraction = size / s.before
         first = jnp.where(s.tries == 0, size, s.first)
@@ -171,6 +195,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             step=step,
             first=first,
             before=jnp.where(bad | done, jnp.inf, size),
+            soft=softer,
+            # Zero where nothing is stiff without load: that alone is no critical state.
+            softness=jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)),
             tries=jnp.where(bad | done, 0, s.tries + 1),
             iterations=s.iterations + 1,
             result=jnp.where(failed, why, int(RESULTS.successful)).astype(jnp.int32),
@@ -182,11 +209,28 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     x0, near0 = parameters.reference, zero_near(topology)
     zero = jnp.zeros((), jnp.int32)
     dof0 = jnp.zeros(topology.e.dof.shape[0])
-    begin = jnp.array(1.0)
-    reached = jnp.array(0.0) if has_loads(topology, parameters) else _balanced(topology, parameters, target, x0, near0)
-    start = _Search(x0, near0, x0, near0, dof0, dof0, reached, begin, begin, jnp.array(jnp.inf), zero, zero, zero)
+    loaded = has_loads(topology, parameters)
+    start = _Search(
+        x=x0,
+        near=near0,
+        trial=x0,
+        trial_near=near0,
+        dof=dof0,
+        trial_dof=dof0,
+        reached=jnp.array(0.0) if loaded else _balanced(topology, parameters, target, x0, near0),
+        step=jnp.array(1.0),
+        first=jnp.array(1.0),
+        before=jnp.array(jnp.inf),
+        soft=jnp.zeros(topology.n_q),
+        softness=jnp.array(0.0),
+        tries=zero,
+        iterations=zero,
+        result=zero,
+    )
     end = jax.lax.while_loop(unfinished, turn, start)
-    return _Solved(end.x, end.near, end.iterations, end.result)
+    critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
+    result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
+    return _Solved(end.x, end.near, end.iterations, result)
 
 
 def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors, x, near) -> Float[Array, ""]:
@@ -253,7 +297,7 @@ _solve.defjvp(_solve_jvp, symbolic_zeros=True)
 
 
 def solve_state(
-    topology: Topology, parameters: Parameters, target: LoadFactors
+    topology: Topology, parameters: Parameters, target: LoadFactors, tell_critical: bool = False
 ) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""]]:
     """Equilibrium and everything of first order about it; differentiable. Part of the compiled kernels.
 
@@ -261,6 +305,7 @@ def solve_state(
         topology: Structure.
         parameters: Numbers.
         target: Load factors of the equilibrium.
+        tell_critical: Whether a critical state is told; what is asked about the stiffness there has an answer.
 
     Returns:
         State, ``near``, code of RESULTS, and number of Newton iterations.
@@ -271,11 +316,14 @@ def solve_state(
         near = jax.lax.stop_gradient(solved.near)
         at = state(topology, parameters, target, solved.x, near)
         result, iterations = solved.result, solved.iterations
+        if not tell_critical:
+            result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
     else:
         near = zero_near(topology)
         at = state(topology, parameters, target, parameters.reference, near, loaded=False)
         result = iterations = jnp.zeros((), jnp.int32)
-    result = jnp.where((result == RESULTS.successful) & ~at.transfer.regular, RESULTS.singular_configuration, result)
+    found = (result == RESULTS.successful) | (result == RESULTS.critical_state)
+    result = jnp.where(found & ~at.transfer.regular, RESULTS.singular_configuration, result)
     return at, near, result.astype(jnp.int32), iterations
 
 
@@ -295,7 +343,7 @@ def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
 
 @jit
 def _equilibrium(topology, parameters, target):
-    at, _, result, iterations = solve_state(topology, parameters, target)
+    at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
     return at.x, at.e, at.sigma, reactions_of(topology, at), iterations, result
 
 
@@ -309,7 +357,8 @@ def equilibrium(model: Model, *, load_factor: float = 1.0, increment: float = 0.
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-].
-        throw: Raise where the solve fails; otherwise the code is in ``result``.
+        throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
+            look at ``result`` before using a derivative.
 
     Returns:
         Equilibrium with x (n_x,) [m, rad, -], e and sigma (n_e,) [m, rad; N, N m], reactions (n_x,) [N, N m].

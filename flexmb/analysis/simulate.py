@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, ArrayLike, Float, Int
 
 from ..errors import ModelError
 from ..math.compile import jit_thoroughly
@@ -257,7 +258,7 @@ def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -
 
 def simulate(
     model: Model,
-    times: Float[Array, "n_t"],
+    times: ArrayLike,
     *,
     initial: Equilibrium | Configuration | Motion | None = None,
     loads: Mapping[str, Callable] | None = None,

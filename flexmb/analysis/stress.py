@@ -148,21 +148,18 @@ def _count(stack) -> int:
     return jax.tree.leaves(stack)[0].shape[0]
 
 
-def _check_shapes(model: Model) -> None:
-    shapeless: list[str | None] = []
+def without_shape(model: Model) -> list[str]:
+    """Names of the flexible elements whose section is given by its rigidities and so has no stress.
+
+    Args:
+        model: Mechanism.
+    """
+    found = []
     for names, properties in zip(model.labels.stressed, model.parameters.properties, strict=True):
-        if not any(names):
-            continue
-        start = 0
-        for stack in _sections(properties):
-            end = start + _count(stack)
-            shapeless += [] if stack.has_shape else [n for n in names[start:end] if n is not None]
-            start = end
-    if shapeless:
-        raise ModelError(
-            f"The section of element {', '.join(repr(n) for n in shapeless)} is given by its rigidities and has no"
-            " shape, and so no stress. Give it a section such as Rectangle, or ask for section_resultants."
-        )
+        if any(names):
+            kinds = [stack.has_shape for stack in _sections(properties) for _ in range(_count(stack))]
+            found += [name for name, shaped in zip(names, kinds, strict=True) if name is not None and not shaped]
+    return found
 
 
 @jit
@@ -203,7 +200,8 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float, 
             f"Argument `at` must be one state with {model.topology.n_x} coordinates, but x has shape {at.x.shape}. Of"
             " a path, give path.linearization(step)."
         )
-    return names, (model.topology, model.parameters, at.x, at.sigma, jnp.linspace(0.0, 1.0, points), rows), at.result
+    places = np.linspace(0.0, 1.0, points)
+    return names, (model.topology, model.parameters, at.x, at.sigma, places, rows), at.result
 
 
 def section_resultants(
@@ -241,7 +239,7 @@ def section_resultants(
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; FORMULATION.md 7.
     """
     names, inputs, result = _state(model, points, at, load_factor, increment, throw)
-    return SectionResultants(_resultants(*inputs), inputs[4], result, names)
+    return SectionResultants(_resultants(*inputs), jnp.asarray(inputs[4]), result, names)
 
 
 def stress(
@@ -274,7 +272,11 @@ def stress(
     Source:
         :func:`section_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
     """
-    _check_shapes(model)
+    if shapeless := without_shape(model):
+        raise ModelError(
+            f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
+            " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
+        )
     names, inputs, result = _state(model, points, at, load_factor, increment, throw)
     values, sigma_x, tau, equivalent = _stress(*inputs)
-    return Stress(sigma_x, tau, equivalent, SectionResultants(values, inputs[4], result, names))
+    return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(inputs[4]), result, names))

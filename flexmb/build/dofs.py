@@ -45,8 +45,8 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
         for kind, of, component in builder.starts:
             builder.dof(of, component, kind=kind)
         started = assemble(builder)
-        _, rest = independent_rows(_named_rows(started, motions), len(builder.starts), 0.0)
-        for kind, of, component in _choose(started, motions @ rest):
+        first, rest = independent_rows(_named_rows(started, motions), len(builder.starts), CANNOT_MOVE)
+        for kind, of, component in _choose(started, motions @ rest, motions.shape[1] - len(first)):
             builder.dof(of, component, kind=kind)
         model = assemble(builder)
         _check_named(model, motions)
@@ -115,9 +115,9 @@ def _motions(model: Model) -> tuple[np.ndarray, int]:
     return motions, len(held) - rank
 
 
-def _choose(model: Model, motions: np.ndarray) -> list[tuple[str, str, int]]:
+def _choose(model: Model, motions: np.ndarray, wanted: int) -> list[tuple[str, str, int]]:
     """Independent deformations first, then coordinates, in the order of the model."""
-    topology, wanted = model.topology, motions.shape[1]
+    topology = model.topology
     released = np.asarray(topology.e.dependent)
     # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
     effects = constraints(model).jacobian[released] @ motions

@@ -62,8 +62,9 @@ def torsion_stress(width, thickness, torsion_constant) -> tuple[Float[Array, ""]
     w, t = jnp.where(flat, width, thickness), jnp.where(flat, thickness, width)
     half = jnp.pi * w / (2 * t)
     # 1/cosh falls with exp(-n pi/2) at least, 1 - tanh with its square. Beyond n half = 300 nothing is left of it.
-    longer = 1 - 8 / jnp.pi**2 * sum(1 / (n**2 * jnp.cosh(jnp.minimum(n * half, 300.0))) for n in range(1, 13, 2))
-    rest = sum((-1) ** (n // 2) * (jnp.tanh(n * half) - 1) / n**2 for n in (1, 3, 5))
+    n = np.arange(1.0, 13, 2)
+    longer = 1 - 8 / jnp.pi**2 * jnp.sum(1 / (n**2 * jnp.cosh(jnp.minimum(n * half, 300.0))))
+    rest = (jnp.tanh(n * half) - 1) @ ((-1) ** (n // 2) / n**2)
     shorter = 8 / jnp.pi**2 * (CATALAN + rest)
     on_longer, on_shorter = longer * t / torsion_constant, shorter * t / torsion_constant
     return jnp.where(flat, on_shorter, on_longer), jnp.where(flat, on_longer, on_shorter)

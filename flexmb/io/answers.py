@@ -14,6 +14,7 @@ from ..analysis.linearize import Linearization, linearize
 from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
+from ..analysis.stress import stress, without_shape
 from ..build.dofs import complete_series
 from ..errors import AnalysisError, MechanismError
 from ..math.linear import is_positive_definite
@@ -118,7 +119,16 @@ def _configuration(lin: Linearization) -> dict[str, Any]:
         "e": _by_owner(m.e, labels.e),
         "sig": _by_owner(m.sigma, labels.e),
         "reactions": _reactions(lin),
+        **_stress(lin),
     }
+
+
+def _stress(lin: Linearization) -> dict[str, Any]:
+    """Largest von Mises stress of each flexible element, where all of their sections have a shape."""
+    if not any(map(any, lin.labels.stressed)) or without_shape(lin.model):
+        return {}
+    found = stress(lin.model, at=lin)
+    return {"stress": dict(zip(found.names, np.asarray(found.by_element).tolist(), strict=True))}
 
 
 def _matrices(lin: Linearization) -> dict[str, Any]:

@@ -98,7 +98,7 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     atol = error["absolute"] / extent if "absolute" in error else None
     found = simulate(model, times, motion=_motions(model, settings), rtol=rtol, atol=atol, throw=False)
     code = RESULTS(int(found.result))
-    reached = np.isfinite(np.asarray(found.x)).all(axis=1)
+    reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
     if not reached[-1]:
         count = int(np.argmin(reached))
         found = found.until(count)

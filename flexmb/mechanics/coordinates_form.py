@@ -375,7 +375,7 @@ class CoordinatesForm(Record):
             factors = factorise(square + jnp.diag(REDUNDANT * diagonal_of(square)))
 
             def corrected(_, moving):
-                at = self.whole(t, *moving, zero)
+                at = self.whole(t, moving[0], moving[1], zero)
                 e, ed = jax.jvp(lambda x: deformations(self.topology, self.parameters, x, near), (at.x,), (at.v,))
                 excess = jnp.stack([e[self.held] - at.e, ed[self.held] - at.ed], axis=1)
                 change = self.mobility[:, None] * (rows.T @ factors.solve(excess))

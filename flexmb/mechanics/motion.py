@@ -150,8 +150,8 @@ def kinematic_derivatives(
         hessians.append((block.x, block.x, matrices[3]))
     size = (topology.n_e, topology.n_x)
     n_x = topology.n_x
-    rates = (scatter_matrix(size, pieces) for pieces in (by_e, by_ed, by_edd))
-    return KinematicDerivatives(*rates, scatter_matrix((n_x, n_x), hessians))
+    e, ed, edd = (scatter_matrix(size, pieces) for pieces in (by_e, by_ed, by_edd))
+    return KinematicDerivatives(e, ed, edd, scatter_matrix((n_x, n_x), hessians))
 
 
 def _inertia_functions(topology, parameters):

@@ -1,5 +1,7 @@
 """Motion between two steps."""
 
+from typing import Any
+
 import diffrax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -19,8 +21,8 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
         a1: Accelerations at the end, (n,) [1/s^2].
     """
 
-    t0: Float[Array, ""]
-    t1: Float[Array, ""]
+    t0: Any  # pyright: ignore[reportIncompatibleVariableOverride]
+    t1: Any  # pyright: ignore[reportIncompatibleVariableOverride]
     y0: MotionState
     y1: MotionState
     a0: Float[Array, "n"]

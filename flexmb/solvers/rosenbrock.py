@@ -213,11 +213,14 @@ class Rosenbrock(diffrax.AbstractAdaptiveSolver):
 class Rodas5P(Rosenbrock):
     """Stiffly accurate Rosenbrock method of order five with eight stages.
 
+    Attributes:
+        jumps: Whether loads may jump, so that accelerations are found anew there.
+
     Source:
         Steinebach (2023), BIT Numerical Mathematics 63, 27.
     """
 
-    tableau: ClassVar[Tableau] = RODAS5P
+    tableau: ClassVar[Tableau] = RODAS5P  # pyright: ignore[reportIncompatibleVariableOverride]
     jumps: bool = False
 
 

@@ -3,6 +3,7 @@
 import jax
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -106,6 +107,33 @@ def test_rigid_extension_changes_sign_of_stability_at_its_load():
         bool(fm.modes(column(4, extension=0.1, force=(0, -p)).build()).stable) for p in (2.90, 2.93)
     ]  # 0.5 % around 2.9144
     assert stable == [True, False]
+
+
+@pytest.mark.parametrize("element", ["cubic", "spectral"])
+def test_lowest_eigenvalue_is_zero_at_the_load_of_linear_buckling(element):
+    # P2 by mode 7 and by mode 8: two questions, one load.
+    if element == "cubic":
+        b = column(4, extension=0.1)
+    else:
+        b = fm.Builder()
+        for name, y in (("foot", 0.0), ("tip", 0.1), ("end", 0.2)):
+            b.node(name, (0, y))
+        leaf = fm.Rectangle(0.018, 0.0005, fm.Material(210e9, 80e9, 7850.0))
+        b.add(planar.spectral_beam(6), "foot", "tip", name="leaf", section=leaf)
+        b.add(planar.rigid_beam, "tip", "end")
+        b.fix("foot")
+        b.force("end", (0, -1.0))
+        b.mass("tip", 0.1)
+    model = b.build()
+
+    def lowest(load):
+        return float(fm.modes(fm.linearize(model, load_factor=load)).eigenvalues[0])
+
+    critical = brentq(lowest, 2.8, 3.0, xtol=1e-9)
+    # Multipliers are counted at the strain of 1 N, the eigenvalue is zero at that of 2.9 N: P/EA = 1.5e-6.
+    assert fm.buckling_loads(model)[0] == pytest.approx(critical, rel=3e-6)
+    if element == "spectral":
+        assert critical == pytest.approx(2.91443467, rel=3e-6)
 
 
 def test_side_load_grows_towards_the_buckling_load():

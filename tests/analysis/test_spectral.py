@@ -137,6 +137,52 @@ def test_euler_columns_by_one_element():
     assert fm.buckling_loads(b.build())[0] == pytest.approx(2.4674011003, rel=1e-7)
 
 
+POST_BUCKLING = {  # A2, closed form: tip angle [deg]: P over the buckling load, x, y
+    20: (1.0153968655, 0.9697309074, 0.2194130424),
+    40: (1.0636632664, 0.8812035117, 0.4222403401),
+    60: (1.1517196205, 0.7410196061, 0.5932076462),
+    80: (1.2938893239, 0.5593959190, 0.7194971047),
+    100: (1.5183887933, 0.3489893004, 0.7915394965),
+}
+
+
+def pressed(ratio):
+    """A2: cantilever of order eight that cannot stretch, pressed along its axis by a multiple of its buckling load."""
+    element = planar.spectral_beam(8)
+    b = chain(element, straight(1), PLANE, released=element.fields[1])
+    b.force("1", (-ratio * np.pi**2 / 4, 0))
+    return b.build()
+
+
+@pytest.mark.parametrize("angle", POST_BUCKLING)
+@pytest.mark.parametrize("side", [1, -1])
+def test_post_buckling(angle, side):
+    ratio, x, y = POST_BUCKLING[angle]
+    path = fm.path(pressed(ratio), switch=side)
+    (critical,) = path.critical_points
+    assert critical.kind == "bifurcation"
+    assert ratio * critical.load_factor == pytest.approx(1, abs=1e-10)
+    assert path.load_factor[-1] == 1.0
+    assert path.stable[-1]
+    # The table's tolerance; at 20 degrees the last digit of the load is 3e-10 of y.
+    np.testing.assert_allclose(path.at("1")[-1], [x, side * y], rtol=0, atol=1e-8)
+    assert np.rad2deg(path.at("1.rotation")[-1, 0]) == pytest.approx(side * angle, abs=1e-6)
+
+
+def test_the_straight_state_beyond_buckling_is_called_unstable():
+    ratio = POST_BUCKLING[60][0]
+    model = pressed(ratio)
+    path = fm.path(model)
+    np.testing.assert_allclose(path.at("1")[:, 1], 0, atol=1e-9)
+    np.testing.assert_array_equal(path.stable, ratio * path.load_factor < 1)
+    assert not path.stable[-1]
+    found = fm.equilibrium(model)
+    np.testing.assert_allclose(found.at("1"), [1, 0], rtol=0, atol=1e-12)
+    assert not fm.modes(model).stable
+    # The load multiplier of linear buckling about it counts from none: less than one.
+    assert fm.buckling_loads(model)[0] == pytest.approx(1 / ratio, rel=1e-9)
+
+
 def modes_of(b, n):
     return 2 * np.pi * np.asarray(fm.frequencies(b.build())[:n])
 

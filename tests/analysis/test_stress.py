@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.io.answers import answer
 
 EPS = np.finfo(float).eps
 L, W, T = mechanisms.LENGTH, mechanisms.WIDTH, mechanisms.THICKNESS
@@ -360,13 +361,12 @@ def test_derivatives_by_thickness_stroke_load_and_length(dofs):
         return jnp.stack([found.maximum, found.smooth_maximum(), found.resultants.values[1, 0, 4]])
 
     at = np.array([T, 0.01, -5.0, L])
-    value = fm.jit(answers)
-    size = np.asarray(value(at))
+    size = np.asarray(answers(at))
     forward, reverse = (np.asarray(fm.jit(d(answers))(at)) for d in (jax.jacfwd, jax.jacrev))
     np.testing.assert_allclose(forward * at, reverse * at, rtol=1e-9, atol=1e-9 * size.max())
     step = 1e-5
     for i in range(4):
-        plus, minus = (np.asarray(value(at + sign * step * at * np.eye(4)[i])) for sign in (1, -1))
+        plus, minus = (np.asarray(answers(at + sign * step * at * np.eye(4)[i])) for sign in (1, -1))
         # Truncation step^2; round-off of the stress, 1e-14 of it, over the step.
         difference = (plus - minus) / (2 * step)
         np.testing.assert_allclose(forward[:, i] * at[i] / size, difference / size, rtol=0, atol=1e-8)
@@ -491,3 +491,17 @@ def test_where_needs_concrete_numbers(dofs):
     found = fm.stress(guide(T))
     with pytest.raises(ValueError, match="`sharpness` must be at least 2"):
         found.smooth_maximum(1.0)
+
+
+def test_answers_have_the_stress_of_sections_with_a_shape():
+    b = mechanisms.planar_guide(force=(1.0, 0.0))
+    largest = fm.stress(b.build()).by_element
+    # Half of the force on each leaf spring, as S-shape: F L/4 at its ends; the normal force is a tenth of a percent.
+    np.testing.assert_allclose(largest, 6 * 0.25 * L / (W * T**2), rtol=5e-3)
+    for mode in (7, 10):
+        data = answer(b, "guide", mode).data
+        assert list(data["stress"]) == ["left 1", "right 1"]
+        np.testing.assert_allclose(list(data["stress"].values()), largest, rtol=1e-8)
+    assert "stress" in data["path"][-1]
+    numbers = chain(planar.beam, straight(1, False), fm.Rigidity(EA=1.0, EIy=1.0, mass=1.0))
+    assert "stress" not in answer(numbers, "numbers", 7, dofs="auto").data

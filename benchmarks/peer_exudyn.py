@@ -1,0 +1,164 @@
+"""The guide of large_deflection.py in Exudyn, with its geometrically exact beam; needs the extra ``peers``."""
+
+import importlib.util
+import itertools
+import statistics
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+# Tried for every number of elements; the fastest that converges is the one compared.
+NODES = ("NodeRigidBodyEP", "NodeRigidBodyRxyz", "NodeRigidBodyRotVecLG")
+SOLVERS = ("EigenDense", "EigenSparse")
+LOAD_STEPS = (1, 3)
+TOLERANCES = (1e-8, 1e-6)
+DENSE_UP_TO = 16
+
+
+def installed() -> bool:
+    """Whether Exudyn can be imported."""
+    return importlib.util.find_spec("exudyn") is not None
+
+
+def _exudyn():
+    # The build without range checks is the faster one.
+    sys.exudynFast = True  # type: ignore[attr-defined]
+    import exudyn
+
+    return exudyn
+
+
+def guide(rigidity, length: float, distance: float, force: float, elements: int, node: str = NODES[0]):
+    """Two leaf springs upright, joined by a rigid stage: feet clamped, pushed along the drive direction.
+
+    Drawn with the leaf springs along x and the drive along z, so that the frames of the nodes are those of the space
+    and every kind of node starts at zero rotation.
+
+    Args:
+        rigidity: Section, as of ``flexmb.Rectangle(..., shear=True).rigidity()``.
+        length: Of a leaf spring [m].
+        distance: Between the leaf springs [m].
+        force: On the stage, along the drive direction [N].
+        elements: A leaf spring.
+        node: Class of its nodes, which says how they turn.
+
+    Returns:
+        The container, which keeps the rest alive; the assembled system; the number of the loaded node.
+    """
+    import numpy as np
+    from exudyn import itemInterface as item
+
+    exudyn = _exudyn()
+    ei_y, ei_z = float(rigidity.EIy), float(rigidity.EIz)
+    section = exudyn.BeamSection()
+    shear = ei_z / float(rigidity.shear_y), ei_y / float(rigidity.shear_z)
+    section.stiffnessMatrix = np.diag([float(rigidity.EA), *shear, float(rigidity.GIt), ei_y, ei_z])
+    section.massPerLength = float(rigidity.mass)
+    section.inertia = np.diag([float(rigidity.Jx), float(rigidity.Jy), float(rigidity.Jz)])
+
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    ground = system.AddObject(item.ObjectGround())
+    turn = [1.0, 0.0, 0.0, 0.0] if node == "NodeRigidBodyEP" else [0.0, 0.0, 0.0]
+    locked = [1, 1, 1, 1, 1, 1]
+    tops = []
+    for z in (0.0, distance):
+        chain = [
+            system.AddNode(getattr(item, node)(referenceCoordinates=[length * i / elements, 0.0, z, *turn]))
+            for i in range(elements + 1)
+        ]
+        for ends in itertools.pairwise(chain):
+            system.AddObject(
+                item.ObjectBeamGeometricallyExact(nodeNumbers=list(ends), length=length / elements, sectionData=section)
+            )
+        foot = system.AddMarker(item.MarkerNodeRigid(nodeNumber=chain[0]))
+        place = system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localPosition=[0.0, 0.0, z]))
+        system.AddObject(item.GenericJoint(markerNumbers=[place, foot], constrainedAxes=locked))
+        tops.append(chain[-1])
+    # The stage is a body on the first top, so that one joint is enough; statics asks nothing of its inertia.
+    stage = system.AddObject(item.ObjectRigidBody(mass=1.0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=tops[0]))
+    end = system.AddMarker(item.MarkerBodyRigid(bodyNumber=stage, localPosition=[0.0, 0.0, distance]))
+    top = system.AddMarker(item.MarkerNodeRigid(nodeNumber=tops[1]))
+    system.AddObject(item.GenericJoint(markerNumbers=[end, top], constrainedAxes=locked))
+    system.AddLoad(item.LoadForceVector(markerNumber=top, loadVector=[0.0, 0.0, force]))
+    system.Assemble()
+    return container, system, tops[1]
+
+
+def settings(solver: str, steps: int, tolerance: float):
+    """Settings of the static solver: full Newton, no files, nothing printed.
+
+    Args:
+        solver: Linear solver.
+        steps: Load steps.
+        tolerance: Of the residual, relative.
+    """
+    exudyn = _exudyn()
+    chosen = exudyn.SimulationSettings()
+    chosen.linearSolver.solverType = getattr(exudyn.LinearSolverType, solver)
+    chosen.staticSolver.verboseMode = 0
+    chosen.staticSolver.stepInformation = 0
+    chosen.staticSolver.numberOfLoadSteps = steps
+    chosen.staticSolver.newton.relativeTolerance = tolerance
+    chosen.solution.file.write = False
+    chosen.solution.sensors.active = False
+    return chosen
+
+
+def solution(built, chosen) -> Callable[[], float]:
+    """A function that solves from the undeformed state and gives the stroke.
+
+    Args:
+        built: As from :func:`guide`.
+        chosen: As from :func:`settings`.
+    """
+    exudyn = _exudyn()
+    _, system, top = built
+
+    def solve() -> float:
+        if not system.SolveStatic(chosen, storeSolver=False, showCausingItems=False):
+            raise RuntimeError("not converged")
+        return float(system.GetNodeOutput(top, exudyn.OutputVariableType.Displacement)[2])
+
+    # What is returned keeps the container alive.
+    solve.built = built  # type: ignore[attr-defined]
+    return solve
+
+
+def fastest(rigidity, length: float, distance: float, force: float, elements: int) -> dict[str, Any]:
+    """The fastest settings that give the stroke of the strictest ones to 1e-5.
+
+    Args:
+        rigidity: Section.
+        length: Of a leaf spring [m].
+        distance: Between the leaf springs [m].
+        force: On the stage [N].
+        elements: A leaf spring.
+
+    Returns:
+        ``solve``, ``stroke`` [m] and ``settings`` as a sentence.
+    """
+    tried = []
+    for node in NODES:
+        built = guide(rigidity, length, distance, force, elements, node)
+        for solver, steps, tolerance in itertools.product(SOLVERS, LOAD_STEPS, TOLERANCES):
+            if solver == "EigenDense" and elements > DENSE_UP_TO:
+                continue
+            solve = solution(built, settings(solver, steps, tolerance))
+            try:
+                stroke, spent = solve(), []
+                for _ in range(5):
+                    start = time.perf_counter()
+                    solve()
+                    spent.append(time.perf_counter() - start)
+            except (RuntimeError, ValueError) as error:
+                warnings.warn(f"Exudyn, {elements} elements, {node}, {solver}, {steps} steps: {error}", stacklevel=1)
+                continue
+            words = f"{node}, {solver}, load steps {steps}, relativeTolerance {tolerance:g}"
+            tried.append((statistics.median(spent), tolerance, stroke, words, solve))
+    strict = next(entry for entry in tried if entry[1] == min(TOLERANCES))
+    good = [entry for entry in tried if abs(entry[2] / strict[2] - 1) < 1e-5]
+    _, _, stroke, words, solve = min(good, key=lambda entry: entry[0])
+    return {"solve": solve, "stroke": stroke, "settings": words}
