@@ -11,7 +11,7 @@ from ..math.compile import jit
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..math.record import Record
 from ..mechanics.deformation import deformation_curvature
-from ..mechanics.loads import LoadFactors, has_load_elements, load_stiffness, nodal_forces
+from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces
 from ..mechanics.residual import State, linear_response
 from ..mechanics.transfer import multipliers
 from ..model.model import Model
@@ -80,7 +80,7 @@ def _stiffnesses(topology: Topology, parameters: Parameters):
 
 def _inverse_multipliers(topology: Topology, k, g):
     """Values 1/lambda by descending magnitude, and vectors; those of a complex pair are zero."""
-    if has_load_elements(topology):
+    if lacks_potential(topology):
         values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
         real = jnp.abs(values.imag) <= 1e-8 * jnp.abs(values)
         values, vectors = jnp.where(real, values.real, 0.0), vectors.real

@@ -12,8 +12,9 @@ from ..math.indices import put
 from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.loads import has_load_elements
+from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, reduced_response, state
+from ..mechanics.stress import is_nonlinear
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -81,7 +82,7 @@ def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -
     k = at.K0 + at.G0
     lower = jnp.linalg.cholesky(z.T @ z)
     flexibility = lower.T @ factorise(k).solve(lower)
-    if has_load_elements(topology):
+    if lacks_potential(topology):
         sign, _ = jnp.linalg.slogdet(k)
         largest = jnp.max(jnp.abs(jnp.linalg.eigvals(flexibility)), initial=0.0)
         lowest = jnp.where(jnp.isfinite(largest) & (sign != 0), sign / largest, 0.0)
@@ -148,7 +149,8 @@ def begin_path(
     """
     ramp = ramp_of(topology, parameters)
     zero = jnp.array(0.0)
-    if scales_increment(topology, parameters) or parameters.strain is not None:
+    stressed = parameters.strain is not None or is_nonlinear(topology)
+    if scales_increment(topology, parameters) or stressed:
         at, near, result, _ = solve_state(topology, parameters, ramp.at(zero))
         x, near = jax.lax.stop_gradient((at.x, near))
     else:

@@ -16,7 +16,7 @@ from ..mechanics.deformation import deformation_jacobian, deformations, zero_nea
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, reduced_response, state
-from ..mechanics.stress import element_stiffness, stress_resultants
+from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -33,6 +33,8 @@ LARGEST_STEP = 0.75
 # path, and what it finds may be another branch (Deuflhard 2011, Newton Methods for Nonlinear Problems, section 5.1).
 CONTRACTION = 0.35
 MAX_ITERATIONS = 12
+# Round-off of a deformation, beside what the whole mechanism's extent would make of it.
+ROUND_OFF = 1e-13
 # An equilibrium is critical where its stiffness K is, in some motion, below this share of the structural stiffness K0.
 # At a limit point the share falls with the root of the distance: a change of the load by some 1e-9 of itself doubles
 # the derivative there. At a bifurcation it is the distance itself. Free of units, and 1 without load however slender a
@@ -207,6 +209,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     x0, near0 = parameters.reference, zero_near(topology)
     zero = jnp.zeros((), jnp.int32)
     dof0 = jnp.zeros(topology.e.dof.shape[0])
+    loaded = has_loads(topology, parameters)
     start = _Search(
         x=x0,
         near=near0,
@@ -214,7 +217,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         trial_near=near0,
         dof=dof0,
         trial_dof=dof0,
-        reached=jnp.array(0.0),
+        reached=jnp.array(0.0) if loaded else _balanced(topology, parameters, target, x0, near0),
         step=jnp.array(1.0),
         first=jnp.array(1.0),
         before=jnp.array(jnp.inf),
@@ -228,6 +231,14 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
     result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
     return _Solved(end.x, end.near, end.iterations, result)
+
+
+def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors, x, near) -> Float[Array, ""]:
+    """1 where nothing but round-off is out of balance, so that no stiffness is asked for; otherwise 0."""
+    at = state(topology, parameters, target, x, near)
+    error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes_of(topology, parameters)
+    largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
+    return jnp.where(jnp.all(jnp.abs(at.residual) <= largest), 1.0, 0.0)
 
 
 @jax.custom_jvp
@@ -258,7 +269,7 @@ def change_of_equations(
     def equations(parameters, target):
         e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
         stiffness = element_stiffness(topology, parameters)
-        sigma = stress_resultants(parameters, scaled_loads(parameters, target), stiffness, e)
+        sigma = stress_resultants(topology, parameters, scaled_loads(parameters, target), stiffness, e)
         fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
         sigma = put(sigma, fixed, at.sigma[fixed])
         wanted_x, wanted_e = held_values(topology, parameters, target)
@@ -299,7 +310,8 @@ def solve_state(
     Returns:
         State, ``near``, code of RESULTS, and number of Newton iterations.
     """
-    if has_loads(topology, parameters):
+    # What the laws of elements pull in the undeformed mechanism is known only as a number.
+    if has_loads(topology, parameters) or is_nonlinear(topology):
         solved = _solve(topology, parameters, target)
         near = jax.lax.stop_gradient(solved.near)
         at = state(topology, parameters, target, solved.x, near)

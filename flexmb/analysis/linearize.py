@@ -8,9 +8,9 @@ from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import mass_matrix
-from ..mechanics.loads import LoadFactors, has_load_elements, load_factors
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.residual import State
-from ..mechanics.stress import element_damping
+from ..mechanics.stress import element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
@@ -31,8 +31,8 @@ class Matrices(Record):
         G0: Geometric stiffness of stress resultants, constraint forces and loads, (n_q, n_q).
         DFx: First-order transfer function of the coordinates, (n_x, n_q).
         DFe: First-order transfer function of the deformations, (n_e, n_q).
-        S: Stiffness of the elements, (n_e, n_e).
-        S_d: Damping of the elements, (n_e, n_e).
+        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
+        S_d: Damping of the elements likewise, (n_e, n_e).
         x: Nodal coordinates at the equilibrium, (n_x,).
         e: Deformations there, (n_e,).
         sigma: Stress resultants there, (n_e,).
@@ -122,7 +122,7 @@ def matrices_at(
     """
     z, dfe = at.transfer.DFx, at.transfer.DFe
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
-    damping = element_damping(topology, parameters)
+    _, damping = stress_tangents(topology, parameters, at.S, element_damping(topology, parameters), at.e)
     at_rest = jnp.zeros_like(mass)
     k0, g0 = at.K0, at.G0
     finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))
@@ -131,9 +131,9 @@ def matrices_at(
         M0=(mass + mass.T) / 2,
         C0=at_rest,
         D0=dfe.T @ damping @ dfe,
-        K0=(k0 + k0.T) / 2,
+        K0=k0 if lacks_potential(topology) else (k0 + k0.T) / 2,
         N0=at_rest,
-        G0=g0 if has_load_elements(topology) else (g0 + g0.T) / 2,
+        G0=g0 if lacks_potential(topology) else (g0 + g0.T) / 2,
         DFx=z,
         DFe=dfe,
         S=at.S,
@@ -144,7 +144,7 @@ def matrices_at(
         reactions=reactions_of(topology, at),
         iterations=iterations,
         result=result.astype(jnp.int32),
-        symmetric=not has_load_elements(topology),
+        symmetric=not lacks_potential(topology),
     )
 
 

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from ..elements.element import ELASTIC
 from ..math.compile import jit
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import deformation_jacobian, zero_near
@@ -205,9 +206,9 @@ def _flexible(model: Model) -> np.ndarray:
     free = set(np.concatenate([np.asarray(model.topology.e.dependent), np.asarray(model.topology.e.dof)]).tolist())
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         element = block.element
-        if "stiffness" not in block.companions:
+        if set(ELASTIC).isdisjoint(block.companions):
             continue
-        if element.arguments(element.stiffness, {**dict(block.options), **properties}) is None:
+        if not element.is_elastic({**dict(block.options), **properties}):
             continue
         elastic = [n - 1 for field in element.fields for n in field] or slice(None)
         for row in np.asarray(block.e):

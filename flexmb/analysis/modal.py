@@ -8,16 +8,19 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from ..math.compile import jit
 from ..math.linear import diagonal_of, is_positive_definite, pencil
 from ..math.record import Record
-from ..mechanics.loads import LoadFactors, has_load_elements
+from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from .linearize import Linearization, Matrices, linearize, matrices
 
-# The shift of an indefinite stiffness starts at this share of |K|/|M| and grows by this factor until K + sM is
-# positive definite, so that it is never much larger than the most negative eigenvalue asks for.
-FIRST_SHIFT = 1e-14
+# A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
+LOWEST = 1e-14
+# Otherwise the shift starts at this share and grows by this factor until K + sM is positive definite, so that it is not
+# much larger than the most negative eigenvalue asks for. A smaller one leaves no digits for the others beside a free
+# motion.
+FIRST_SHIFT = 1e-8
 SHIFT_GROWTH = 8.0
 MAX_SHIFTS = 40
 
@@ -61,12 +64,12 @@ def shift_to_definite(
     """
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
-    first = FIRST_SHIFT * jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
+    ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
 
     def attempt(carry):
         _, after, _, tries = carry
-        found = is_positive_definite(k + after * m)
-        return after, jnp.where(tries == 0, first, SHIFT_GROWTH * after), found, tries + 1
+        found = is_positive_definite(k + (after - LOWEST * ratio) * m)
+        return after, jnp.where(tries == 0, FIRST_SHIFT * ratio, SHIFT_GROWTH * after), found, tries + 1
 
     def unfinished(carry):
         _, _, found, tries = carry
@@ -136,8 +139,8 @@ def _frequencies(topology: Topology, parameters: Parameters):
 def _refuse_unsymmetric(symmetric: bool) -> None:
     if not symmetric:
         raise NotImplementedError(
-            "Moments about fixed axes in space make the stiffness unsymmetric, so that frequencies may be complex:"
-            " ask for poles(linearize(model)) instead."
+            "Loads or laws without a potential, such as moments about fixed axes in space, make the stiffness"
+            " unsymmetric, so that frequencies may be complex: ask for poles(linearize(model)) instead."
         )
 
 
@@ -157,7 +160,7 @@ def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    _refuse_unsymmetric(not has_load_elements(model.topology))
+    _refuse_unsymmetric(not lacks_potential(model.topology))
     values, result = _frequencies(model.topology, model.parameters)
     check(result, throw)
     return values

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from ..errors import ModelError
 from ..math.compile import jit_thoroughly
 from ..math.linear import factorise
-from ..mechanics.coordinates_form import CoordinatesForm, coordinates_form
+from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.moving import MovingMatrices, carried, moving_matrices
@@ -22,7 +22,7 @@ STEADY_STEPS, STEADY_ITERATIONS = 10, 6
 STEADY_TOLERANCE = 1e-9
 
 
-def _as_matrices(form: CoordinatesForm, at: MovingMatrices, x, e, result) -> Matrices:
+def _as_matrices(at: MovingMatrices, x, e, result) -> Matrices:
     finite = jnp.all(jnp.isfinite(at.M0)) & jnp.all(jnp.isfinite(at.K)) & jnp.all(jnp.isfinite(at.C0))
     result = jnp.where(finite & at.regular, result, RESULTS.singular_configuration)
     return Matrices(
@@ -34,8 +34,8 @@ def _as_matrices(form: CoordinatesForm, at: MovingMatrices, x, e, result) -> Mat
         G0=at.G0,
         DFx=at.DFx,
         DFe=at.DFe,
-        S=form.S,
-        S_d=jnp.zeros_like(form.S) if form.S_d is None else form.S_d,
+        S=at.S,
+        S_d=at.S_d,
         x=x,
         e=e,
         sigma=at.sigma,
@@ -56,7 +56,7 @@ def _along(topology, parameters, driven, t, x, xd, near):
         z = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
         found = moving_matrices(form, t, whole.x, whole.v, whole.a, near)
-        return _as_matrices(form, found, whole.x, near, jnp.zeros((), jnp.int32))
+        return _as_matrices(found, whole.x, near, jnp.zeros((), jnp.int32))
 
     return jax.lax.map(one, (t, x, xd, near))
 
@@ -114,7 +114,7 @@ def _steady(topology, parameters, driven, time) -> Matrices:
     start = (none, given.x, zero_near(topology), jnp.array(jnp.inf), nothing)
     _, x, near, last, at = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
     result = jnp.where(last < STEADY_TOLERANCE, RESULTS.successful, RESULTS.not_converged)
-    return _as_matrices(form, at, x, near, result)
+    return _as_matrices(at, x, near, result)
 
 
 def steady_motion(

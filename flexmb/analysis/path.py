@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.record import Record
-from ..mechanics.loads import has_load_elements
+from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -100,7 +100,7 @@ class _Found(NamedTuple):
 
 def _eigenvalues(topology: Topology, k, m, values):
     """Eigenvalues of (K, M) ascending, infinite for massless motions, and whether all motions are stable."""
-    if not has_load_elements(topology):
+    if not lacks_potential(topology):
         found, _, stable, _ = spectrum(k, m)
         return jnp.where(jnp.isnan(found), jnp.inf, found), stable
     inverse = jnp.linalg.eigvals(factorise(k).solve(m))

@@ -20,6 +20,7 @@ from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.drive import Driven, Table
 from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.reduced_form import reduced_form
+from ..mechanics.stress import is_nonlinear, nonlinear_energy, strain_of
 from ..model.model import Labels, Model
 from ..results import RESULTS, check
 from .closed_loop import as_feedback, controlled_form, under_inputs
@@ -121,7 +122,7 @@ class Observed(Record):
         kinetic: Kinetic energy, (n_t,) [J].
         elastic: Elastic energy, (n_t,) [J].
         potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
-        power: Power of all other loads and of prescribed motion, less what dampers take, (n_t,) [W].
+        power: Power of all other loads and of prescribed motion, less what dampers and laws take, (n_t,) [W].
     """
 
     xdd: Float[Array, "n_t n_x"]
@@ -159,23 +160,19 @@ def _observe(model, driven, t, x, xd, near, u):
         potential = jnp.array(0.0) if constant is None else -constant @ moving
         if gravity is not None:
             potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
-        stored = kin.e if parameters.strain is None else kin.e - parameters.strain
-        stored = put(stored, form.held, 0.0)
-        elastic = 0.5 * stored @ form.S @ stored
+        stored = strain_of(parameters, kin.e)
+        # Stress that comes of stored energy, and that energy.
+        conservative, elastic = form.S @ stored, 0.5 * stored @ form.S @ stored
+        if is_nonlinear(topology):
+            energy, stress = jax.value_and_grad(lambda e: nonlinear_energy(topology, parameters, e))(stored)
+            conservative, elastic = conservative + stress, elastic + energy
         if drive.loads.prestress is not None:
-            elastic = elastic + put(drive.loads.prestress, form.held, 0.0) @ stored
+            conservative, elastic = conservative + drive.loads.prestress, elastic + drive.loads.prestress @ stored
         # All forces but inertia, springs, constant forces and gravity.
         other = form.applied(t, whole.x) - (0.0 if constant is None else constant)
         held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
         reactions = jnp.where(held == 1.0, force, 0.0)
-        power = (other + reactions) @ whole.v
-        multiplied = put(jnp.zeros(topology.n_e), form.held, sigma[form.held])
-        power = power - multiplied @ kin.ed
-        dissipated = put(kin.ed, form.held, 0.0)
-        if form.S_d is not None:
-            power = power - dissipated @ form.S_d @ dissipated
-        if drive.stress is not None:
-            power = power - drive.stress @ dissipated
+        power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
         kinetic = 0.5 * whole.v @ mass @ whole.v
         return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
 

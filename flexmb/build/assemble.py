@@ -10,7 +10,7 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 
-from ..elements.element import Element
+from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.sections import Rigidity
 from ..math.indices import put
@@ -150,9 +150,6 @@ def assemble(builder: Builder) -> Model:
     return Model(topology, parameters, labels)
 
 
-COMPANIONS = ("stiffness", "damping", "inertia", "force", "resultants")
-
-
 class _Piece(NamedTuple):
     """One member on its way into a block."""
 
@@ -182,7 +179,7 @@ def _blocks(builder, members, first_x):
             c
             for c in COMPANIONS
             # Nothing stiff is asked of an element whose deformations are all FIXED, and no stress where no section is.
-            if not (rigid and c in ("stiffness", "damping", "resultants"))
+            if not (rigid and c in ("stiffness", "damping", "resultants", *NONLINEAR))
             and (c != "resultants" or properties.get("section") is not None)
             and element.arguments(getattr(element, c), properties) is not None
         )

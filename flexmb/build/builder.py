@@ -133,7 +133,8 @@ class Builder:
                 position stands for its rotation too where the next parameter asks for one.
             name: Its name; by default the type and a number.
             released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED at zero.
-                By default as the element type says: all of an element with stiffness, none of a rigid one.
+                By default as the element type says: all of an elastic element, none of a rigid one. What an element
+                only measures is released in any case.
             properties: What the element type asks for, such as ``section``.
 
         Returns:
@@ -153,10 +154,9 @@ class Builder:
         self._check_member(element, name, references, properties)
         n_e = number_of_deformations(element, properties)
         self.members[name] = Member(element, nodes, properties, [Role.FIXED] * n_e)
-        stiff = element.arguments(element.stiffness, properties) is not None
-        usual = (ALL if stiff else ()) if element.released is None else element.released
+        usual = (ALL if element.is_elastic(properties) else ()) if element.released is None else element.released
         wanted = usual if released is None else released
-        self.release(name, *(range(1, n_e + 1) if isinstance(wanted, str) else wanted))
+        self.release(name, *(range(1, n_e + 1) if isinstance(wanted, str) else wanted), *element.measured)
         return name
 
     def release(self, element: str, *deformations: int) -> None:
@@ -608,7 +608,10 @@ class Builder:
                     f" {', '.join(known) or 'none'}."
                 )
         complete = {k: stack(v) if isinstance(v, list | tuple) else v for k, v in properties.items()}
-        needed = element.arguments(element.deformation, {k: 0 for k in known}) or {}
+        # Stiffness, damping and mass may be left out; a law is what its element is for.
+        needed = {
+            n for f in (element.deformation, element.law) for n in element.arguments(f, dict.fromkeys(known, 0)) or {}
+        }
         for wanted, parameter in known.items():
             if wanted in complete:
                 continue

@@ -11,6 +11,10 @@ from typing import Any
 from .nodes import NodeKind
 
 ALL = "all"
+# Companions by what makes them: stress resultants from deformations, and the rest.
+ELASTIC = ("stiffness", "energy", "law")
+NONLINEAR = ("energy", "dissipation", "law")
+COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", "resultants")
 # Keyword-only parameters that are handed to an element's functions and are no properties of it.
 GIVEN = ("ref", "near", "place", "sigma")
 
@@ -30,6 +34,12 @@ class Element:
             with kinetic energy ``1/2 sum H[a, b] s_a_dot . s_b_dot`` (FORMULATION.md 3).
         force: ``f(*nodes, ref, **properties) -> (n_x,)``, nodal forces dual to the coordinates, for loads that
             depend on the configuration.
+        energy: ``f(e, *, ref, **properties) -> ()`` [J], elastic energy, where stress is no constant matrix times
+            deformation: its derivative by e is the stress.
+        dissipation: ``f(e, ed, *, ref, **properties) -> ()`` [W], zero at rest, whose derivative by ed is the stress:
+            half of what a linear damper takes.
+        law: ``f(e, ed, *, ref, **properties) -> (n_e,)``, stress resultants that need no potential: friction, contact,
+            a characteristic. An element may have several of the companions; their stresses add up.
         resultants: ``f(*nodes, ref, place, sigma, **properties) -> (6,)``, force and moment in the cross-section at a
             place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,): normal
             force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
@@ -37,7 +47,9 @@ class Element:
             so that a positive normal force pulls. Asked of flexible elements with a section.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
-            The rest is FIXED. None: all if the element has a stiffness, none if not.
+            The rest is FIXED. None: all if the element is elastic, none if not.
+        measured: Numbers (from 1) of the deformations that no one holds: what companions need to know, and angles whose
+            turns are counted. They are DEPENDENT whatever the caller releases.
         fields: Numbers (from 1) of the deformations of each strain field, where the strains are series.
     """
 
@@ -46,9 +58,13 @@ class Element:
     damping: Callable[..., Any] | None = None
     inertia: Callable[..., Any] | None = None
     force: Callable[..., Any] | None = None
+    energy: Callable[..., Any] | None = None
+    dissipation: Callable[..., Any] | None = None
+    law: Callable[..., Any] | None = None
     resultants: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
+    measured: tuple[int, ...] = ()
     fields: tuple[tuple[int, ...], ...] = ()
 
     @property
@@ -59,14 +75,14 @@ class Element:
     @property
     def nodes(self) -> dict[str, NodeKind]:
         """Node kind of each positional parameter, in order."""
-        return _signature(self.deformation)[0]
+        return _nodes(self.deformation)
 
     @property
     def properties(self) -> dict[str, inspect.Parameter]:
         """Properties that the deformation and the companions name."""
         found: dict[str, inspect.Parameter] = {}
         for function in self._functions():
-            for name, parameter in _signature(function)[1].items():
+            for name, parameter in _properties(function).items():
                 if name not in found or found[name].default is inspect.Parameter.empty:
                     found[name] = parameter
         return found
@@ -76,8 +92,16 @@ class Element:
         """Whether the deformation asks for ``near``: its value at the last accepted state (angles past a turn)."""
         return "near" in inspect.signature(self.deformation).parameters
 
+    def is_elastic(self, properties: dict[str, Any]) -> bool:
+        """Whether deformations are stressed at rest.
+
+        Args:
+            properties: All properties of the element.
+        """
+        return any(self.arguments(getattr(self, name), properties) is not None for name in ELASTIC)
+
     def _functions(self) -> list[Callable[..., Any]]:
-        companions = (self.stiffness, self.damping, self.inertia, self.force, self.resultants, self.check)
+        companions = (getattr(self, name) for name in (*COMPANIONS, "check"))
         return [self.deformation, *(c for c in companions if c is not None)]
 
     def reference(self, coordinates) -> Any:
@@ -97,7 +121,7 @@ class Element:
         """
         if companion is None:
             return None
-        wanted = _signature(companion)[1]
+        wanted = _properties(companion)
         chosen = {name: properties[name] for name in wanted if name in properties}
         required = companion is not self.deformation and companion is not self.check
         if required and any(value is None for name, value in chosen.items() if wanted[name].default is not None):
@@ -115,13 +139,19 @@ def as_element(function: "Element | Callable[..., Any]") -> Element:
 
 
 @functools.cache
-def _signature(function) -> tuple[dict[str, NodeKind], dict[str, inspect.Parameter]]:
+def _properties(function) -> dict[str, inspect.Parameter]:
+    """Keyword-only parameters but for those that are given."""
+    parameters = inspect.signature(function).parameters.items()
+    return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in GIVEN}
+
+
+@functools.cache
+def _nodes(function) -> dict[str, NodeKind]:
+    """Node kinds of the positional parameters."""
     hints = typing.get_type_hints(function, include_extras=True)
-    nodes, properties = {}, {}
+    nodes = {}
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY:
-            if name not in GIVEN:
-                properties[name] = parameter
             continue
         kinds = [k for k in getattr(hints.get(name), "__metadata__", ()) if isinstance(k, NodeKind)]
         if not kinds:
@@ -130,9 +160,9 @@ def _signature(function) -> tuple[dict[str, NodeKind], dict[str, inspect.Paramet
                 " (Point2, Angle, Point3, Rotation3)."
             )
         nodes[name] = kinds[0]
-    return nodes, properties
+    return nodes
 
 
 @functools.cache
 def _reference_type(function):
-    return namedtuple("Reference", list(_signature(function)[0]))
+    return namedtuple("Reference", list(_nodes(function)))

@@ -1,7 +1,11 @@
-"""Planar elements: truss, beam, rigid beam, hinge, lumped mass and rotary inertia.
+"""Planar elements: beams, joints, springs, transmissions, lumped mass and rotary inertia.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
 """
+
+import functools
+from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -9,8 +13,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import rotation_plane
-from . import beams, spectral
+from . import beams, spectral, transmission
 from .element import ALL, Element
+from .laws import as_law, diagonal_damping, diagonal_stiffness
 from .nodes import Angle, Point2
 from .sections import Damping, Section
 
@@ -139,21 +144,104 @@ rigid_beam = Element(_rigid_beam, inertia=_rigid_beam_inertia, released=())
 """Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. Properties: section (mass)."""
 
 
+pin_body = rigid_beam
+"""The predecessor's name for a rigid beam, whose two ends may lie in one place."""
+
+
 def _hinge(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
     """Relative rotation of two bodies [rad]."""
     return (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
 
 
-def _scalar_matrix(*, ref, stiffness: float) -> Float[Array, "1 1"]:
-    return jnp.reshape(stiffness, (1, 1))
-
-
-def _scalar_damping(*, ref, damping: float) -> Float[Array, "1 1"]:
-    return jnp.reshape(damping, (1, 1))
-
-
-hinge = Element(_hinge, stiffness=_scalar_matrix, damping=_scalar_damping, released=ALL)
+hinge = Element(_hinge, stiffness=diagonal_stiffness(1), damping=diagonal_damping(1), released=ALL)
 """Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
+
+
+def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref, axis: Float[Array, "2"]) -> Float[Array, "2"]:
+    """Displacement of q along a line of body p, and off it to the left [m]."""
+    along = axis / jnp.sqrt(axis @ axis)
+    return jnp.stack([along, jnp.stack([-along[1], along[0]])]) @ _rigid_beam(p, rot_p, q, ref=ref)
+
+
+def _check_axis(*, ref, axis: Float[Array, "2"]) -> list[str]:
+    return [] if np.linalg.norm(np.asarray(axis)) > 0 else ["has an axis of zero length"]
+
+
+slider = Element(
+    _slider, stiffness=diagonal_stiffness(2), damping=diagonal_damping(2), check=_check_axis, released=(1,)
+)
+"""Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 off it (FIXED) [m].
+
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
+"""
+
+
+def _prismatic(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, axis: Float[Array, "2"]) -> Float[Array, "3"]:
+    """Displacement along a line of body p, off it [m], and rotation of body q relative to it [rad]."""
+    turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
+    return jnp.concatenate([_slider(p, rot_p, q, ref=ref, axis=axis), turn])
+
+
+prismatic = Element(
+    _prismatic, stiffness=diagonal_stiffness(3), damping=diagonal_damping(3), check=_check_axis, released=(1,)
+)
+"""Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 off it [m] and e3 rotation
+[rad], FIXED.
+
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
+"""
+
+
+def _spring_damper(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
+    """Change of the distance between two points [m]."""
+    return beams.truss(p, q, ref=ref)
+
+
+@functools.cache
+def spring_damper(law: Callable[..., Any]) -> Element:
+    """Spring, damper or actuator between two points, with a force of one's own.
+
+    e1 change of the distance [m]; its stress resultant is the force that pulls the points together.
+
+    Args:
+        law: ``f(e, ed, **properties) -> ()``, force [N] of e1 and its rate. Its keyword-only parameters are properties
+            of the element. Define it once: each function is an element type of its own.
+
+    Returns:
+        Element type.
+
+    Source:
+        The force's power is law times ed.
+    """
+    return Element(_spring_damper, law=as_law(law), check=beams.check_length)
+
+
+def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
+    """Relative rotation of two bodies [rad]."""
+    return _hinge(rot_p, rot_q, ref=ref)
+
+
+@functools.cache
+def rotary_spring_damper(law: Callable[..., Any]) -> Element:
+    """Spring, damper or motor between two bodies, with a moment of one's own.
+
+    e1 rotation of body q relative to body p [rad]; its stress resultant is the moment on body p.
+
+    Args:
+        law: ``f(e, ed, **properties) -> ()``, moment [N m] of e1 and its rate; see :func:`spring_damper`.
+
+    Returns:
+        Element type.
+
+    Source:
+        The moment's power is law times ed.
+    """
+    return Element(_rotary_spring_damper, law=as_law(law))
+
+
+gear = transmission.gear
+belt = transmission.belt
+belt_to_point = transmission.belt_to_point
 
 
 def _nothing_at(p: Point2, *, ref) -> Float[Array, "0"]:

@@ -1,16 +1,21 @@
-"""Spatial elements: truss, beam, rigid beam, hinge, lumped mass and rotary inertia; moments about fixed axes.
+"""Spatial elements: beams, joints, springs, lumped mass and rotary inertia; moments about fixed axes.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
 """
+
+import functools
+from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.rotation import initial_frame, lbar, relative_parameters, rotation_matrix
-from . import beams, spectral
+from ..math.rotation import initial_frame, lbar, turned
+from . import beams, joints, spectral
 from .element import Element
+from .laws import as_law
 from .nodes import Point3, Rotation3
 from .sections import Damping, Section
 
@@ -39,16 +44,11 @@ truss = Element(
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
 
-def _turned(rot: Rotation3, ref_rot: Rotation3, vectors: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
-    """Columns that turn with a triad, as they lie now; given as they lay in the undeformed state."""
-    return rotation_matrix(rot) @ (rotation_matrix(ref_rot).T @ vectors)
-
-
 def _triads(rot_p: Rotation3, rot_q: Rotation3, ref, y) -> Float[Array, "2 3 3"]:
     """Local axes at both ends as columns. Both ends go through the same few products, which compile once."""
     frame = initial_frame(ref.p, ref.q, y)
     rotations, references = jnp.stack([rot_p, rot_q]), jnp.stack([ref.rot_p, ref.rot_q])
-    return jax.vmap(_turned, (0, 0, None))(rotations, references, frame)
+    return jax.vmap(turned, (0, 0, None))(rotations, references, frame)
 
 
 def _beam(
@@ -185,7 +185,7 @@ spectral_beam = spectral.spatial_beam
 
 def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:
     """Offset of q from its place on the body of p, in axes of the body at the undeformed state [m]."""
-    return _turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
+    return turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
 
 
 def _rigid_beam_inertia(p: Point3, rot_p: Rotation3, q: Point3, *, ref, section: Section):
@@ -196,48 +196,66 @@ rigid_beam = Element(_rigid_beam, inertia=_rigid_beam_inertia, released=())
 """Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. Properties: section (mass)."""
 
 
-def _hinge(
-    rot_p: Rotation3, rot_q: Rotation3, *, ref, near: Float[Array, "3"], axis: Float[Array, "3"]
-) -> Float[Array, "3"]:
-    """Rotation about the hinge axis, counted past full turns, and the two tilts of the axis [rad].
+pin_body = rigid_beam
+"""The predecessor's name for a rigid beam, whose two ends may lie in one place."""
 
-    The relative Euler parameters are (cos a/2, sin a/2 along the axis) for a pure rotation a, so the half angle is
-    known up to full turns of it, and ``near`` picks the turn.
+
+hinge = joints.hinge
+prismatic = joints.prismatic
+screw = joints.screw
+slider = joints.slider
+gear = joints.gear
+
+
+def _spring_damper(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
+    """Change of the distance between two points [m]."""
+    return beams.truss(p, q, ref=ref)
+
+
+@functools.cache
+def spring_damper(law: Callable[..., Any]) -> Element:
+    """Spring, damper or actuator between two points, with a force of one's own.
+
+    e1 change of the distance [m]; its stress resultant is the force that pulls the points together.
+
+    Args:
+        law: ``f(e, ed, **properties) -> ()``, force [N] of e1 and its rate. Its keyword-only parameters are properties
+            of the element. Define it once: each function is an element type of its own.
+
+    Returns:
+        Element type.
+
+    Source:
+        The force's power is law times ed.
     """
-    rel_p = relative_parameters(ref.rot_p, rot_p)
-    rel_q = relative_parameters(ref.rot_q, rot_q)
-    turned_p = _to_global(ref.rot_p, rel_p)
-    turned_q = _to_global(ref.rot_q, rel_q)
-    rel = relative_parameters(turned_p, turned_q)
-    frame = initial_frame(jnp.zeros(3), axis, None)
-    about, tilt_y, tilt_z = frame.T @ rel[1:]
-    angle = 2 * jnp.arctan2(about, rel[0])
-    turns = jnp.round((near[0] - angle) / (4 * jnp.pi))
-    return jnp.stack([angle + 4 * jnp.pi * turns, 2 * tilt_y, 2 * tilt_z])
+    return Element(_spring_damper, law=as_law(law), check=beams.check_length)
 
 
-def _to_global(ref_rot: Rotation3, rel: Float[Array, "4"]) -> Float[Array, "4"]:
-    """Rotation since the undeformed state, its vector part turned from triad axes to global axes."""
-    return jnp.concatenate([rel[:1], rotation_matrix(ref_rot) @ rel[1:]])
+def _rotary_spring_damper(
+    rot_p: Rotation3, rot_q: Rotation3, *, ref, near: Float[Array, "1"], axis: Float[Array, "3"]
+) -> Float[Array, "1"]:
+    """Rotation of the body q about an axis of the body p, counted past full turns [rad]."""
+    return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]
 
 
-def _hinge_stiffness(*, ref, stiffness: float) -> Float[Array, "3 3"]:
-    return jnp.diag(jnp.broadcast_to(stiffness, (3,)))
+@functools.cache
+def rotary_spring_damper(law: Callable[..., Any]) -> Element:
+    """Spring, damper or motor about the axis of a hinge, with a moment of one's own.
 
+    e1 rotation of body q relative to body p about the axis [rad]; its stress resultant is the moment on body p about
+    the axis. It holds nothing: the hinge beside it does. Properties: axis (global, undeformed state), and those of the
+    law.
 
-def _hinge_damping(*, ref, damping: float) -> Float[Array, "3 3"]:
-    return jnp.diag(jnp.broadcast_to(damping, (3,)))
+    Args:
+        law: ``f(e, ed, **properties) -> ()``, moment [N m] of e1 and its rate; see :func:`spring_damper`.
 
+    Returns:
+        Element type.
 
-def _check_axis(*, ref, axis: Float[Array, "3"]) -> list[str]:
-    return [] if np.linalg.norm(np.asarray(axis)) > 0 else ["has a hinge axis of zero length"]
-
-
-hinge = Element(_hinge, stiffness=_hinge_stiffness, damping=_hinge_damping, check=_check_axis, released=(1,))
-"""Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
-
-Properties: axis (global, undeformed state), stiffness and damping (of e1, or one for each).
-"""
+    Source:
+        The moment's power is law times ed.
+    """
+    return Element(_rotary_spring_damper, law=as_law(law), check=joints.check_axis)
 
 
 def _nothing_at(p: Point3, *, ref) -> Float[Array, "0"]:
@@ -258,7 +276,7 @@ def _nothing_on(rot: Rotation3, *, ref) -> Float[Array, "0"]:
 
 def _inertia_inertia(rot: Rotation3, *, ref, inertia: Float[Array, "6"]):
     tensor = inertia[np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])]
-    return _turned(rot, ref.rot, jnp.eye(3)).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
+    return turned(rot, ref.rot, jnp.eye(3)).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
 
 
 inertia = Element(_nothing_on, inertia=_inertia_inertia)
@@ -279,7 +297,7 @@ def _nothing_between(p: Point3, rot: Rotation3, *, ref) -> Float[Array, "0"]:
 
 
 def _follower_force(p: Point3, rot: Rotation3, *, ref, force: Float[Array, "3"]) -> Float[Array, "7"]:
-    return jnp.concatenate([_turned(rot, ref.rot, jnp.eye(3)) @ force, jnp.zeros(4)])
+    return jnp.concatenate([turned(rot, ref.rot, jnp.eye(3)) @ force, jnp.zeros(4)])
 
 
 follower_force = Element(_nothing_between, force=_follower_force)
@@ -287,7 +305,7 @@ follower_force = Element(_nothing_between, force=_follower_force)
 
 
 def _follower_moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float[Array, "4"]:
-    return _moment(rot, ref=ref, moment=_turned(rot, ref.rot, jnp.eye(3)) @ moment)
+    return _moment(rot, ref=ref, moment=turned(rot, ref.rot, jnp.eye(3)) @ moment)
 
 
 follower_moment = Element(_nothing_on, force=_follower_moment)

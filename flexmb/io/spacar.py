@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..build.builder import Builder
+from ..elements import spatial
 from ..errors import ModelError, SpacarError
+from ..model.roles import Role
 from . import spacar_actions as act
-from .spacar_elements import KINDS
+from .spacar_elements import FORMS, KINDS
 from .spacar_lines import (
     BLOCKS,
     DRAWING,
@@ -55,7 +57,16 @@ class Row:
 
 
 ROWS = (
-    *(Row(kind.keyword, KINEMATICS, kind.form, partial(act.declare, kind=kind), DECLARE) for kind in KINDS),
+    *(
+        Row(
+            keyword,
+            KINEMATICS,
+            form,
+            partial(act.declare, kinds=tuple(k for k in KINDS if k.keyword == keyword)),
+            DECLARE,
+        )
+        for keyword, form in FORMS.items()
+    ),
     Row("X", KINEMATICS, "node x [y] [z]", act.position, DESCRIBE),
     Row("FIX", KINEMATICS, "node [coordinate ...]", act.fix),
     Row("RLSE", KINEMATICS, "element deformation ...", act.release),
@@ -109,7 +120,7 @@ _KINEMATIC = (
 )
 _INVERSE = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
 REFUSED = {
-    **dict.fromkeys(("BEAMW", "SCREW", "PLBELT", "TUBE", "PLTUBE"), f"element type {_LATER}"),
+    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE"), f"element type {_LATER}"),
     **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
     **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
     **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), _INVERSE),
@@ -146,7 +157,10 @@ def read_spacar(
 
     Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Two keywords are our own: PLSBEAM
     and SBEAM, spectral beams of order p, 4 unless given; RLSE, DYNE, ESIG and EINIT take the numbers of a beam's
-    deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients.
+    deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients. So are the
+    form of PLBELT, with radii positive where the belt runs to the left of the centre on the way from p to q, and the
+    deformations of SCREW: 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and 6
+    tilt.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
@@ -169,6 +183,7 @@ def read_spacar(
     _build(r, faults)
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
+    _warn_of_screws(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
         faults.append((1, f"file {what}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
@@ -332,7 +347,7 @@ def _build(r: Reading, faults: list) -> None:
             _check_rigid(r, declared)
             lines = r.lines.get(number, {})
             element = kind.element_of(declared.order, lines.get("ESTIFF", []))
-            properties = kind.properties(lines, declared.vector)
+            properties = kind.properties(lines, declared.vector, declared.numbers)
             r.builder.add(element, *names, name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):
@@ -346,6 +361,15 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
         if not np.linalg.norm(np.subtract(q, p)):
             pin = "PINBODY" if declared.kind.dimension == 3 else "PLPINBODY"
             raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
+
+
+def _warn_of_screws(r: Reading) -> None:
+    """A screw that cannot turn is a weld, which nobody writes as a screw."""
+    for number, declared in r.elements.items():
+        member = r.builder.members.get(str(number))
+        if declared.kind.element is spatial.screw and member is not None and member.roles[1] is Role.FIXED:
+            text = f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
+            r.warnings.append((declared.statement, text))
 
 
 def _connect_signals(r: Reading, faults: list) -> None:

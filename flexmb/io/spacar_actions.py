@@ -16,12 +16,14 @@ from .spacar_lines import DRAWING, Fault, Statement
 from .spacar_reading import Declared, Reading
 
 Values = dict[str, Any]
+VECTORS = ("y1", "y2", "y3", "axis1", "axis2", "axis3", "x1", "x2", "x3")
 
 # -- kinematics ---------------------------------------------------------------------------------------------------
 
 
-def declare(r: Reading, s: Statement, p: Values, kind: ElementKind) -> None:
-    """An element line: what nodes there are follows from it."""
+def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...]) -> None:
+    """An element line: what nodes there are follows from it; ``kinds`` are those of the keyword, one a form."""
+    kind = next(k for k in kinds if set(k.node_names) <= set(p))
     number, nodes = p["element"], [p[name] for name in kind.node_names]
     if number in r.elements:
         raise Fault(f"is defined already on line {r.elements[number].statement.line}; give each element its own number")
@@ -36,8 +38,8 @@ def declare(r: Reading, s: Statement, p: Values, kind: ElementKind) -> None:
     if p.get("p", 1) > LARGEST_ORDER:
         raise Fault(f"p, the coefficients of a strain field, must be at most {LARGEST_ORDER}, but is {p['p']}")
     named: dict[int, tuple[NodeKind, Statement]] = {}
-    kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
-    for node, node_kind in zip(nodes, kinds, strict=True):
+    node_kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
+    for node, node_kind in zip(nodes, node_kinds, strict=True):
         known, line = r.nodes.get(node) or named.setdefault(node, (node_kind, s))
         if known.part != node_kind.part:
             raise Fault(
@@ -45,8 +47,9 @@ def declare(r: Reading, s: Statement, p: Values, kind: ElementKind) -> None:
                 f" {line.line} ({line.keyword}); expected: {kind.keyword} {kind.form}"
             )
     r.nodes |= named
-    vector = [p[name] for name in ("y1", "y2", "y3", "axis1", "axis2", "axis3") if name in p]
-    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"))
+    vector = [p[name] for name in VECTORS if name in p]
+    own = {prop: p[name] for name, prop in kind.numbers}
+    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"), own)
 
 
 def _check_ends(kind: ElementKind, p: Values) -> None:

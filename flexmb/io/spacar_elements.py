@@ -27,6 +27,7 @@ class ElementKind:
         stiffness: Names in Rigidity of the numbers of ESTIFF, in order; ("stiffness",) * n for a hinge.
         mass: Names in Rigidity of the numbers of EM.
         damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
+        numbers: Other numbers of the form and the properties they are, in the order of the form.
         series: Of a spectral beam: element type by order, and by whether shear is counted.
     """
 
@@ -36,6 +37,7 @@ class ElementKind:
     stiffness: tuple[str, ...] = ()
     mass: tuple[str, ...] = ()
     damping: tuple[str, ...] = ()
+    numbers: tuple[tuple[str, str], ...] = ()
     series: Callable[[int, bool], Element] | None = None
 
     @property
@@ -70,14 +72,17 @@ class ElementKind:
         made = (self.series(len(element.fields[0]), shear) for shear in (False, True) if element.fields)
         return any(other is element for other in made)
 
-    def properties(self, lines: dict[str, list[float]], vector: list[float] | None) -> dict[str, Any]:
+    def properties(
+        self, lines: dict[str, list[float]], vector: list[float] | None, numbers: dict[str, float]
+    ) -> dict[str, Any]:
         """Properties for ``Builder.add``.
 
         Args:
             lines: Numbers of ESTIFF, EM and EDAMP, where given.
-            vector: Local y vector or hinge axis, where given.
+            vector: Local y vector or axis, where given.
+            numbers: Other numbers, by property.
         """
-        found: dict[str, Any] = {}
+        found: dict[str, Any] = dict(numbers)
         if vector is not None and "y" in self.element.properties:
             found["y"] = np.array(vector)
         if vector is not None and "axis" in self.element.properties:
@@ -118,11 +123,12 @@ KINDS = (
         _BEAM,
         ("mass", "Jx", "Jy", "Jz", "Jyz"),
         _BEAM[:4],
-        spatial.spectral_beam,
+        series=spatial.spectral_beam,
     ),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
     ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
     ElementKind("HINGE", spatial.hinge, "element rotp rotq axis1 axis2 axis3", *_TURNS),
+    ElementKind("SCREW", spatial.screw, "element xp rotp xq rotq x1 x2 x3 pitch", numbers=(("pitch", "pitch"),)),
     ElementKind("TRUSS", spatial.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
     ElementKind(
         "PLBEAM",
@@ -139,10 +145,29 @@ KINDS = (
         ("EA", "EIy", NOTHING),
         ("mass", "Jy"),
         ("EA", "EIy"),
-        lambda order, shear: planar.spectral_beam(order),
+        series=lambda order, shear: planar.spectral_beam(order),
     ),
     ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
     ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),
     ElementKind("PLTRUSS", planar.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
     ElementKind("PLTOR", planar.hinge, "element rotp rotq", ("stiffness",), (), ("damping",)),
+    # Our own form: the predecessor's is not known.
+    ElementKind(
+        "PLBELT",
+        planar.belt,
+        "element xp rotp xq rotq rp rq",
+        ("EA",),
+        damping=("EA",),
+        numbers=(("rp", "radius_p"), ("rq", "radius_q")),
+    ),
+    ElementKind(
+        "PLBELT",
+        planar.belt_to_point,
+        "element xp rotp xq rp",
+        ("EA",),
+        damping=("EA",),
+        numbers=(("rp", "radius_p"),),
+    ),
 )
+FORMS = {kind.keyword: " | ".join(k.form for k in KINDS if k.keyword == kind.keyword) for kind in KINDS}
+"""Form of each keyword, alternatives between bars."""

@@ -96,14 +96,16 @@ def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
     Args:
         keyword: Keyword, for the message.
         form: Names of the parameters in order; "[y1 y2 y3]" may be left out as a whole, "value ..." is one or more,
-            "[value ...]" any number. Names in WHOLE are whole numbers.
+            "[value ...]" any number. Alternatives, of different length, stand between bars. Names in WHOLE are whole
+            numbers.
         words: What the file gives.
 
     Raises:
         Fault: Wrong count, or a parameter that is not a number of the right kind.
     """
     expected = f"expected: {keyword} {form}".rstrip()
-    groups = _groups(form)
+    alternatives = form.split(" | ")
+    groups = _groups(next((a for a in alternatives if len(a.split()) == len(words)), alternatives[-1]))
     left, found = list(words), {}
     for group in groups:
         size = len(group.names)

@@ -24,8 +24,9 @@ class Declared:
         statement: The line.
         kind: Element type.
         nodes: Node numbers in the order of the element's parameters.
-        vector: Local y vector or hinge axis, if given.
+        vector: Local y vector or axis, if given.
         order: Order of a spectral beam, if given.
+        numbers: Other numbers, by property.
     """
 
     statement: Statement
@@ -33,6 +34,7 @@ class Declared:
     nodes: tuple[int, ...]
     vector: list[float] | None
     order: int | None = None
+    numbers: dict[str, float] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass

@@ -185,7 +185,8 @@ class _Writer:
             ]
             order = [len(m.element.fields[0])] if m.element.fields else []
             across = [] if vector is None else _numbers(vector)
-            lines.append(_line(keyword, self.element[name], *nodes, *across, *order))
+            own = [float(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
                 lines.append(_line("X", self.node[name], *_numbers(node.start)))
@@ -222,8 +223,9 @@ class _Writer:
             if having:
                 whole = keyword == "FIX" and len(having) == len(roles)
                 if element is not None and keyword == "RLSE":
+                    having = [n for n in having if n not in element.measured]
                     having = series.shortened(element, series.arranged(element, having))
-                lines.append(_line(keyword, number, *([] if whole else having)))
+                lines += [_line(keyword, number, *([] if whole else having))] if having else []
         return lines
 
     # -- dynamics -------------------------------------------------------------------------------------------------
@@ -307,8 +309,10 @@ class _Writer:
         for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
             if keyword in self.settings:
                 lines.append(_line(keyword, *self.settings[keyword].values()))
-        for keyword in ("STARTDX", "STARTDE"):
-            lines += [_line(keyword, *entry) for entry in self.settings.get(keyword, [])]
+        for (kind, of, number), (value, velocity) in self.builder.starts.items():
+            start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
+            letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+            lines.append(_line(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
             lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
         return lines

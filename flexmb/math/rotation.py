@@ -1,7 +1,7 @@
 """Rotations in the plane by an angle, in space by Euler parameters (scalar first, unit norm).
 
-Every function here is polynomial in its arguments, so its derivatives are finite everywhere, zero rotation
-included. Equations: Jonker, Aarts and van Dijk (2009), Multibody System Dynamics 21, 99-122, and the relation
+What turns vectors by Euler parameters is polynomial in its arguments, so its derivatives are finite everywhere, zero
+rotation included. Equations: Jonker, Aarts and van Dijk (2009), Multibody System Dynamics 21, 99-122, and the relation
 ``omega = 2 Lbar d(lambda)/dt`` that defines the dual of a moment.
 """
 
@@ -24,6 +24,39 @@ def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
     """
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.array([[c, -s], [s, c]])
+
+
+def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Array, ""]:
+    """Angle from one vector in the plane to another.
+
+    Args:
+        start: First vector, (2,).
+        end: Second vector, (2,).
+
+    Returns:
+        Counter-clockwise angle between -pi and pi, () [rad].
+
+    Source:
+        Definition.
+    """
+    return jnp.arctan2(start[0] * end[1] - start[1] * end[0], start @ end)
+
+
+def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * np.pi) -> Float[Array, ""]:
+    """Angle plus the number of turns that brings it nearest to another.
+
+    Args:
+        angle: Known up to whole turns, () [rad].
+        near: Where it was before, () [rad].
+        turn: What it is known up to [rad].
+
+    Returns:
+        () [rad].
+
+    Source:
+        Definition; the number of turns is constant, so that it does not enter a derivative.
+    """
+    return angle + turn * jnp.round((near - angle) / turn)
 
 
 # lbar(lam)[i, j] = LBAR[i, j, k] lam[k]; constant tensors keep the traced graph to one product.
@@ -83,6 +116,23 @@ def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
         See :func:`lbar`; homogeneous of degree two, so a norm that is off by d scales R by 1 + 2 d.
     """
     return (jnp.asarray(ROTATION) @ lam) @ lam
+
+
+def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Array, "3 n"]) -> Float[Array, "3 n"]:
+    """Columns that turn with a triad, as they lie now.
+
+    Args:
+        rot: Euler parameters of the triad now, (4,) [-].
+        ref_rot: The same in the undeformed state, (4,) [-].
+        vectors: Columns as they lay in the undeformed state, (3, n).
+
+    Returns:
+        (3, n).
+
+    Source:
+        R(rot) R(ref_rot)^T.
+    """
+    return rotation_matrix(rot) @ (rotation_matrix(ref_rot).T @ vectors)
 
 
 def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..elements.element import NONLINEAR
 from ..elements.sections import Rigidity, Section
 from ..math.compile import as_primitives, traced_once
 from ..math.indices import accumulate
@@ -22,19 +23,20 @@ def element_function(block: Block, companion, properties):
         properties: Stacked properties of the block; only which of them are None is looked at.
 
     Returns:
-        ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. The function is called without nodes
-        where it takes none.
+        ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. Where a companion takes no nodes, x_el are
+        the arguments that it takes in their place: deformations, and their rates; or nothing that matters.
     """
     element = block.element
     chosen = element.arguments(companion, {**dict(block.options), **properties})
     if chosen is None:
         return None
-    takes_nodes = companion not in (element.stiffness, element.damping)
+    takes_nothing = companion in (element.stiffness, element.damping)
+    takes_deformations = companion in [getattr(element, name) for name in NONLINEAR]
 
     def function(x, ref, own, **extra):
         named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
-        nodes = jnp.split(x, block.splits) if takes_nodes else ()
-        return companion(*nodes, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
+        taken = () if takes_nothing else x if takes_deformations else jnp.split(x, block.splits)
+        return companion(*taken, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
 
     return as_primitives(function)
 

@@ -18,7 +18,7 @@ from .inertia import mass_matrix, uniform_motion
 from .loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
 from .motion import Kinematics, inertia_derivatives, inertia_forces, kinematic_derivatives, stressed_kinematics
 from .second_order import MotionState, Tangent
-from .stress import element_damping, element_stiffness, stress_resultants
+from .stress import element_damping, element_stiffness, is_nonlinear, stress_resultants, stress_tangents
 
 # Share of a constraint's own compliance that is added to it: round-off where constraints are independent, and what
 # keeps the system solvable where they are redundant or lose rank for a moment.
@@ -51,8 +51,8 @@ class CoordinatesForm(Record):
     Attributes:
         topology: Structure.
         parameters: Numbers, without gravity.
-        S: Stiffness of the elements, (n_e, n_e).
-        S_d: Their damping, (n_e, n_e), or None.
+        S: Constant stiffness of the elements, (n_e, n_e).
+        S_d: Their constant damping, (n_e, n_e), or None.
         gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
         falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
         free: Indices of the coordinates that move, (n,).
@@ -166,7 +166,7 @@ class CoordinatesForm(Record):
         drive = self.drive(t)
 
         def stress(e, ed):
-            sigma = stress_resultants(self.parameters, drive.loads, self.S, e)
+            sigma = stress_resultants(self.topology, self.parameters, drive.loads, self.S, e, ed)
             if self.S_d is not None:
                 sigma = sigma + self.S_d @ ed
             if drive.stress is not None:
@@ -174,6 +174,24 @@ class CoordinatesForm(Record):
             return put(sigma, self.held, multipliers)
 
         return stress
+
+    def tangents(self, e, ed):
+        """Derivatives of the stress resultants by deformations and by their rates, S and S_d; S_d may be None."""
+        return stress_tangents(self.topology, self.parameters, self.S, self.S_d, e, ed)
+
+    def tangents_at(self, x, v, near):
+        """As :meth:`tangents`, at a state of motion; S_d is zero where nothing depends on rates.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            v: Their velocities, (n_x,) [1/s].
+            near: Deformations at the last accepted state, (n_e,) [m, rad].
+        """
+        stiffness, damping = self.S, self.S_d
+        if is_nonlinear(self.topology):
+            e, jacobian = deformation_jacobian(self.topology, self.parameters, x, near)
+            stiffness, damping = self.tangents(e, jacobian @ v)
+        return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
     def near(self, memory) -> Float[Array, "n_e"]:
         """Deformations at the last accepted state.
@@ -265,22 +283,24 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[:n])
         near = self.near(state.memory)
         e, jacobian = deformation_jacobian(top, parameters, at.x, near)
-        sigma = self.stress_of(t, z[n:])(e, jacobian @ at.v)
+        ed = jacobian @ at.v
+        sigma = self.stress_of(t, z[n:])(e, ed)
         by_x = kinematic_derivatives(top, parameters, at.x, at.v, at.a, near, sigma)
         lifted = at.a if self.falling is None else at.a - self.falling
         inertia = inertia_derivatives(top, parameters, at.x, at.v, lifted)
         # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
         keep = put(jnp.ones(top.n_e), held, 0.0)[:, None]
-        strained = self.S @ by_x.e
+        stiffness, damping = self.tangents(e, ed)
+        strained = stiffness @ by_x.e
         drive = self.drive(t)
         k = inertia.by_x + by_x.curvature
         k = k - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
         if drive.turning is not None:
             k = k - drive.turning
         c = inertia.by_v
-        if self.S_d is not None:
-            damped = self.S_d @ by_x.e
-            strained = strained + self.S_d @ by_x.ed
+        if damping is not None:
+            damped = damping @ by_x.e
+            strained = strained + damping @ by_x.ed
             c = c + by_x.e.T @ (keep * damped)
         k = k + by_x.e.T @ (keep * strained)
         by_u = jnp.concatenate([self._scaled(k), self._columns(by_x.edd)])

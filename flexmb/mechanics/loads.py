@@ -69,23 +69,26 @@ def without_gravity(parameters: Parameters) -> Parameters:
 
 
 def has_loads(topology: Topology, parameters: Parameters) -> bool:
-    """Whether anything moves the mechanism from its undeformed state or stresses it; known before tracing.
+    """Whether there are loads or strains, which move the mechanism from its undeformed state; known before tracing.
 
     Args:
         topology: Structure.
         parameters: Numbers.
     """
     sets = (parameters.loads, parameters.increment, parameters.strain)
-    return bool(jax.tree.leaves(sets)) or has_load_elements(topology)
+    return bool(jax.tree.leaves(sets)) or any(block.element.force is not None for block in topology.blocks)
 
 
-def has_load_elements(topology: Topology) -> bool:
-    """Whether some load depends on the configuration without a potential, so that tangents are not symmetric.
+def lacks_potential(topology: Topology) -> bool:
+    """Whether some load or law has no potential, so that tangents are not symmetric; known before tracing.
+
+    The law of a single deformation has one, for what it is at rest.
 
     Args:
         topology: Structure.
     """
-    return any(block.element.force is not None for block in topology.blocks)
+    laws = any("law" in block.companions and block.e.shape[1] > 1 for block in topology.blocks)
+    return laws or any(block.element.force is not None for block in topology.blocks)
 
 
 def _load_elements(topology, parameters, factors):

@@ -27,6 +27,8 @@ class MovingMatrices(NamedTuple):
         residual: Force out of balance along each degree of freedom, (n_q,).
         DFx: First-order transfer function of the coordinates, (n_x, n_q).
         DFe: First-order transfer function of the deformations, (n_e, n_q).
+        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
+        S_d: Damping of the elements likewise, (n_e, n_e).
         reactions: Forces of the supports on the mechanism, (n_x,).
         sigma: Stress resultants, multipliers included, (n_e,).
         regular: Whether the degrees of freedom determine the configuration here.
@@ -41,6 +43,8 @@ class MovingMatrices(NamedTuple):
     residual: Float[Array, "n_q"]
     DFx: Float[Array, "n_x n_q"]
     DFe: Float[Array, "n_e n_q"]
+    S: Float[Array, "n_e n_e"]
+    S_d: Float[Array, "n_e n_e"]
     reactions: Float[Array, "n_x"]
     sigma: Float[Array, "n_e"]
     regular: Bool[Array, ""]
@@ -156,20 +160,20 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     n0 = z.T @ (inertia.by_x @ z + inertia.by_v @ turning + inertia.by_a @ by_q)
     dfe = tangent.DFe
     held = jnp.concatenate([top.x.fixed, top.x.prescribed])
-    damping = jnp.zeros_like(n0)
-    if form.S_d is not None:
-        damping = dfe.T @ form.S_d @ dfe
-        n0 = n0 + dfe.T @ form.S_d @ (rates + jacobian @ turning)
+    stiffness, damping = form.tangents_at(x, v, near)
+    n0 = n0 + dfe.T @ damping @ (rates + jacobian @ turning)
     return MovingMatrices(
         M0=z.T @ inertia.by_a @ z,
         C0=z.T @ (inertia.by_v @ z + inertia.by_a @ velocity_by_qd),
-        D0=damping,
-        K0=dfe.T @ form.S @ dfe,
+        D0=dfe.T @ damping @ dfe,
+        K0=dfe.T @ stiffness @ dfe,
         N0=n0,
         G0=z.T @ (by_x.curvature - loads) @ z,
         residual=at.residual,
         DFx=z,
         DFe=dfe,
+        S=stiffness,
+        S_d=damping,
         reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
         sigma=sigma,
         regular=at.regular,

@@ -11,7 +11,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .deformation import deformation_curvature, deformation_jacobian
 from .loads import LoadFactors, load_stiffness, nodal_forces, scaled_loads
-from .stress import element_stiffness, stress_resultants
+from .stress import element_stiffness, stress_resultants, stress_tangents
 from .transfer import Transfer, correction, multipliers, transfer
 
 
@@ -25,7 +25,7 @@ class State(NamedTuple):
         force: Nodal forces of the loads, (n_x,) [N, N m].
         jacobian: D_x, (n_e, n_x).
         transfer: DFx, DFe and the factors behind them.
-        S: Stiffness of the elements, (n_e, n_e) [N/m, N m/rad].
+        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e) [N/m, N m/rad].
         curvature: Stiffness of stress resultants and loads in the coordinates, (n_x, n_x), or None without loads.
     """
 
@@ -90,7 +90,8 @@ def state(
         return State(x, e, nothing, jnp.zeros(topology.n_x), jacobian, tangent, stiffness, None)
     force = nodal_forces(topology, parameters, factors, x)
     strained = e if dof is None else put(e, topology.e.dof, dof)
-    elastic = stress_resultants(parameters, scaled_loads(parameters, factors), stiffness, strained)
+    elastic = stress_resultants(topology, parameters, scaled_loads(parameters, factors), stiffness, strained)
+    stiffness, _ = stress_tangents(topology, parameters, stiffness, None, strained)
     sigma = multipliers(topology, tangent, jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, factors, x)

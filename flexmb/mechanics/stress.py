@@ -1,12 +1,16 @@
-"""Stress resultants: stiffness and damping of the elements, assembled; forces and moments in their sections."""
+"""Stress resultants: stiffness, damping and laws of the elements, assembled; forces and moments in their sections."""
+
+from typing import Any
 
 import jax
+import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..elements.element import NONLINEAR
 from ..math.compile import traced_once
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
-from .blocks import each_block, scatter_matrix
+from .blocks import each_block, scatter_matrix, scatter_vector
 
 
 def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
@@ -50,25 +54,179 @@ def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, 
     return _assemble(topology, parameters, "damping")
 
 
-def stress_resultants(
-    parameters: Parameters, loads: Loads, stiffness: Float[Array, "n_e n_e"], e: Float[Array, "n_e"]
-) -> Float[Array, "n_e"]:
-    """Stress resultants of the elastic elements, sigma = S (e - strain) + prestress.
+def is_nonlinear(topology: Topology) -> bool:
+    """Whether some element states an energy, a dissipation or a law; known before tracing.
 
     Args:
+        topology: Structure.
+    """
+    return any(not set(NONLINEAR).isdisjoint(block.companions) for block in topology.blocks)
+
+
+def _nonlinear_stress(topology: Topology, parameters: Parameters):
+    """Blocks with a nonlinear companion, its stress as ``f(e_el, ed_el, *arguments_el)``, and stacked arguments."""
+    for block, energy, *arguments in each_block(topology, parameters, "energy"):
+
+        def elastic(e, ed, *rest, energy=energy):
+            return jax.grad(lambda e: energy((e,), *rest))(e)
+
+        yield block, elastic, arguments
+    for block, dissipation, *arguments in each_block(topology, parameters, "dissipation"):
+
+        def damping(e, ed, *rest, dissipation=dissipation):
+            return jax.grad(lambda ed: dissipation((e, ed), *rest))(ed)
+
+        yield block, damping, arguments
+    for block, law, *arguments in each_block(topology, parameters, "law"):
+
+        def general(e, ed, *rest, law=law):
+            return law((e, ed), *rest)
+
+        yield block, general, arguments
+
+
+@traced_once
+def nonlinear_stress(
+    topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
+) -> Float[Array, "n_e"]:
+    """Stress resultants of the elements' energies, dissipations and laws.
+
+    Args:
+        topology: Structure.
         parameters: Numbers.
-        loads: Loads, of which the prestress is used.
-        stiffness: S, (n_e, n_e) [N/m, N m/rad].
-        e: Deformations, (n_e,) [m, rad].
+        e: Deformations less those without stress, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s].
 
     Returns:
         sigma, (n_e,) [N, N m].
 
     Source:
+        Each element's own companions: dE/de + dR/ded + law.
+    """
+    pieces = []
+    for block, function, arguments in _nonlinear_stress(topology, parameters):
+        pieces.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
+    return scatter_vector(topology.n_e, pieces)
+
+
+@traced_once
+def nonlinear_tangents(
+    topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_e n_e"], Float[Array, "n_e n_e"]]:
+    """Derivatives of :func:`nonlinear_stress` by the deformations and by their rates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        e: Deformations less those without stress, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s].
+
+    Returns:
+        Two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad]; symmetric but for laws.
+
+    Source:
+        Derivative of :func:`nonlinear_stress`.
+    """
+    by_e, by_ed = [], []
+    for block, function, arguments in _nonlinear_stress(topology, parameters):
+        found = jax.vmap(jax.jacfwd(function, argnums=(0, 1)))(e[block.e], ed[block.e], *arguments)
+        for pieces, matrices in zip((by_e, by_ed), found, strict=True):
+            pieces.append((block.e, block.e, matrices))
+    size = (topology.n_e, topology.n_e)
+    return scatter_matrix(size, by_e), scatter_matrix(size, by_ed)
+
+
+@traced_once
+def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, ""]:
+    """Elastic energy of the elements that state one.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        e: Deformations less those without stress, (n_e,) [m, rad].
+
+    Returns:
+        () [J].
+
+    Source:
+        Each element's energy companion.
+    """
+    total = jnp.array(0.0)
+    for block, energy, *arguments in each_block(topology, parameters, "energy"):
+        total = total + jnp.sum(jax.vmap(lambda e, *rest, energy=energy: energy((e,), *rest))(e[block.e], *arguments))
+    return total
+
+
+def strain_of(parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+    """Deformations less those at which the elements are free of stress.
+
+    Args:
+        parameters: Numbers.
+        e: Deformations, (n_e,) [m, rad].
+    """
+    return e if parameters.strain is None else e - parameters.strain
+
+
+def stress_resultants(
+    topology: Topology,
+    parameters: Parameters,
+    loads: Loads,
+    stiffness: Float[Array, "n_e n_e"],
+    e: Float[Array, "n_e"],
+    ed: Float[Array, "n_e"] | None = None,
+) -> Float[Array, "n_e"]:
+    """Stress resultants of the elements, sigma = S (e - strain) + nonlinear ones + prestress.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        loads: Loads, of which the prestress is used.
+        stiffness: S, (n_e, n_e) [N/m, N m/rad].
+        e: Deformations, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s], for nonlinear elements; None: at rest.
+
+    Returns:
+        sigma without that of constant damping, (n_e,) [N, N m].
+
+    Source:
         FORMULATION.md 5.
     """
-    sigma = stiffness @ (e if parameters.strain is None else e - parameters.strain)
+    strain = strain_of(parameters, e)
+    sigma = stiffness @ strain
+    if is_nonlinear(topology):
+        sigma = sigma + nonlinear_stress(topology, parameters, strain, jnp.zeros_like(e) if ed is None else ed)
     return sigma if loads.prestress is None else sigma + loads.prestress
+
+
+def stress_tangents(
+    topology: Topology,
+    parameters: Parameters,
+    stiffness: Float[Array, "n_e n_e"],
+    damping: Float[Array, "n_e n_e"] | None,
+    e: Float[Array, "n_e"],
+    ed: Float[Array, "n_e"] | None = None,
+) -> tuple[Float[Array, "n_e n_e"], Any]:
+    """Derivatives of the stress resultants by the deformations and by their rates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
+        damping: S_d of constant damping, (n_e, n_e) [N s/m, N m s/rad], or None.
+        e: Deformations, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s]; None: at rest.
+
+    Returns:
+        S and S_d with the share of nonlinear elements; S_d is None where nothing depends on rates.
+
+    Source:
+        Derivative of :func:`stress_resultants`.
+    """
+    if not is_nonlinear(topology):
+        return stiffness, damping
+    at_rest = jnp.zeros_like(e) if ed is None else ed
+    by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(parameters, e), at_rest)
+    return stiffness + by_e, by_ed if damping is None else damping + by_ed
 
 
 def section_resultants(

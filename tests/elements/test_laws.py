@@ -4,6 +4,7 @@ What a law needs of an element (its deformations, the companions, and the deriva
 reference coordinates and properties) is compiled once for each type, since that is most of the time these tests take.
 """
 
+import dataclasses
 import functools
 import types
 import typing
@@ -23,19 +24,30 @@ from scipy.spatial.transform import Rotation
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.build.assemble import UNIT_NORM
-from flexmb.elements.element import Element
+from flexmb.elements.element import COMPANIONS, Element
 
 EPS = np.finfo(float).eps
 
 
+def characteristic(e, ed, *, k, c):
+    """Law of the springs that are made here of the factories."""
+    return k * e + k * e**3 + c * jnp.tanh(ed) + e**2 * ed
+
+
 def found_in(module: types.ModuleType) -> dict[str, Element]:
-    room = module.__name__.rpartition(".")[2]
-    return {f"{room}.{name}": value for name, value in vars(module).items() if isinstance(value, Element)}
+    """Element types of a module, each once under its first name, and those that its factories of springs make."""
+    room, found = module.__name__.rpartition(".")[2], {}
+    for name, value in vars(module).items():
+        element = value(characteristic) if name.endswith("spring_damper") and not name.startswith("_") else value
+        if isinstance(element, Element) and all(element is not other for other in found.values()):
+            found[f"{room}.{name}"] = element
+    return found
 
 
 ELEMENTS = {**found_in(planar), **found_in(spatial), "unit_norm": UNIT_NORM}
 BEAMLIKE = {name: element for name, element in ELEMENTS.items() if element.resultants is not None}
 MASSIVE = {name: element for name, element in ELEMENTS.items() if element.inertia is not None}
+POTENTIAL = {name: element for name, element in ELEMENTS.items() if element.energy or element.dissipation}
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 every_massive_element = pytest.mark.parametrize("element", MASSIVE.values(), ids=MASSIVE)
 
@@ -72,6 +84,10 @@ def inertia_tensors(draw):
     return (np.trace(second) * np.eye(3) - second)[np.triu_indices(3)]
 
 
+def dimension_of(hint) -> int:
+    return int(hint.dim_str)
+
+
 # By name of the property; two share a name where the annotation tells them apart.
 PROPERTIES = {
     "section": lambda hint: rigidities(),
@@ -80,18 +96,24 @@ PROPERTIES = {
     "mass": lambda hint: POSITIVE,
     "inertia": lambda hint: POSITIVE if hint is float else inertia_tensors(),
     "moment": lambda hint: vectors(3),
-    "force": lambda hint: vectors(int(hint.dim_str)),
-    "axis": lambda hint: vectors(3),
+    "force": lambda hint: vectors(dimension_of(hint)),
+    "axis": lambda hint: vectors(dimension_of(hint)),
+    "axis_p": lambda hint: vectors(3),
+    "axis_q": lambda hint: vectors(3),
+    "ratio": lambda hint: st.builds(lambda size, sign: sign * size, POSITIVE, st.sampled_from([1, -1])),
+    "pitch": lambda hint: NUMBER,
+    "radius_p": lambda hint: NUMBER.map(lambda x: x / 2),
+    "radius_q": lambda hint: NUMBER.map(lambda x: x / 2),
+    "k": lambda hint: POSITIVE,
+    "c": lambda hint: POSITIVE,
     "y": lambda hint: st.none() | vectors(3),
     "second_order": lambda hint: st.booleans(),
 }
 
 
 def hints_of(element: Element) -> dict[str, typing.Any]:
-    functions = [element.deformation, element.stiffness, element.damping, element.inertia, element.force]
-    functions.append(element.resultants)
     hints = {}
-    for function in functions:
+    for function in (element.deformation, *(getattr(element, name) for name in COMPANIONS)):
         if function is not None:
             hints |= {k: v for k, v in typing.get_type_hints(function).items() if k in element.properties}
     return hints
@@ -145,6 +167,8 @@ def drawn(draw, element: Element) -> Drawn:
         if name not in PROPERTIES:
             pytest.fail(f"Property '{name}' of element '{element.name}' is new: add to PROPERTIES how to draw it.")
         value = draw(PROPERTIES[name](hints.get(name)))
+        if name == "section" and element.inertia is None:
+            value = dataclasses.replace(value, mass=0.0)
         if isinstance(value, bool):
             options[name] = value
         else:
@@ -159,11 +183,11 @@ def drawn(draw, element: Element) -> Drawn:
         along = ref[2] - ref[0]
         sine = np.linalg.norm(np.cross(along, numbers["y"])) / np.linalg.norm(along)
         hypothesis.assume(sine > 0.1)  # or its derivatives by y and ref are large
-    if "axis" in numbers:
-        size = np.sort(np.abs(numbers["axis"]))
+    for axis in (numbers[name] for name in ("axis", "axis_p", "axis_q") if name in numbers):
+        size = np.sort(np.abs(axis))
         # No derivative where two components are smallest: the second axis is chosen by that.
-        hypothesis.assume(size[2] > 0.1 and size[1] - size[0] > 0.01)
-    elif "y" in numbers and numbers["y"] is None:
+        hypothesis.assume(size[-1] > 0.1 and (size.size == 2 or size[1] - size[0] > 0.01))
+    if "y" in numbers and numbers["y"] is None:
         size = np.sort(np.abs(ref[2] - ref[0]))
         hypothesis.assume(size[1] - size[0] > 0.01)
     return sample
@@ -184,8 +208,14 @@ def answers(element: Element, x, ref, properties) -> dict:
     def chosen(companion) -> dict[str, typing.Any]:
         return element.arguments(companion, properties) or {}
 
-    near = {"near": jnp.zeros(3)} if element.tracks_angle else {}
-    found = {"e": element.deformation(*x, ref=where, **chosen(element.deformation), **near)}
+    near = {"near": jnp.zeros(6)} if element.tracks_angle else {}
+    e = element.deformation(*x, ref=where, **chosen(element.deformation), **near)
+    ed = jnp.cos(1 + jnp.arange(e.shape[0]))  # any rates
+    found = {"e": e}
+    for name, arguments in (("energy", (e,)), ("dissipation", (e, ed)), ("law", (e, ed))):
+        companion = getattr(element, name)
+        if companion is not None:
+            found[name] = companion(*arguments, ref=where, **chosen(companion))
     for name in ("stiffness", "damping"):
         companion = getattr(element, name)
         if companion is not None:
@@ -456,6 +486,44 @@ def test_stiffness_damping_and_mass_are_symmetric_and_semidefinite(element, data
         np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=10 * EPS * size, err_msg=name)
         # Round-off of the eigenvalues: a few eps times the size of the matrix.
         assert np.linalg.eigvalsh((matrix + matrix.T) / 2)[0] > -100 * EPS * size, name
+
+
+@functools.cache
+def _potentials(element: Element):
+    """Energy and dissipation with their first and second derivatives, at given deformations and at given rates."""
+
+    def both(e, ed, ref, properties):
+        where = {"ref": element.reference(ref)}
+        companions = (element.energy, element.dissipation)
+        energy, dissipation = (where | (element.arguments(companion, properties) or {}) for companion in companions)
+        return (
+            found
+            for function, at in (
+                (lambda e: element.energy(e, **energy), e),
+                (lambda ed: element.dissipation(e, ed, **dissipation), ed),
+            )
+            for found in (function(at), jax.grad(function)(at), jax.hessian(function)(at))
+        )
+
+    return fm.jit(lambda *arguments: tuple(both(*arguments)))
+
+
+@pytest.mark.parametrize("element", POTENTIAL.values(), ids=POTENTIAL)
+@given(st.data())
+def test_energy_and_dissipation_are_least_at_rest(element, data):
+    """Neither is negative; without deformation, or at rest, both vanish with their stress, and are convex."""
+    sample = data.draw(drawn(element))
+    e = Measured(sample)["e"]
+    ed, none = data.draw(vectors(e.size)), np.zeros(e.size)
+    moving = _potentials(element)(e, ed, sample.ref, sample.properties)
+    at_rest = _potentials(element)(none, none, sample.ref, sample.properties)
+    for k in (0, 3):
+        assert moving[k] >= 0
+        value, stress, stiffness = map(np.asarray, at_rest[k : k + 3])
+        assert value == 0
+        assert not np.any(stress)
+        assert np.max(np.abs(stiffness)) > 0
+        assert np.linalg.eigvalsh(stiffness)[0] >= -100 * EPS * np.max(np.abs(stiffness))
 
 
 @every_massive_element

@@ -60,9 +60,9 @@ def test_shipped_file_survives_a_round_trip(name, tmp_path):
 
 
 def test_every_shipped_file_has_a_description():
-    assert len(mechanisms()) == 12
+    assert len(mechanisms()) == 13
     assert all(20 < len(text) < 120 and text.endswith(".") for text in mechanisms().values())
-    with pytest.raises(KeyError, match="no mechanism 'pf4d'; there are pf1dfull, "):
+    with pytest.raises(KeyError, match="no mechanism 'pf4d'; there are elevator, pf1dfull, "):
         mechanism_path("pf4d")
 
 
@@ -229,6 +229,122 @@ def test_warning(case):
     text, expected = WARNED[case]
     (warning,) = fm.read_spacar(text).warnings
     assert expected in warning
+
+
+# -- transmissions --------------------------------------------------------------------------------------------------
+
+LIFT = """PLBELT 1 1 2 3 -0.2
+PLBELT 2 1 2 4 5 0.2 0.1
+X 1 0 2
+X 3 -0.2 0
+X 4 1 2
+FIX 1
+FIX 3 1
+FIX 4
+RLSE 1 1
+DYNE 2 1
+DYNX 2 1
+END
+HALT
+XM 2 0.5
+XM 3 10
+XM 5 0.1
+ESTIFF 1 9000
+EDAMP 1 20
+ESTIFF 2 4000
+STARTDX 2 1 1 0.5
+END
+END
+"""
+
+
+def test_belts_in_both_forms(tmp_path):
+    b = fm.read_spacar(LIFT).builder
+    assert [m.element for m in b.members.values() if not m.hidden] == [planar.belt_to_point, planar.belt]
+    first, second = b.members["1"].properties, b.members["2"].properties
+    assert (first["radius_p"], second["radius_p"], second["radius_q"]) == (-0.2, 0.2, 0.1)
+    assert (first["section"].EA, first["damping"].EA, second["section"].EA) == (9000, 20, 4000)
+    assert second["damping"] is None
+    # The elongation is as the file says, the turns are measured whatever it says.
+    assert [role.value for role in b.members["1"].roles] == ["dependent", "dependent"]
+    assert [role.value for role in b.members["2"].roles] == ["dof", "dependent", "dependent"]
+    fm.write_spacar(b, tmp_path / "again.dat")
+    assert_same(fm.read_spacar(tmp_path / "again.dat").builder, b)
+    assert "STARTDX 2 1 1.0 0.5" in (tmp_path / "again.dat").read_text()
+
+
+SPINDLE = """SCREW 1 1 2 3 4 0 0 2 0.004
+BEAM 2 3 4 5 6
+X 3 0 0 0.1
+X 5 1 0 0.1
+FIX 1
+FIX 2
+RLSE 1 2
+DYNX 5 1 2 3
+DYNX 6 2 3 4
+RLSE 2 1 2 3 4 5 6
+END
+END
+"""
+
+
+def test_screw(tmp_path):
+    read = fm.read_spacar(
+        SPINDLE.replace("RLSE 1 2", "INPUTE 1 2").replace("END\nEND", "END\nHALT\nINPUTE 1 2 1.5\nEND\nEND")
+    )
+    assert read.warnings == ["text:1: SCREW: node 1 has no X and stands at the origin"]
+    assert read.builder.members["1"].element is spatial.screw
+    found = fm.configuration(read.builder.build(dofs="named"), np.zeros(6)).at("3")
+    np.testing.assert_allclose(found, [0, 0, 0.1 + 0.006], atol=1e-12)
+    fm.write_spacar(read, tmp_path / "again.dat")
+    assert_same(fm.read_spacar(tmp_path / "again.dat").builder, read.builder)
+
+
+def test_a_screw_that_cannot_turn_is_pointed_out():
+    _, warning = fm.read_spacar(SPINDLE.replace("RLSE 1 2\n", "").replace("DYNX", "FIX")).warnings
+    assert warning.startswith("text:1: SCREW: the turn of screw 1, deformation 2, is fixed; RLSE, DYNE or INPUTE")
+
+
+BAD_TRANSMISSIONS = [
+    ("PLBELT 1 1 2 3\n", "PLBELT: element 1: too few parameters (4); expected: PLBELT element xp rotp xq rotq rp rq |"),
+    (
+        "PLBELT 1 1 2 3 4 0.1\n",
+        "PLBELT: element 1: too many parameters (6); expected: PLBELT element xp rotp xq rotq rp",
+    ),
+    ("PLBELT 1 1 2 3 4 1 -1\nX 3 1\n", "PLBELT: element 1: has pulleys that overlap: no straight part"),
+    ("PLBELT 1 1 2 3.5 4 1 1\n", "PLBELT: element 1: xq must be a whole number from 1, but is '3.5'"),
+    (
+        "SCREW 1 1 2 3 4 1 0 0\n",
+        "SCREW: element 1: too few parameters (8); expected: SCREW element xp rotp xq rotq x1 x2",
+    ),
+    ("SCREW 1 1 2 3 4 0 0 0 1\nX 3 1\n", "SCREW: element 1: has an axis of zero length"),
+]
+
+
+@pytest.mark.parametrize(("text", "expected"), BAD_TRANSMISSIONS)
+def test_wrong_transmission(text, expected):
+    (fault,) = faults(text)
+    assert fault.startswith("text:1: " + expected)
+
+
+BAD_NUMBERS = [
+    (LIFT.replace("XM 5 0.1", "EM 1 0.1"), "text:16: EM: element 1: PLBELT takes no EM: put mass on nodes with XM"),
+    (
+        LIFT.replace("ESTIFF 1 9000", "ESTIFF 1 9000 1"),
+        "text:17: ESTIFF: element 1: PLBELT takes at most 1 number (EA)",
+    ),
+    (LIFT.replace("RLSE 1 1", "RLSE 1 3"), "text:9: RLSE: element 1: deformation 3 is out of range"),
+    (
+        SPINDLE.replace("END\nEND", "END\nHALT\nESTIFF 1 5\nEND\nEND"),
+        "text:13: ESTIFF: element 1: SCREW takes no ESTIFF",
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "expected"), BAD_NUMBERS)
+def test_wrong_numbers_of_a_transmission(text, expected):
+    (fault,) = faults(text)
+    assert fault.startswith(expected)
 
 
 # -- writing ------------------------------------------------------------------------------------------------------
@@ -460,7 +576,7 @@ BAD = [
         "BEAM 3 7 8 9 10",
         "{K}: BEAM: element 3: BEAM is spatial, but PLBEAM on line 1 is planar; a mechanism is one or",
     ),
-    ("K", "SCREW 3 5 6 7 8 1 0 0 1\nFIX 7", "{K}: SCREW: element 3: element type is not available yet"),
+    ("K", "BEAMW 3 5 6 7 8 9 10 0 0 1\nFIX 7", "{K}: BEAMW: element 3: element type is not available yet"),
     (
         "K",
         "GEAR 3 5 6 7 8",
@@ -528,7 +644,7 @@ SPATIAL = [
         "text:1: BEAM: element 1: not all parameters of a group (7); expected: BEAM element xp rotp",
     ),
     ("RBEAM 1 1 2 3\n", "text:1: RBEAM: element 1: has zero length: its two ends have the same position; PINBODY ties"),
-    ("HINGE 1 1 2 0 0 0\n", "text:1: HINGE: element 1: has a hinge axis of zero length"),
+    ("HINGE 1 1 2 0 0 0\n", "text:1: HINGE: element 1: has an axis of zero length"),
     ("HINGE 1 1 2 0 0 1\nEND\nHALT\nEM 1 1\n", "text:4: EM: element 1: HINGE takes no EM: put mass on nodes with XM"),
     ("HINGE 1 1 2 0 0 1\nEND\nHALT\nXF 2 1 2\n", "text:4: XF: node 2: rotational node takes 3 moment components, or 4"),
     ("HINGE 1 1 2 0 0 1\nEND\nHALT\nXM 2 1\n", "text:4: XM: node 2: rotational node takes 6 (Ixx Ixy Ixz Iyy Iyz Izz)"),

@@ -1,0 +1,168 @@
+"""Joints between bodies in space: hinge, slider, prismatic joint, screw and gears.
+
+Names: the body p has its reference point at p and its triad ``rot_p``, likewise q. Axes are given as they lie in the
+undeformed mechanism, and turn with the body p.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.rotation import counted, initial_frame, relative_parameters, rotation_matrix, turned
+from .element import Element
+from .laws import diagonal_damping, diagonal_stiffness, mesh_damping, mesh_stiffness
+from .nodes import Point3, Rotation3
+
+
+def _to_global(ref_rot: Rotation3, rel: Float[Array, "4"]) -> Float[Array, "4"]:
+    """Rotation since the undeformed state, its vector part turned from triad axes to global axes."""
+    return jnp.concatenate([rel[:1], rotation_matrix(ref_rot) @ rel[1:]])
+
+
+def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:
+    return initial_frame(jnp.zeros(3), axis, None)
+
+
+def _relative(rot_p, rot_q, ref_p, ref_q) -> Float[Array, "4"]:
+    """Euler parameters of the rotation of body q relative to body p since the undeformed state, in axes of body p."""
+    at_p = _to_global(ref_p, relative_parameters(ref_p, rot_p))
+    at_q = _to_global(ref_q, relative_parameters(ref_q, rot_q))
+    return relative_parameters(at_p, at_q)
+
+
+def turn_and_tilt(rot_p, rot_q, ref_p, ref_q, near, axis) -> Float[Array, "3"]:
+    """Rotation of body q about an axis of body p, counted past full turns, and the two tilts of the axis.
+
+    The relative Euler parameters are (cos a/2, sin a/2 along the axis) for a pure rotation a, so the half angle is
+    known up to full turns of it, and ``near`` picks the turn.
+
+    Args:
+        rot_p: Triad of body p, (4,) [-].
+        rot_q: Triad of body q, (4,) [-].
+        ref_p: The first in the undeformed mechanism, (4,) [-].
+        ref_q: The second in the undeformed mechanism, (4,) [-].
+        near: Angle at the last accepted state, () [rad].
+        axis: (3,).
+
+    Returns:
+        (3,) [rad]; the tilts are twice the Euler parameters across the axis.
+
+    Source:
+        Definition of Euler parameters.
+    """
+    rel = _relative(rot_p, rot_q, ref_p, ref_q)
+    about, tilt_y, tilt_z = _frame(axis).T @ rel[1:]
+    return jnp.stack([counted(2 * jnp.arctan2(about, rel[0]), near, 4 * jnp.pi), 2 * tilt_y, 2 * tilt_z])
+
+
+def check_axis(*, ref, axis: Float[Array, "3"]) -> list[str]:
+    """Faults of an axis."""
+    return [] if np.linalg.norm(np.asarray(axis)) > 0 else ["has an axis of zero length"]
+
+
+def _hinge(
+    rot_p: Rotation3, rot_q: Rotation3, *, ref, near: Float[Array, "3"], axis: Float[Array, "3"]
+) -> Float[Array, "3"]:
+    """Rotation about the hinge axis, and the two tilts of the axis [rad]."""
+    return turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)
+
+
+hinge = Element(_hinge, stiffness=diagonal_stiffness(3), damping=diagonal_damping(3), check=check_axis, released=(1,))
+"""Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
+
+Properties: axis (global, undeformed state), stiffness and damping (of e1, or one for each).
+"""
+
+
+def _offset(p, rot_p, q, ref, axis) -> Float[Array, "3"]:
+    """Displacement of q relative to body p, along the axis and across it."""
+    moved = turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
+    return _frame(axis).T @ moved
+
+
+def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref, axis: Float[Array, "3"]) -> Float[Array, "3"]:
+    """Displacement of q along a line of body p, and off it [m]."""
+    return _offset(p, rot_p, q, ref, axis)
+
+
+slider = Element(_slider, stiffness=diagonal_stiffness(3), damping=diagonal_damping(3), check=check_axis, released=(1,))
+"""Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 and e3 off it (FIXED)
+[m].
+
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
+"""
+
+
+def _prismatic(
+    p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref, axis: Float[Array, "3"]
+) -> Float[Array, "6"]:
+    """Displacement along a line of body p, off it [m], and rotation of body q relative to it [rad]."""
+    rotation = 2 * _relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
+    return jnp.concatenate([_offset(p, rot_p, q, ref, axis), _frame(axis).T @ rotation])
+
+
+prismatic = Element(
+    _prismatic, stiffness=diagonal_stiffness(6), damping=diagonal_damping(6), check=check_axis, released=(1,)
+)
+"""Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
+e4 to e6 rotation [rad], FIXED.
+
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
+"""
+
+
+def _screw(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    *,
+    ref,
+    near: Float[Array, "6"],
+    axis: Float[Array, "3"],
+    pitch: float,
+) -> Float[Array, "6"]:
+    """Displacement along the axis less what the turn brings, the turn, displacement off the axis, tilt of the axis."""
+    along, off_y, off_z = _offset(p, rot_p, q, ref, axis)
+    turn, tilt_y, tilt_z = turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[1], axis)
+    return jnp.stack([along - pitch * turn, turn, off_y, off_z, tilt_y, tilt_z])
+
+
+screw = Element(_screw, check=check_axis, released=(2,))
+"""Screw of body q in body p, about an axis through q: e1 displacement along the axis less pitch times turn [m], FIXED;
+e2 turn, counted past full turns [rad]; e3 and e4 displacement off the axis [m] and e5 and e6 tilt [rad], FIXED.
+
+Properties: axis (global, undeformed state), pitch (displacement per radian [m/rad]).
+"""
+
+
+def _gear(
+    carrier: Rotation3,
+    rot_p: Rotation3,
+    rot_q: Rotation3,
+    *,
+    ref,
+    near: Float[Array, "2"],
+    axis_p: Float[Array, "3"],
+    axis_q: Float[Array, "3"],
+    ratio: float,
+) -> Float[Array, "2"]:
+    """Rotation mismatch of two gears on a carrier, seen at gear p, and turn of gear p relative to the carrier."""
+    turn_p = turn_and_tilt(carrier, rot_p, ref.carrier, ref.rot_p, near[1], axis_p)[0]
+    near_q = (near[0] - near[1]) / ratio
+    turn_q = turn_and_tilt(carrier, rot_q, ref.carrier, ref.rot_q, near_q, axis_q)[0]
+    return jnp.stack([turn_p + ratio * turn_q, turn_p])
+
+
+def _check_gear(*, ref, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ratio: float) -> list[str]:
+    faults = check_axis(ref=ref, axis=axis_p) or check_axis(ref=ref, axis=axis_q)
+    return faults if float(ratio) else [*faults, "has a ratio of zero"]
+
+
+gear = Element(_gear, stiffness=mesh_stiffness, damping=mesh_damping, check=_check_gear, measured=(2,))
+"""Two gears whose hinges are on one carrier, bevel gears among them: e1 mismatch of rotation at gear p [rad], FIXED
+unless the mesh has a stiffness; e2 turn of gear p relative to the carrier [rad], measured.
+
+Properties: axis_p and axis_q (of the hinges; global, undeformed state), ratio (teeth of q over teeth of p; positive
+where the gears turn in opposite senses about these axes), stiffness and damping of the mesh [N m/rad, N m s/rad].
+"""

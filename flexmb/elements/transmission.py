@@ -1,0 +1,159 @@
+"""Planar transmissions: gears on a turning arm, and belts from a pulley to another or to a point.
+
+What a belt or a gear mesh does depends on how far each wheel has turned relative to the line between the centres. That
+angle counts past full turns, which no function of the coordinates alone can, so it is a deformation that is measured:
+DEPENDENT, whatever is released.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.rotation import angle_between, counted
+from .element import Element
+from .laws import mesh_damping, mesh_stiffness
+from .nodes import Angle, Point2
+from .sections import Damping, Section
+
+
+def _gear(
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, near: Float[Array, "2"], ratio: float
+) -> Float[Array, "2"]:
+    """Rotation mismatch of two meshing gears, seen at gear p, and turn of gear p relative to the line of centres."""
+    turn = rot_p[0] - ref.rot_p[0]
+    turn_p = counted(turn - angle_between(ref.q - ref.p, q - p), near[1])
+    turn_q = turn_p + (rot_q[0] - ref.rot_q[0]) - turn
+    return jnp.stack([turn_p + ratio * turn_q, turn_p])
+
+
+def _check_centres(*, ref) -> list[str]:
+    if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:
+        return ["has its two centres in one place"]
+    return []
+
+
+gear = Element(
+    _gear,
+    stiffness=mesh_stiffness,
+    damping=mesh_damping,
+    check=_check_centres,
+    measured=(2,),
+)
+"""Two meshing gears with centres p and q: e1 mismatch of rotation at gear p [rad], FIXED unless the mesh has a
+stiffness; e2 turn of gear p relative to the line of centres [rad], measured. The arm that holds the centres may turn.
+
+Properties: ratio (radius of q over radius of p, negative where one gear runs inside the other), stiffness and damping
+of the mesh [N m/rad, N m s/rad].
+"""
+
+
+def _span(d, radius_p, radius_q):
+    """Length of the tangent from pulley p to pulley q, and its angle from the line of centres d.
+
+    A positive radius lies to the left of the way from p to q: with t along the belt and n to its left, the tangent is
+    d + (r_q - r_p) n.
+    """
+    offset = radius_q - radius_p
+    tangent = jnp.sqrt(d @ d - offset**2)
+    return tangent, jnp.arctan2(offset, tangent)
+
+
+def _turns(p, rot_p, q, *, ref, near, radius_p, radius_q):
+    """Elongation of the straight part, and turn of pulley p relative to it."""
+    before, angle_before = _span(ref.q - ref.p, radius_p, radius_q)
+    now, angle = _span(q - p, radius_p, radius_q)
+    turned = angle_between(ref.q - ref.p, q - p) + angle - angle_before
+    return now - before, counted(rot_p[0] - ref.rot_p[0] - turned, near)
+
+
+def _belt(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    *,
+    ref,
+    near: Float[Array, "3"],
+    radius_p: float,
+    radius_q: float,
+) -> Float[Array, "3"]:
+    """Elongation, to which what is rolled on at either end adds, and turns of both pulleys relative to the belt."""
+    stretch, turn_p = _turns(p, rot_p, q, ref=ref, near=near[1], radius_p=radius_p, radius_q=radius_q)
+    turn_q = turn_p + (rot_q[0] - ref.rot_q[0]) - (rot_p[0] - ref.rot_p[0])
+    return jnp.stack([stretch + radius_p * turn_p - radius_q * turn_q, turn_p, turn_q])
+
+
+def _free_length(e, ref, radius_p, radius_q):
+    """Length without tension of the part between the tangent points."""
+    start, _ = _span(ref.q - ref.p, radius_p, radius_q)
+    return start - radius_p * e[1] + radius_q * e[2]
+
+
+def _belt_energy(e, *, ref, section: Section, radius_p: float, radius_q: float) -> Float[Array, ""]:
+    """EA e1^2/(2 L), with L the free length; the belt on the pulleys is taken to be without tension."""
+    return section.rigidity().EA * e[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
+
+
+def _belt_dissipation(e, ed, *, ref, damping: Damping, radius_p: float, radius_q: float) -> Float[Array, ""]:
+    return damping.EA * ed[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
+
+
+def _check_belt(*, ref, radius_p: float, radius_q: float, section: Section | None = None) -> list[str]:
+    faults = _check_centres(ref=ref)
+    apart = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p))
+    if not faults and abs(float(radius_q) - float(radius_p)) >= apart:
+        faults = ["has pulleys that overlap: no straight part of the belt is left between them"]
+    if section is not None and np.any(np.asarray(section.rigidity().mass) != 0):
+        faults = [*faults, "has a section with mass, but no mass is counted here: put it on the nodes"]
+    return faults
+
+
+belt = Element(
+    _belt,
+    energy=_belt_energy,
+    dissipation=_belt_dissipation,
+    check=_check_belt,
+    measured=(2, 3),
+)
+"""Belt between two pulleys: e1 elongation of the part between them [m]; e2 and e3 turns of the pulleys relative to it
+[rad], measured. Its stiffness EA/L and damping EdA/L follow the free length L as belt is rolled on and off.
+
+Properties: radius_p and radius_q (positive where the belt runs to the left of the centre on the way from p to q,
+negative to the right), section (EA), damping (EA). Without a section it does not stretch.
+"""
+
+
+def _belt_to_point(
+    p: Point2, rot_p: Angle, q: Point2, *, ref, near: Float[Array, "2"], radius_p: float
+) -> Float[Array, "2"]:
+    """Elongation, and turn of the pulley relative to the belt."""
+    stretch, turn_p = _turns(p, rot_p, q, ref=ref, near=near[1], radius_p=radius_p, radius_q=0.0)
+    return jnp.stack([stretch + radius_p * turn_p, turn_p])
+
+
+def _with_point(e):
+    return jnp.concatenate([e, jnp.zeros(1)])
+
+
+def _point_energy(e, *, ref, section: Section, radius_p: float) -> Float[Array, ""]:
+    return _belt_energy(_with_point(e), ref=ref, section=section, radius_p=radius_p, radius_q=0.0)
+
+
+def _point_dissipation(e, ed, *, ref, damping: Damping, radius_p: float) -> Float[Array, ""]:
+    return _belt_dissipation(_with_point(e), ed, ref=ref, damping=damping, radius_p=radius_p, radius_q=0.0)
+
+
+def _check_point(*, ref, radius_p: float, section: Section | None = None) -> list[str]:
+    return _check_belt(ref=ref, radius_p=radius_p, radius_q=0.0, section=section)
+
+
+belt_to_point = Element(
+    _belt_to_point,
+    energy=_point_energy,
+    dissipation=_point_dissipation,
+    check=_check_point,
+    measured=(2,),
+)
+"""Belt or rope from a pulley at p to the point q: e1 elongation [m]; e2 turn of the pulley relative to it [rad],
+measured. Properties as of a belt, with radius_p alone.
+"""
