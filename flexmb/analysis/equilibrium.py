@@ -10,10 +10,11 @@ from jaxtyping import Array, Float, Int
 from ..math.compile import jit
 from ..math.derivative import jvp_of_varied
 from ..math.indices import accumulate, put
+from ..math.linear import factorise
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, linear_response, state
+from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress import element_stiffness, stress_resultants
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
@@ -115,8 +116,8 @@ class _Search(NamedTuple):
     near: Float[Array, "n_e"]
     trial: Float[Array, "n_x"]
     trial_near: Float[Array, "n_e"]
-    dof: Float[Array, "dofs"]
-    trial_dof: Float[Array, "dofs"]
+    strained: Float[Array, "n_e"]
+    trial_strained: Float[Array, "n_e"]
     reached: Float[Array, ""]
     step: Float[Array, ""]
     first: Float[Array, ""]
@@ -129,23 +130,17 @@ class _Search(NamedTuple):
 def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
     """One loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
 
-    DOF deformations and their stress are carried as numbers of their own and x follows: a step that bends a leaf
-    spring is straight in x and feigns an elongation, second order in the step, whose stress would spoil the tangent.
+    Deformations and their stress are carried as numbers of their own, see ``iterate``.
     """
     sizes = sizes_of(topology, parameters)
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
-
     tracks = any(block.element.tracks_angle for block in topology.blocks)
 
     def turn(s: _Search) -> _Search:
         load = jnp.minimum(s.reached + s.step, 1.0)
         factors = LoadFactors(load * target.initial, load * target.increment)
-        wanted_x, wanted_e = held_values(topology, parameters, factors)
-        shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - s.trial[held])
-        at = state(topology, parameters, factors, s.trial, s.trial_near, dof=s.trial_dof)
-        excess = at.e - put(wanted_e, topology.e.dof, s.trial_dof) + at.jacobian @ shift
-        imbalance = at.jacobian.T @ at.sigma - at.force
-        change, dq = linear_response(topology, at, excess, shift, imbalance)
+        wanted = held_values(topology, parameters, factors)
+        at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, s.trial_strained, wanted)
+        change = onto + at.transfer.DFx @ factorise(at.K0 + at.G0).solve(-residual)
         size = jnp.max(jnp.abs(change) / sizes)
         contraction = size / s.before
         first = jnp.where(s.tries == 0, size, s.first)
@@ -157,7 +152,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
-        dof = s.trial_dof + dq[topology.x.dof.shape[0] :]
+        strained = at.e + at.jacobian @ change
         fitting = 0.8 * LARGEST_STEP / first
         shorter = s.step * jnp.where((s.tries == 0) & (fitting > 0), jnp.clip(fitting, 0.02, 0.5), 0.25)
         longer = s.step * jnp.clip(jnp.minimum(fitting, jnp.sqrt(0.2 / contraction)), 0.5, 4.0)
@@ -178,8 +173,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             near=jnp.where(done, near, s.near),
             trial=choose(s.x, trial, trial),
             trial_near=choose(s.near, near, near),
-            dof=jnp.where(done, dof, s.dof),
-            trial_dof=choose(s.dof, dof, dof),
+            strained=jnp.where(done, strained, s.strained),
+            trial_strained=choose(s.strained, strained, strained),
             reached=jnp.where(done, load, s.reached),
             step=step,
             first=first,
@@ -194,10 +189,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
 
     x0, near0 = parameters.reference, zero_near(topology)
     zero = jnp.zeros((), jnp.int32)
-    dof0 = jnp.zeros(topology.e.dof.shape[0])
     begin = jnp.array(1.0)
     start = _Search(
-        x0, near0, x0, near0, dof0, dof0, jnp.array(0.0), begin, begin, jnp.array(jnp.inf), zero, zero, zero
+        x0, near0, x0, near0, near0, near0, jnp.array(0.0), begin, begin, jnp.array(jnp.inf), zero, zero, zero
     )
     end = jax.lax.while_loop(unfinished, turn, start)
     return _Solved(end.x, end.near, end.iterations, end.result)

@@ -129,7 +129,7 @@ def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
 @jit
 def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
     point = step.point
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, dof=point.dof)
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
     eigenvalues, stable = _eigenvalues(topology, matrices.K, matrices.M0, step.values)
     return _Found(matrices, eigenvalues, _multipliers(topology, parameters, at, point.near), stable)
