@@ -45,6 +45,7 @@ _ROOMS = {
     "analysis.compliance": ("compliance", "directional_compliance"),
     "statespace": ("state_matrices", "to_statespace"),
     "io.spacar": ("read_spacar", "write_spacar"),
+    "io.spacar_light": ("LightResults", "Struct", "StructArray", "spacar_light", "spacar_light_model"),
     "math.compile": ("jit",),
     "setup": ("enable_cache", "enable_x64"),
 }

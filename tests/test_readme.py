@@ -25,6 +25,11 @@ def test_the_example_runs(capsys):
     assert 1.1517 < load < 1.2939
     assert 0.593 < tip[0] / 0.1 < 0.72
     assert 0.559 < tip[1] / 0.1 < 0.741
+    # Driven from -5 to 5 mm: the support stiffness is largest in between, near that of two leaf springs in tension.
+    stiffness = 1 / scope["out"].node(3).CMglob[1, 1]
+    assert stiffness.argmax() == 0
+    assert stiffness[0] == pytest.approx(210e9 * 50e-3 * 0.5e-3 / 0.1, rel=0.01)
+    assert scope["out"].load_factors.shape == (2, 7)
     assert "NDOF = NX - NXO - NEO = 12 - 6 - 5 = 1" in printed
 
 

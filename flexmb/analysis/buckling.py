@@ -23,6 +23,8 @@ from .linearize import Linearization, linearize
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
+# Eigenvalues whose imaginary part is below this share are real.
+REAL = 1e-8
 
 
 class Buckling(Record):
@@ -82,12 +84,34 @@ def _inverse_multipliers(topology: Topology, k, g):
     """Values 1/lambda by descending magnitude, and vectors; those of a complex pair are zero."""
     if lacks_potential(topology):
         values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
-        real = jnp.abs(values.imag) <= 1e-8 * jnp.abs(values)
+        real = jnp.abs(values.imag) <= REAL * jnp.abs(values)
         values, vectors = jnp.where(real, values.real, 0.0), vectors.real
     else:
         values, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
     order = jnp.argsort(-jnp.abs(jax.lax.stop_gradient(values)))
     return values[order], vectors[:, order]
+
+
+@jit
+def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"]) -> Float[Array, "n"]:
+    """Real load multipliers by magnitude, of a stiffness that stays and one that is scaled.
+
+    Args:
+        k: Stiffness that stays, regular, (n, n).
+        g: Stiffness that is scaled, (n, n).
+
+    Returns:
+        Lambda of det(k + lambda g) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda.
+    """
+    inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
+    real = jnp.isfinite(inverse.real) & (jnp.abs(inverse.imag) <= REAL * jnp.abs(inverse))
+    inverse = jnp.where(real, inverse.real, 0.0)
+    bounded = (jnp.abs(inverse) > jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED) & (inverse != 0)
+    found = jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
+    return found[jnp.argsort(jnp.abs(found))]
 
 
 @jit

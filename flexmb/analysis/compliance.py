@@ -2,22 +2,19 @@
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ..elements.nodes import ROTATION3
 from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.rotation import lbar, rotation_matrix
-from ..model.model import Labels, Model
+from ..model.model import Model
 from .linearize import Linearization, Matrices, linearize
 
 
-def _axes(labels: Labels, node: str, x) -> tuple[list[int], Array]:
-    """Coordinates of a node and the matrix from their rates to velocities or angular velocities."""
-    indices = labels.coordinates(node)
-    if len(indices) == ROTATION3.size:
-        return indices, 2 * lbar(x[np.array(indices)])
-    return indices, jnp.eye(len(indices))
+def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
+    """Matrix from rates of a node's coordinates to its velocity or angular velocity about global axes."""
+    return 2 * lbar(coordinates) if coordinates.shape[0] == ROTATION3.size else jnp.eye(coordinates.shape[0])
 
 
 @jit
@@ -44,23 +41,25 @@ def compliance(model: Model | Linearization, node: str, *, local: bool = False) 
         FORMULATION.md 7: (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
     lin = model if isinstance(model, Linearization) else linearize(model)
-    labels, x = lin.labels, lin.matrices.x
+    labels = lin.labels
     parts = [p for p in (node, f"{node}.rotation") if labels.coordinates(p)]
     if not parts:
         raise KeyError(f"no node '{node}' in this model")
-    rows = []
-    for part in parts:
-        indices, axes = _axes(labels, part, x)
-        rows.append(axes @ lin.matrices.DFx[np.array(indices)])
+    return _compliance(lin.matrices, tuple(np.array(labels.coordinates(part)) for part in parts), local=local)
+
+
+@jit
+def _compliance(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool) -> Float[Array, "n n"]:
+    rows = [_rates(found.x[part]) @ found.DFx[part] for part in parts]
     if local:
-        rotation = x[np.array(labels.coordinates(parts[-1]))]
+        rotation = found.x[parts[-1]]
         if rotation.shape[0] == ROTATION3.size:
             rows = [rotation_matrix(rotation).T @ row for row in rows]
         elif len(parts) == 2:
             c, s = jnp.cos(rotation[0]), jnp.sin(rotation[0])
             rows[0] = jnp.array([[c, s], [-s, c]]) @ rows[0]
     jacobian = jnp.concatenate(rows)
-    return jacobian @ factorise(lin.matrices.K).solve(jacobian.T)
+    return jacobian @ factorise(found.K).solve(jacobian.T)
 
 
 def directional_compliance(model: Model | Linearization) -> dict[str, np.ndarray]:
@@ -79,7 +78,7 @@ def directional_compliance(model: Model | Linearization) -> dict[str, np.ndarray
     flexibility, dfx = np.asarray(_flexibility(lin.matrices)), np.asarray(lin.matrices.DFx)
     found = {}
     for node in dict.fromkeys(entry.of for entry in lin.labels.x):
-        indices, axes = _axes(lin.labels, node, lin.matrices.x)
-        axes = np.asarray(axes)
+        indices = lin.labels.coordinates(node)
+        axes = np.asarray(_rates(lin.matrices.x[np.array(indices)]))
         found[node] = np.diagonal(axes @ dfx[indices] @ flexibility[:, indices] @ axes.T)
     return found

@@ -6,12 +6,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..math.indices import put
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, reduced_response, state
+from ..mechanics.residual import State, iterate, reduced_response, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .equilibrium import held_values
@@ -47,19 +46,19 @@ class Ramp(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A state on the path: coordinates, deformations that count turns, DOF deformations, load factor."""
+    """A state on the path: coordinates, deformations that count turns, those that give the stress, load factor."""
 
     x: Float[Array, "n_x"]
     near: Float[Array, "n_e"]
-    dof: Float[Array, "dofs"]
+    strained: Float[Array, "n_e"]
     load: Float[Array, ""]
 
 
 class Direction(NamedTuple):
-    """Change of a point: coordinates, DOF deformations, load factor."""
+    """Change of a point: coordinates, deformations, load factor."""
 
     x: Float[Array, "n_x"]
-    dof: Float[Array, "dofs"]
+    strained: Float[Array, "n_e"]
     load: Float[Array, ""]
 
 
@@ -157,8 +156,15 @@ def _bordered_solve(at: State, onto, by_load, plane: Plane, residual, distance):
     return solved[:-1], solved[-1]
 
 
-def _direction(topology: Topology, at: State, onto, dq, load) -> Direction:
-    return Direction(onto * load + at.transfer.DFx @ dq, dq[topology.x.dof.shape[0] :], load)
+def direction_of(at: State, dx: Float[Array, "n_x"], load) -> Direction:
+    """Direction of a change of x and the load factor, deformations to first order.
+
+    Args:
+        at: State.
+        dx: Change of x, (n_x,) [m, rad, -].
+        load: Change of the load factor, () [-].
+    """
+    return Direction(dx, at.jacobian @ dx, load)
 
 
 def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State, plane: Plane) -> Direction:
@@ -173,7 +179,7 @@ def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State
     """
     onto, by_load = load_response(topology, parameters, ramp, at)
     dq, load = _bordered_solve(at, onto, by_load, plane, jnp.zeros_like(by_load), jnp.array(-1.0))
-    return _direction(topology, at, onto, dq, load)
+    return direction_of(at, onto * load + at.transfer.DFx @ dq, load)
 
 
 def length(scale: Scale, d: Direction) -> Float[Array, ""]:
@@ -207,7 +213,7 @@ def unit(scale: Scale, d: Direction) -> Direction:
         d: Direction.
     """
     size = length(scale, d)
-    return Direction(d.x / size, d.dof / size, d.load / size)
+    return Direction(d.x / size, d.strained / size, d.load / size)
 
 
 def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> Scale:
@@ -244,7 +250,7 @@ def step_along(
 ) -> Stepped:
     """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
 
-    DOF deformations are carried as numbers of their own, as in the equilibrium's search.
+    Deformations are carried as numbers of their own, as in the equilibrium's search.
 
     Args:
         topology: Structure.
@@ -263,25 +269,19 @@ def step_along(
         The tangent bordered with the plane's normal is regular where K has rank n_q - 1 and the load is not in its
         range: at limit points.
     """
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
     tracks = any(block.element.tracks_angle for block in topology.blocks)
-    n_x_dof = topology.x.dof.shape[0]
     predicted = Point(
         begin.x + step * direction.x,
         begin.near,
-        begin.dof + step * direction.dof,
+        begin.strained + step * direction.strained,
         begin.load + step * direction.load,
     )
 
     def turn(c: _Correcting) -> _Correcting:
-        x, near, dof, load = c.point
+        x, near, strained, load = c.point
         factors = ramp.at(load)
-        wanted_x, wanted_e = held_values(topology, parameters, factors)
-        shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - x[held])
-        at = state(topology, parameters, factors, x, near, dof=dof)
-        excess = at.e - put(wanted_e, topology.e.dof, dof) + at.jacobian @ shift
-        imbalance = at.jacobian.T @ at.sigma - at.force
-        particular, residual = reduced_response(topology, at, excess, shift, imbalance)
+        wanted = held_values(topology, parameters, factors)
+        at, particular, residual = iterate(topology, parameters, factors, x, near, strained, wanted)
         onto, by_load = load_response(topology, parameters, ramp, at)
         distance = plane.x @ (x - predicted.x + particular) + plane.load * (load - predicted.load)
         dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance)
@@ -292,7 +292,7 @@ def step_along(
         bad = bad | ~at.transfer.regular
         trial = x + change
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
-        point = Point(trial, near, dof + dq[n_x_dof:], load + dload)
+        point = Point(trial, near, at.e + at.jacobian @ change, load + dload)
         done = (size < STEP_TOLERANCE) | (slow & (size <= ROUND_OFF))
         return _Correcting(point, size, c.tries + 1, done & ~bad, bad)
 
@@ -300,7 +300,7 @@ def step_along(
     start = _Correcting(predicted, jnp.array(jnp.inf), jnp.zeros((), jnp.int32), no, no)
     end = jax.lax.while_loop(lambda c: ~c.done & ~c.bad, turn, start)
     point = end.point
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, dof=point.dof)
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     tangent = unit(scale, tangent_at(topology, parameters, ramp, at, plane))
     finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
     return Stepped(point, tangent, at, end.done & finite, end.tries)

@@ -25,6 +25,7 @@ from .continuation import (
     Point,
     Ramp,
     Scale,
+    direction_of,
     load_response,
     normal_to,
     ramp_of,
@@ -156,7 +157,7 @@ def begin_path(
     else:
         x, near, result = parameters.reference, zero_near(topology), jnp.zeros((), jnp.int32)
     at = state(topology, parameters, ramp.at(zero), x, near)
-    point = Point(x, near, at.e[topology.e.dof], zero)
+    point = Point(x, near, at.e, zero)
     regular = at.transfer.regular
     result = jnp.where((result == RESULTS.successful) & ~regular, RESULTS.singular_configuration, result)
     rising = Plane(jnp.zeros(topology.n_x), jnp.array(1.0))
@@ -164,7 +165,7 @@ def begin_path(
     # Without stress a hanging body has no stiffness: what meets none is taken not to move at first.
     onto, by_load = load_response(topology, parameters, ramp, at)
     dq = -jnp.linalg.pinv(at.K0 + at.G0, rtol=1e-13) @ by_load
-    resting = Direction(onto + at.transfer.DFx @ dq, dq[topology.x.dof.shape[0] :], jnp.array(1.0))
+    resting = direction_of(at, onto + at.transfer.DFx @ dq, jnp.array(1.0))
     finite = jnp.all(jnp.isfinite(tangent.x))
     tangent = jax.tree.map(lambda a, b: jnp.where(finite, a, b), tangent, resting)
     scale = scale_of(topology, parameters, tangent)

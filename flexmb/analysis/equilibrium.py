@@ -15,7 +15,7 @@ from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, linear_response, reduced_response, state
+from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
@@ -108,8 +108,8 @@ class _Search(NamedTuple):
     near: Float[Array, "n_e"]
     trial: Float[Array, "n_x"]
     trial_near: Float[Array, "n_e"]
-    dof: Float[Array, "dofs"]
-    trial_dof: Float[Array, "dofs"]
+    strained: Float[Array, "n_e"]
+    trial_strained: Float[Array, "n_e"]
     reached: Float[Array, ""]
     step: Float[Array, ""]
     first: Float[Array, ""]
@@ -130,33 +130,26 @@ def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
 def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
     """One loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
 
-    DOF deformations and their stress are carried as numbers of their own and x follows: a step that bends a leaf
-    spring is straight in x and feigns an elongation, second order in the step, whose stress would spoil the tangent.
+    Deformations and their stress are carried as numbers of their own, see ``iterate``.
 
     Beside the Newton iteration runs the power method for the largest 1/mu of K v = mu K0 v, one step a turn with the
     factors at hand: from below, whether the state is critical.
     """
     sizes = sizes_of(topology, parameters)
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
-
     tracks = any(block.element.tracks_angle for block in topology.blocks)
 
     def turn(s: _Search) -> _Search:
         load = jnp.minimum(s.reached + s.step, 1.0)
         factors = LoadFactors(load * target.initial, load * target.increment)
-        wanted_x, wanted_e = held_values(topology, parameters, factors)
-        shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - s.trial[held])
-        at = state(topology, parameters, factors, s.trial, s.trial_near, dof=s.trial_dof)
-        excess = at.e - put(wanted_e, topology.e.dof, s.trial_dof) + at.jacobian @ shift
-        imbalance = at.jacobian.T @ at.sigma - at.force
-        particular, residual = reduced_response(topology, at, excess, shift, imbalance)
+        wanted = held_values(topology, parameters, factors)
+        at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, s.trial_strained, wanted)
         k0 = at.K0
         energy = s.soft @ k0 @ s.soft
         kept = (energy > 0) & jnp.isfinite(energy)
         soft = jnp.where(kept, s.soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), _uneven(k0))
         energy = soft @ k0 @ soft
         dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
-        change = particular + at.transfer.DFx @ dq
+        change = onto + at.transfer.DFx @ dq
         size = jnp.max(jnp.abs(change) / sizes)
         contraction = size / s.before
         first = jnp.where(s.tries == 0, size, s.first)
@@ -168,7 +161,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
-        dof = s.trial_dof + dq[topology.x.dof.shape[0] :]
+        strained = at.e + at.jacobian @ change
         fitting = 0.8 * LARGEST_STEP / first
         shorter = s.step * jnp.where((s.tries == 0) & (fitting > 0), jnp.clip(fitting, 0.02, 0.5), 0.25)
         longer = s.step * jnp.clip(jnp.minimum(fitting, jnp.sqrt(0.2 / contraction)), 0.5, 4.0)
@@ -189,8 +182,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             near=jnp.where(done, near, s.near),
             trial=choose(s.x, trial, trial),
             trial_near=choose(s.near, near, near),
-            dof=jnp.where(done, dof, s.dof),
-            trial_dof=choose(s.dof, dof, dof),
+            strained=jnp.where(done, strained, s.strained),
+            trial_strained=choose(s.strained, strained, strained),
             reached=jnp.where(done, load, s.reached),
             step=step,
             first=first,
@@ -208,15 +201,14 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
 
     x0, near0 = parameters.reference, zero_near(topology)
     zero = jnp.zeros((), jnp.int32)
-    dof0 = jnp.zeros(topology.e.dof.shape[0])
     loaded = has_loads(topology, parameters)
     start = _Search(
         x=x0,
         near=near0,
         trial=x0,
         trial_near=near0,
-        dof=dof0,
-        trial_dof=dof0,
+        strained=near0,
+        trial_strained=near0,
         reached=jnp.array(0.0) if loaded else _balanced(topology, parameters, target, x0, near0),
         step=jnp.array(1.0),
         first=jnp.array(1.0),

@@ -1,6 +1,7 @@
 """Over- and under-constraints of a mechanism, by singular values and by name."""
 
 import dataclasses
+from collections.abc import Collection
 
 import numpy as np
 
@@ -166,20 +167,42 @@ def mobility(model: Model) -> Mobility:
         coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
     found = constraints(model)
-    topology = model.topology
-    held = np.concatenate([np.asarray(i) for i in (topology.e.fixed, topology.e.prescribed, topology.e.dof)])
-    free = np.asarray(topology.x.dependent)
-    matrix = found.jacobian[np.ix_(held, free)]
+    matrix, held, free = _held_rows(model, found)
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)
-    release = _proposals(model, matrix, held)
+    fixed = set(np.asarray(model.topology.e.fixed).tolist())
+    release = _proposals(model, matrix, held, fixed & set(np.flatnonzero(_flexible(model)).tolist()))
     return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), release, model)
 
 
-def _proposals(model: Model, matrix: np.ndarray, held: np.ndarray) -> tuple[tuple[str, int] | None, ...]:
-    """One deformation a state of self-stress whose release removes it: the largest one of a flexible element."""
-    fixed = set(np.asarray(model.topology.e.fixed).tolist())
-    candidates = [k for k, i in enumerate(held) if i in fixed and _flexible(model)[i]]
+def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tuple[str, int] | None, ...]:
+    """For each over-constraint the deformation to release, of those that may be.
+
+    Args:
+        model: Mechanism, checked or not.
+        candidates: Deformations that may be released, FIXED or DOF, as element and number.
+
+    Returns:
+        Element and number, or None where no candidate takes part.
+    """
+    matrix, held, _ = _held_rows(model, constraints(model))
+    allowed = {i for i, entry in enumerate(model.labels.e) if (entry.of, entry.component) in candidates}
+    return _proposals(model, matrix, held, allowed)
+
+
+def _held_rows(model: Model, found: Constraints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Jacobian of the deformations that are held by the DEPENDENT coordinates, and the indices of both."""
+    topology = model.topology
+    held = np.concatenate([np.asarray(i) for i in (topology.e.fixed, topology.e.prescribed, topology.e.dof)])
+    free = np.asarray(topology.x.dependent)
+    return found.jacobian[np.ix_(held, free)], held, free
+
+
+def _proposals(
+    model: Model, matrix: np.ndarray, held: np.ndarray, allowed: Collection[int]
+) -> tuple[tuple[str, int] | None, ...]:
+    """One allowed deformation a state of self-stress whose release removes it: the one with the largest part in it."""
+    candidates = {k for k, i in enumerate(held.tolist()) if i in allowed}
     proposals: list[tuple[str, int] | None] = []
     remaining = list(range(len(held)))
     while True:

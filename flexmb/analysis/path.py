@@ -17,15 +17,12 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import check
-from .buckling import UNBOUNDED, geometric_stiffness_of_increment
+from .buckling import REAL, geometric_stiffness_of_increment, multipliers_of
 from .continuation import Ramp
 from .critical import CriticalPoint
 from .linearize import Linearization, Matrices, matrices_at
 from .modal import spectrum, to_frequency
 from .walk import Step, Walker
-
-# Eigenvalues whose imaginary part is below this share are real.
-REAL = 1e-8
 
 
 class Path(Record):
@@ -118,18 +115,13 @@ def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
         k, g = at.K0, at.G0
     else:
         k, g = at.K0 + at.G0, geometric_stiffness_of_increment(topology, parameters, at, near)
-    inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
-    real = jnp.isfinite(inverse.real) & (jnp.abs(inverse.imag) <= REAL * jnp.abs(inverse))
-    inverse = jnp.where(real, inverse.real, 0.0)
-    bounded = (jnp.abs(inverse) > jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED) & (inverse != 0)
-    found = jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
-    return found[jnp.argsort(jnp.abs(found))]
+    return multipliers_of(k, g)
 
 
 @jit
 def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
     point = step.point
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, dof=point.dof)
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
     eigenvalues, stable = _eigenvalues(topology, matrices.K, matrices.M0, step.values)
     return _Found(matrices, eigenvalues, _multipliers(topology, parameters, at, point.near), stable)

@@ -13,7 +13,7 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .continuation import Direction, Plane, Point, Ramp, Scale, normal_to, step_along, unit
+from .continuation import Direction, Plane, Point, Ramp, Scale, direction_of, normal_to, step_along, unit
 from .critical import (
     LARGEST_MOTION,
     SMALLEST_COSINE,
@@ -85,9 +85,9 @@ def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scal
 
 @jit
 def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point, shift):
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, dof=point.dof)
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     phi, _ = null_vectors(topology, at, scale.sizes, shift)
-    return Direction(at.transfer.DFx @ phi, phi[topology.x.dof.shape[0] :], jnp.array(0.0))
+    return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0))
 
 
 class Walker:

@@ -212,28 +212,35 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
     return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
 
 
-def warping_factor(length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int = 2) -> Scalar:
+def warping_factor(
+    length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int = 2, modulus: Literal["plate", "beam"] = "plate"
+) -> Scalar:
     """By how much restrained warping at clamped ends stiffens a thin strip in torsion.
 
-    With alpha^2 = 24 (1 - nu)/w^2: 1/(1 - tanh(al)/(al)) for one clamped end, 1/(1 - 2 tanh(al/2)/(al)) for two.
+    1/(1 - tanh(al)/(al)) for one clamped end, 1/(1 - 2 tanh(al/2)/(al)) for two. The strip resists warping with the
+    modulus of a plate, alpha^2 = 24 (1 - nu)/w^2, or with that of a beam, alpha^2 = 24/((1 + nu) w^2).
 
     Args:
         length: Length of the whole leaf spring, () [m].
         width: Its width, () [m].
         nu: Poisson's ratio, () [-].
         clamped_ends: 0, 1 or 2.
+        modulus: "plate", E/(1 - nu^2), or "beam", E.
 
     Returns:
         Factor on G It, () [-]; 1 for no clamped end.
 
     Source:
-        Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip. Its (4.14) is the limit for a long strip.
+        Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip, alpha^2 = G It/(E Cw) with It = w t^3/3 and
+        Cw = w^3 t^3/144. Its (4.14) is the limit for a long strip.
     """
     if clamped_ends not in (0, 1, 2):
         raise ValueError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")
+    if modulus not in ("plate", "beam"):
+        raise ValueError(f"modulus must be 'plate' or 'beam', but is {modulus!r}.")
     if clamped_ends == 0:
         return 1.0
-    al = length * jnp.sqrt(24 * (1 - nu)) / width
+    al = length * jnp.sqrt(24 * (1 - nu) if modulus == "plate" else 24 / (1 + nu)) / width
     return 1 / (1 - clamped_ends * jnp.tanh(al / clamped_ends) / al)
 
 
@@ -249,6 +256,7 @@ class Rectangle(Section):
         torsion: "series" or "approximate" (4.9).
         warping_length: Length of the whole leaf spring [m] where warping at clamped ends is restrained, else None.
         clamped_ends: Number of ends at which warping is restrained.
+        warping_modulus: "plate" or "beam", see :func:`warping_factor`.
     """
 
     width: Scalar
@@ -259,6 +267,7 @@ class Rectangle(Section):
     torsion: Literal["series", "approximate"] = static(default="series")
     warping_length: Scalar | None = None
     clamped_ends: int = static(default=2)
+    warping_modulus: Literal["plate", "beam"] = static(default="plate")
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the rectangle; equations above."""
@@ -266,7 +275,7 @@ class Rectangle(Section):
         it = (torsion_series if self.torsion == "series" else torsion_approximate)(w, t)
         nu = material.poisson()
         if self.warping_length is not None:
-            it = it * warping_factor(self.warping_length, w, nu, self.clamped_ends)
+            it = it * warping_factor(self.warping_length, w, nu, self.clamped_ends, self.warping_modulus)
         k = 10 * (1 + nu) / (12 + 11 * nu)
         return _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
 

@@ -63,7 +63,7 @@ def state(
     x: Float[Array, "n_x"],
     near: Float[Array, "n_e"],
     loaded: bool = True,
-    dof: Float[Array, "dofs"] | None = None,
+    strained: Float[Array, "n_e"] | None = None,
 ) -> State:
     """Evaluate the static equations at a configuration.
 
@@ -73,7 +73,7 @@ def state(
         factors: Factors of the two load sets.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
-        dof: DOF deformations whose stress to take in place of that of D(x), (dofs,) [m, rad]; None: D(x).
+        strained: Deformations whose stress to take in place of that of D(x), (n_e,) [m, rad]; None: D(x).
         loaded: False for the undeformed mechanism without loads: nothing is stressed, nothing of it is traced.
 
     Returns:
@@ -89,13 +89,55 @@ def state(
         nothing = jnp.zeros(topology.n_e)
         return State(x, e, nothing, jnp.zeros(topology.n_x), jacobian, tangent, stiffness, None)
     force = nodal_forces(topology, parameters, factors, x)
-    strained = e if dof is None else put(e, topology.e.dof, dof)
-    elastic = stress_resultants(topology, parameters, scaled_loads(parameters, factors), stiffness, strained)
-    stiffness, _ = stress_tangents(topology, parameters, stiffness, None, strained)
+    stressed = e if strained is None else strained
+    elastic = stress_resultants(topology, parameters, scaled_loads(parameters, factors), stiffness, stressed)
+    stiffness, _ = stress_tangents(topology, parameters, stiffness, None, stressed)
     sigma = multipliers(topology, tangent, jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, factors, x)
     return State(x, e, sigma, force, jacobian, tangent, stiffness, curvature)
+
+
+def iterate(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    strained: Float[Array, "n_e"],
+    wanted: tuple[Float[Array, "n_x"], Float[Array, "n_e"]],
+) -> tuple[State, Float[Array, "n_x"], Float[Array, "n_q"]]:
+    """State of an iterate whose deformations are numbers of their own, and what is out of balance there.
+
+    A step that bends a leaf spring is straight in x and feigns an elongation, second order in the step. The stress of
+    what stiff deformations measure in x, and the constraint forces that balance it, would spoil the tangent.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Load factors.
+        x: Nodal coordinates of the iterate, (n_x,) [m, rad, -].
+        near: Deformations that angles are counted from, (n_e,) [m, rad].
+        strained: Deformations of the iterate: e + D_x dx of the step that led to it, (n_e,) [m, rad].
+        wanted: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
+
+    Returns:
+        State; change of x onto the constraints, (n_x,) [m, rad, -]; residual r of K dq = -r after it, (n_q,) [N, N m].
+
+    Source:
+        Newton's method on D(x) = e and the equilibrium with x and e as unknowns; e is eliminated.
+    """
+    at = state(topology, parameters, factors, x, near, strained=strained)
+    wanted_x, wanted_e = wanted
+    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+    shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - x[held])
+    wanted_e = put(wanted_e, topology.e.dof, strained[topology.e.dof])
+    onto = correction(topology, at.transfer, at.e - wanted_e + at.jacobian @ shift, shift)
+    strain = at.e + at.jacobian @ onto - strained
+    imbalance = at.jacobian.T @ (at.sigma + at.S @ strain) - at.force
+    if at.curvature is not None:
+        imbalance = imbalance + at.curvature @ onto
+    return at, onto, at.transfer.DFx.T @ imbalance
 
 
 def reduced_response(

@@ -66,7 +66,7 @@ CLOSED_LIMIT = 2e4 * (1 - (10 / np.hypot(10, 1)) ** (2 / 3)) ** 1.5
         (1e-8, fm.RESULTS.successful),
         (1e-9, fm.RESULTS.critical_state),
         (1e-10, fm.RESULTS.critical_state),
-        (1e-11, fm.RESULTS.critical_state),
+        (3e-11, fm.RESULTS.critical_state),
         (0.0, fm.RESULTS.not_converged),
         (-1e-11, fm.RESULTS.not_converged),
     ],

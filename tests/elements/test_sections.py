@@ -47,6 +47,16 @@ def test_twist_stiffness_of_one_leaf(ends, stiffness):
     assert 0.05895 / LENGTH * factor == pytest.approx(stiffness, abs=5e-7)
 
 
+def test_warping_factor_with_the_modulus_of_a_beam():
+    # Spring of the predecessor's cross flexure: E = 210e9, G = 70e9, so that nu = 0.5 and 24/(1 + nu) = 16.
+    factor = fm.warping_factor(0.05 * 2 * np.sqrt(2), 0.05, 0.5, modulus="beam")
+    al = 8 * np.sqrt(2)
+    assert factor == pytest.approx(al / (al - 2 * np.tanh(al / 2)), rel=10 * EPS)
+    assert factor == pytest.approx(1.21473, abs=5e-6)
+    with pytest.raises(ValueError, match="modulus must be 'plate' or 'beam', but is 'shell'"):
+        fm.warping_factor(0.1, 0.05, 0.3, modulus="shell")  # pyright: ignore
+
+
 def test_warping_factor_refuses_another_number_of_ends():
     with pytest.raises(ValueError, match="clamped_ends must be 0, 1 or 2"):
         fm.warping_factor(LENGTH, WIDTH, 0.3, 3)
