@@ -53,13 +53,24 @@ def each_block(topology: Topology, parameters: Parameters, companion: str):
         Block, function of one element, stacked reference coordinates, stacked properties.
     """
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        if companion not in block.companions:
-            continue
-        if isinstance(properties.get("section"), tuple):
-            properties = {**properties, "section": _rigidities(properties["section"])}
-        function = element_function(block, getattr(block.element, companion), properties)
+        function, properties = companion_of(block, properties, companion)
         if function is not None:
             yield block, function, parameters.reference[block.x], properties
+
+
+def companion_of(block: Block, properties: dict[str, Any], companion: str):
+    """Function of one element of a block, or None if it has none, and the stacked properties to map it over.
+
+    Args:
+        block: Block.
+        properties: Its stacked properties.
+        companion: Field of Element, such as "stiffness".
+    """
+    if companion not in block.companions:
+        return None, properties
+    if isinstance(properties.get("section"), tuple):
+        properties = {**properties, "section": _rigidities(properties["section"])}
+    return element_function(block, getattr(block.element, companion), properties), properties
 
 
 @traced_once
@@ -83,10 +94,24 @@ def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array
     Returns:
         The assembled matrix.
     """
-    whole = jnp.zeros(size)
-    for rows, columns, matrices in pieces:
-        whole = accumulate(whole, (rows[:, :, None], columns[:, None, :]), matrices)
-    return whole
+    return scatter_matrices(size, [(rows, columns, (matrices,)) for rows, columns, matrices in pieces], 1)[0]
+
+
+def scatter_matrices(
+    size: tuple[int, int], pieces: list[tuple[Array, Array, tuple[Array, ...]]], count: int
+) -> list[Float[Array, "rows columns"]]:
+    """Sums of element matrices in several matrices of the whole.
+
+    Args:
+        size: Shape of each.
+        pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c), one a whole.
+        count: Number of wholes.
+
+    Returns:
+        The assembled matrices.
+    """
+    flat = [(rows[:, :, None] * size[1] + columns[:, None, :], matrices) for rows, columns, matrices in pieces]
+    return [whole.reshape(size) for whole in scatter_vectors(size[0] * size[1], flat, count)]
 
 
 def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array, "size"]:
@@ -99,7 +124,25 @@ def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array,
     Returns:
         The assembled vector.
     """
-    whole = jnp.zeros(size)
-    for indices, vectors in pieces:
-        whole = accumulate(whole, indices, vectors)
-    return whole
+    return scatter_vectors(size, [(indices, (vectors,)) for indices, vectors in pieces], 1)[0]
+
+
+def scatter_vectors(size: int, pieces: list[tuple[Array, tuple[Array, ...]]], count: int) -> list[Float[Array, "size"]]:
+    """Sums of element vectors in several vectors of the whole, in one loop: each costs one to compile.
+
+    Args:
+        size: Length of each.
+        pieces: Indices (elements, ...) and vectors (elements, ...), one a whole.
+        count: Number of wholes.
+
+    Returns:
+        The assembled vectors.
+    """
+    if not pieces:
+        return [jnp.zeros(size)] * count
+    indices = jnp.concatenate([indices.reshape(-1) for indices, _ in pieces])
+    values = [jnp.concatenate([own[i].reshape(-1) for _, own in pieces]) for i in range(count)]
+    if count == 1:
+        return [accumulate(jnp.zeros(size), indices, values[0])]
+    whole = accumulate(jnp.zeros((size, count)), indices, jnp.stack(values, axis=1))
+    return [whole[:, i] for i in range(count)]

@@ -12,7 +12,7 @@ from ..math.record import Record, static
 from .coordinates_form import CoordinatesForm
 from .deformation import deformations
 from .drive import Driven
-from .motion import kinematic_derivatives
+from .motion import force_derivatives
 from .second_order import MotionState, Tangent
 
 
@@ -218,8 +218,8 @@ class ControlledForm(Record):
         rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
         by_x = None
         if any("deformation" in quantity for quantity in self.quantities):
-            near, nothing = form.near(own.memory), jnp.zeros(top.n_e)
-            by_x = kinematic_derivatives(top, form.parameters, at.x, at.v, jnp.zeros(top.n_x), near, nothing)
+            near, still = form.near(own.memory), jnp.zeros(top.n_x)
+            by_x = force_derivatives(form.elements, at.x, at.v, still, still, near, lambda e, ed: e)
         found: tuple[list, list] = ([], [])
         for i, quantity in enumerate(self.quantities):
             j = self.outputs[i]

@@ -11,12 +11,12 @@ from ..math.linear import diagonal_of, factorise, is_positive_definite
 from ..math.record import Record
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .deformation import deformation_jacobian, deformations, zero_near
+from .deformation import deformations, zero_near
 from .drive import Drive, Driven, drive_at
 from .extent import sizes_of
 from .inertia import mass_matrix, uniform_motion
 from .loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
-from .motion import Kinematics, inertia_derivatives, inertia_forces, kinematic_derivatives, stressed_kinematics
+from .motion import Kinematics, Moving, acting_forces, deformed, force_derivatives, moving_elements
 from .second_order import MotionState, Tangent
 from .stress import element_damping, element_stiffness, is_nonlinear, stress_resultants, stress_tangents
 
@@ -51,6 +51,7 @@ class CoordinatesForm(Record):
     Attributes:
         topology: Structure.
         parameters: Numbers, without gravity.
+        elements: Elements that deform or carry mass.
         S: Constant stiffness of the elements, (n_e, n_e).
         S_d: Their constant damping, (n_e, n_e), or None.
         gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
@@ -64,6 +65,7 @@ class CoordinatesForm(Record):
 
     topology: Topology
     parameters: Parameters
+    elements: tuple[Moving, ...]
     S: Float[Array, "n_e n_e"]
     S_d: Float[Array, "n_e n_e"] | None
     gravity: Float[Array, "axes"] | None
@@ -137,8 +139,9 @@ class CoordinatesForm(Record):
                 return jax.jvp(prescribed, (t,), (jnp.ones_like(t),))
 
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
-        u, w, a = (self.sizes * part for part in (u, w, a))
-        return Whole(accumulate(x, self.free, u), put(v, self.free, w), put(acc, self.free, a), e, ed, edd)
+        moved = self.sizes[:, None] * jnp.stack([u, w, a], axis=1)
+        x, v, acc = accumulate(jnp.stack([x, v, acc], axis=1), self.free, moved).T
+        return Whole(x, v, acc, e, ed, edd)
 
     def whole_motion(self, t, state: MotionState):
         """Coordinates, velocities and deformations of a state.
@@ -189,7 +192,7 @@ class CoordinatesForm(Record):
         """
         stiffness, damping = self.S, self.S_d
         if is_nonlinear(self.topology):
-            e, jacobian = deformation_jacobian(self.topology, self.parameters, x, near)
+            e, jacobian = deformed(self.elements, x, near)
             stiffness, damping = self.tangents(e, jacobian @ v)
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
@@ -213,10 +216,16 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
         near = self.near(state.memory)
-        kin, sigma, force = stressed_kinematics(self.topology, self.parameters, at.x, at.v, at.a, near, stress)
-        lifted = at.a if self.falling is None else at.a - self.falling
-        force = force + inertia_forces(self.topology, self.parameters, at.x, at.v, lifted)
-        return kin, sigma, force - self.applied(t, at.x), at
+        acting = acting_forces(self.elements, at.x, at.v, at.a, self.lifted(at.a), near, stress)
+        return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
+
+    def lifted(self, a):
+        """Accelerations less those of free fall.
+
+        Args:
+            a: Accelerations of the nodal coordinates, (n_x,) [1/s^2].
+        """
+        return a if self.falling is None else a - self.falling
 
     def applied(self, t, x):
         """Nodal forces of all loads but gravity, (n_x,) [N, N m].
@@ -282,22 +291,18 @@ class CoordinatesForm(Record):
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
         near = self.near(state.memory)
-        e, jacobian = deformation_jacobian(top, parameters, at.x, near)
-        ed = jacobian @ at.v
-        sigma = self.stress_of(t, z[n:])(e, ed)
-        by_x = kinematic_derivatives(top, parameters, at.x, at.v, at.a, near, sigma)
-        lifted = at.a if self.falling is None else at.a - self.falling
-        inertia = inertia_derivatives(top, parameters, at.x, at.v, lifted)
+        stress = self.stress_of(t, z[n:])
+        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.lifted(at.a), near, stress)
         # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
         keep = put(jnp.ones(top.n_e), held, 0.0)[:, None]
-        stiffness, damping = self.tangents(e, ed)
+        stiffness, damping = self.tangents(by_x.kinematics.e, by_x.kinematics.ed)
         strained = stiffness @ by_x.e
         drive = self.drive(t)
-        k = inertia.by_x + by_x.curvature
+        k = by_x.inertia + by_x.curvature
         k = k - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
         if drive.turning is not None:
             k = k - drive.turning
-        c = inertia.by_v
+        c = by_x.by_v
         if damping is not None:
             damped = damping @ by_x.e
             strained = strained + damping @ by_x.ed
@@ -308,7 +313,7 @@ class CoordinatesForm(Record):
         by_t = None
         if self.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
-        return Tangent(by_u, by_w, self._system(inertia.by_a, by_x.e), by_t)
+        return Tangent(by_u, by_w, self._system(by_x.mass, by_x.e), by_t)
 
     def acceleration(self, t, state: MotionState):
         """Accelerations and multipliers.
@@ -332,14 +337,16 @@ class CoordinatesForm(Record):
             t: Time [s].
             state: State.
         """
-        zero = jnp.zeros(self.size + self.held.shape[0])
-        at = self.whole(t, state.u, state.w, zero[: self.size])
-        _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, self.near(state.memory))
-        mass = mass_matrix(self.topology, self.parameters, at.x)
-        scaled, rows = self._scaled(mass), self._columns(jacobian)
+        n, none = self.size, jnp.zeros(self.held.shape[0])
+        at = self.whole(t, state.u, state.w, jnp.zeros(n))
+        stress, near = self.stress_of(t, none), self.near(state.memory)
+        acting = acting_forces(self.elements, at.x, at.v, at.a, self.lifted(at.a), near, stress, matrices=True)
+        scaled, rows = self._scaled(acting.mass), self._columns(acting.jacobian)
         heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
         regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
-        return factorise(self._system(mass, jacobian)).solve(-self.residual(t, state, zero)), regular
+        force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
+        residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
+        return factorise(self._system(acting.mass, acting.jacobian)).solve(-residual), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
         """Rates of the deformations, where their turn is remembered.
@@ -352,7 +359,7 @@ class CoordinatesForm(Record):
         if not state.memory.shape[0]:
             return state.memory
         at = self.whole(t, state.u, state.w, z[: self.size])
-        return deformation_jacobian(self.topology, self.parameters, at.x, state.memory)[1] @ at.v
+        return deformed(self.elements, at.x, state.memory)[1] @ at.v
 
     def settle(self, t, state: MotionState) -> MotionState:
         """Positions and velocities brought back onto the constraints, by the least change measured by inertia.
@@ -368,16 +375,14 @@ class CoordinatesForm(Record):
         near = self.near(state.memory)
         zero = jnp.zeros_like(u)
         if self.held.shape[0]:
-            at = self.whole(t, u, w, zero)
-            _, jacobian = deformation_jacobian(self.topology, self.parameters, at.x, near)
-            rows = self._columns(jacobian)
-            square = (rows * self.mobility) @ rows.T
-            factors = factorise(square + jnp.diag(REDUNDANT * diagonal_of(square)))
 
             def corrected(_, moving):
                 at = self.whole(t, moving[0], moving[1], zero)
-                e, ed = jax.jvp(lambda x: deformations(self.topology, self.parameters, x, near), (at.x,), (at.v,))
-                excess = jnp.stack([e[self.held] - at.e, ed[self.held] - at.ed], axis=1)
+                e, jacobian = deformed(self.elements, at.x, near)
+                rows = self._columns(jacobian)
+                square = (rows * self.mobility) @ rows.T
+                excess = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
+                factors = factorise(square + jnp.diag(REDUNDANT * diagonal_of(square)))
                 change = self.mobility[:, None] * (rows.T @ factors.solve(excess))
                 return moving[0] - change[:, 0], moving[1] - change[:, 1]
 
@@ -409,6 +414,7 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
     return CoordinatesForm(
         topology,
         without_gravity(parameters),
+        moving_elements(topology, parameters),
         element_stiffness(topology, parameters),
         element_damping(topology, parameters) if damped else None,
         gravity,

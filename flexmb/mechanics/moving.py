@@ -7,10 +7,9 @@ from jaxtyping import Array, Bool, Float
 
 from ..math.indices import put
 from .coordinates_form import CoordinatesForm
-from .deformation import deformation_jacobian
 from .inertia import weight_stiffness
 from .loads import LoadFactors, load_stiffness
-from .motion import inertia_derivatives, inertia_forces, kinematic_derivatives, stressed_kinematics
+from .motion import acting_forces, deformed, force_derivatives
 from .transfer import Transfer, correction, held_rows, multipliers, transfer
 
 
@@ -113,14 +112,14 @@ def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
     Source:
         FORMULATION.md 5.
     """
-    top, parameters = form.topology, form.parameters
-    _, jacobian = deformation_jacobian(top, parameters, x, near)
+    top = form.topology
+    _, jacobian = deformed(form.elements, x, near)
     tangent = transfer(top, jacobian)
-    multiplied = jnp.zeros(form.held.shape[0])
-    _, sigma, _ = stressed_kinematics(top, parameters, x, v, a, near, form.stress_of(t, multiplied))
-    lifted = a if form.falling is None else a - form.falling
-    force = form.applied(t, x) - inertia_forces(top, parameters, x, v, lifted)
-    return Balance(multipliers(top, tangent, jacobian, sigma, force), force, jacobian, tangent)
+    nothing = jnp.zeros(form.held.shape[0])
+    acting = acting_forces(form.elements, x, v, a, form.lifted(a), near, form.stress_of(t, nothing))
+    # The forces of inertia and the loads, without those of stress.
+    force = form.applied(t, x) - acting.force + jacobian.T @ acting.sigma
+    return Balance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
 
 
 def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
@@ -146,8 +145,7 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
-    by_x = kinematic_derivatives(top, parameters, x, v, a, near, sigma)
-    inertia = inertia_derivatives(top, parameters, x, v, a)
+    by_x = force_derivatives(form.elements, x, v, a, a, near, lambda e, ed: sigma)
     rates = by_x.ed @ z
     turning = solved(form, tangent, rates)
     velocity_by_qd = solved(form, tangent, 2 * rates)
@@ -157,14 +155,14 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         loads = loads + drive.turning
     if form.gravity is not None:
         loads = loads + weight_stiffness(top, parameters, x, form.gravity)
-    n0 = z.T @ (inertia.by_x @ z + inertia.by_v @ turning + inertia.by_a @ by_q)
+    n0 = z.T @ (by_x.inertia @ z + by_x.by_v @ turning + by_x.mass @ by_q)
     dfe = tangent.DFe
     held = jnp.concatenate([top.x.fixed, top.x.prescribed])
     stiffness, damping = form.tangents_at(x, v, near)
     n0 = n0 + dfe.T @ damping @ (rates + jacobian @ turning)
     return MovingMatrices(
-        M0=z.T @ inertia.by_a @ z,
-        C0=z.T @ (inertia.by_v @ z + inertia.by_a @ velocity_by_qd),
+        M0=z.T @ by_x.mass @ z,
+        C0=z.T @ (by_x.by_v @ z + by_x.mass @ velocity_by_qd),
         D0=dfe.T @ damping @ dfe,
         K0=dfe.T @ stiffness @ dfe,
         N0=n0,
@@ -198,7 +196,7 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
     top = form.topology
     none = jnp.zeros(form.size)
     given = form.whole(t, none, none, none)
-    _, jacobian = deformation_jacobian(top, form.parameters, x, near)
+    _, jacobian = deformed(form.elements, x, near)
     tangent = transfer(top, jacobian)
 
     def answer(prescribed, wanted, rest):
@@ -207,8 +205,7 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
         return correction(top, tangent, excess, prescribed)
 
     v = tangent.DFx @ qd + speed * answer(given.v, given.ed, jnp.zeros(top.n_e))
-    kin, _, _ = stressed_kinematics(
-        top, form.parameters, x, v, jnp.zeros(top.n_x), near, form.stress_of(t, jnp.zeros(form.held.shape[0]))
-    )
+    still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
+    kin = acting_forces(form.elements, x, v, still, still, near, form.stress_of(t, nothing)).kinematics
     a = tangent.DFx @ qdd + answer(speed**2 * given.a, speed**2 * given.edd, kin.edd)
     return v, a

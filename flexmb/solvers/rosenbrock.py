@@ -12,7 +12,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..math.indices import put
 from ..math.linear import factorise
 from ..mechanics.second_order import MotionState
 from .interpolation import MotionInterpolation
@@ -192,7 +191,8 @@ class Rosenbrock(diffrax.AbstractAdaptiveSolver):
             own_z = -factors.solve(right)
             own_w = hg * (own_z[:n] + right_w)
             own_u = hg * (own_w + right_u)
-            return tuple(put(k, i, own) for k, own in zip(increments, (own_u, own_w, own_z), strict=True))
+            own = (own_u, own_w, own_z)
+            return tuple(jax.lax.dynamic_update_index_in_dim(k, o, i, 0) for k, o in zip(increments, own, strict=True))
 
         start = tuple(jnp.zeros((stages, size)) for size in (n, n, z0.shape[0]))
         ku, kw, kz = jax.lax.fori_loop(0, stages, stage, start)

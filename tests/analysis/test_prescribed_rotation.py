@@ -164,7 +164,7 @@ def test_wrong_descriptions():
         started().prescribe("B", "rotation", 1.0, axis=(0, 0, 1), tilt="loose")
     with pytest.raises(fm.ModelError, match=r"'B.x': only component \"rotation\" takes an axis"):
         started().prescribe("B", "x", 1.0, axis=(0, 0, 1))
-    with pytest.raises(fm.ModelError, match=r"'turn of B' has a hinge axis of zero length"):
+    with pytest.raises(fm.ModelError, match=r"'turn of B' has an axis of zero length"):
         started().prescribe("B", "rotation", 1.0, axis=(0, 0, 0))
     b = started()
     b.fix("A")
