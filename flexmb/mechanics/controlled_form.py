@@ -219,7 +219,7 @@ class ControlledForm(Record):
         by_x = None
         if any("deformation" in quantity for quantity in self.quantities):
             near, still = form.near(own.memory), jnp.zeros(top.n_x)
-            by_x = force_derivatives(form.elements, at.x, at.v, still, still, near, lambda e, ed: e)
+            by_x = force_derivatives(form.elements, at.x, at.v, still, None, near, lambda e, ed: e)
         found: tuple[list, list] = ([], [])
         for i, quantity in enumerate(self.quantities):
             j = self.outputs[i]

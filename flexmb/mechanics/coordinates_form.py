@@ -16,7 +16,7 @@ from .drive import Drive, Driven, drive_at
 from .extent import sizes_of
 from .inertia import mass_matrix, uniform_motion
 from .loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
-from .motion import Kinematics, Moving, acting_forces, deformed, force_derivatives, moving_elements
+from .motion import Kinematics, Moving, acting_forces, acting_matrices, deformed, force_derivatives, moving_elements
 from .second_order import MotionState, Tangent
 from .stress import element_damping, element_stiffness, is_nonlinear, stress_resultants, stress_tangents
 
@@ -216,16 +216,8 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
         near = self.near(state.memory)
-        acting = acting_forces(self.elements, at.x, at.v, at.a, self.lifted(at.a), near, stress)
+        acting = acting_forces(self.elements, at.x, at.v, at.a, self.falling, near, stress)
         return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
-
-    def lifted(self, a):
-        """Accelerations less those of free fall.
-
-        Args:
-            a: Accelerations of the nodal coordinates, (n_x,) [1/s^2].
-        """
-        return a if self.falling is None else a - self.falling
 
     def applied(self, t, x):
         """Nodal forces of all loads but gravity, (n_x,) [N, N m].
@@ -292,14 +284,13 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[:n])
         near = self.near(state.memory)
         stress = self.stress_of(t, z[n:])
-        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.lifted(at.a), near, stress)
+        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.falling, near, stress)
         # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
         keep = put(jnp.ones(top.n_e), held, 0.0)[:, None]
         stiffness, damping = self.tangents(by_x.kinematics.e, by_x.kinematics.ed)
         strained = stiffness @ by_x.e
         drive = self.drive(t)
-        k = by_x.inertia + by_x.curvature
-        k = k - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
+        k = by_x.by_x - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
         if drive.turning is not None:
             k = k - drive.turning
         c = by_x.by_v
@@ -340,13 +331,13 @@ class CoordinatesForm(Record):
         n, none = self.size, jnp.zeros(self.held.shape[0])
         at = self.whole(t, state.u, state.w, jnp.zeros(n))
         stress, near = self.stress_of(t, none), self.near(state.memory)
-        acting = acting_forces(self.elements, at.x, at.v, at.a, self.lifted(at.a), near, stress, matrices=True)
-        scaled, rows = self._scaled(acting.mass), self._columns(acting.jacobian)
+        acting, jacobian, mass = acting_matrices(self.elements, at.x, at.v, at.a, self.falling, near, stress)
+        scaled, rows = self._scaled(mass), self._columns(jacobian)
         heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
         regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
         force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
         residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
-        return factorise(self._system(acting.mass, acting.jacobian)).solve(-residual), regular
+        return factorise(self._system(mass, jacobian)).solve(-residual), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
         """Rates of the deformations, where their turn is remembered.

@@ -18,10 +18,6 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 
-# Up to so many coordinates an element's Jacobian, and for derivatives its Hessian, is cheaper than products with it:
-# the number of operations counts, not their size.
-SMALL = 16
-
 
 class Moving(Record):
     """Elements of one block as functions of what moves.
@@ -137,15 +133,11 @@ class Acting(NamedTuple):
         kinematics: Deformations and their rates.
         sigma: Stress resultants, (n_e,) [N, N m].
         force: Nodal forces of stress and inertia, (n_x,) [N, N m].
-        jacobian: D_x, (n_e, n_x), where asked for.
-        mass: Mass matrix, (n_x, n_x), where asked for.
     """
 
     kinematics: Kinematics
     sigma: Float[Array, "n_e"]
     force: Float[Array, "n_x"]
-    jacobian: Any = None
-    mass: Any = None
 
 
 class Derivatives(NamedTuple):
@@ -155,9 +147,8 @@ class Derivatives(NamedTuple):
         e: D_x, (n_e, n_x); of the rates by the velocities and of the second rates by the accelerations too.
         ed: Of the rates by the coordinates, (n_e, n_x); of the second rates by the velocities it is twice this.
         edd: Of the second rates by the coordinates, (n_e, n_x).
-        curvature: Of the forces of stress by the coordinates, at constant sigma, (n_x, n_x) [N/m].
-        inertia: Of the forces of inertia by the coordinates, (n_x, n_x) [N/m].
-        by_v: Of the forces of inertia by the velocities, (n_x, n_x) [N s/m].
+        by_x: Of the forces by the coordinates, at constant sigma, (n_x, n_x) [N/m].
+        by_v: By the velocities, (n_x, n_x) [N s/m].
         mass: By the accelerations: mass matrix, (n_x, n_x) [kg].
         kinematics: Deformations and their rates.
         sigma: Stress resultants, (n_e,) [N, N m].
@@ -166,8 +157,7 @@ class Derivatives(NamedTuple):
     e: Float[Array, "n_e n_x"]
     ed: Float[Array, "n_e n_x"]
     edd: Float[Array, "n_e n_x"]
-    curvature: Float[Array, "n_x n_x"]
-    inertia: Float[Array, "n_x n_x"]
+    by_x: Float[Array, "n_x n_x"]
     by_v: Float[Array, "n_x n_x"]
     mass: Float[Array, "n_x n_x"]
     kinematics: Kinematics
@@ -195,17 +185,44 @@ def deformed(elements: tuple[Moving, ...], x: Float[Array, "n_x"], near: Float[A
     return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
 
 
-def _rates(f, x, v, a, lifted):
-    """Of one element e, its rates, s_ddot, and no Jacobians."""
-    e = _second_rate(lambda x: f(x)[0], x, v, a)
-    return *e, _second_rate(lambda x: f(x)[1], x, v, lifted)[2], (None, None)
+def _rates(f, x, v, a, falling):
+    """Of one element (e, s), their rates and second rates, of s those that resist a fall."""
+    y, yd, (edd, sdd) = _second_rate(f, x, v, a)
+    if falling is not None and sdd is not None:
+        sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
+    return y, yd, (edd, sdd)
 
 
-def _expanded_rates(f, x, v, a, lifted):
-    """Of one element e, its rates, s_ddot, and the Jacobians of e and s."""
-    ((e, s), (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
-    ed, edd = (None, None) if e is None else (d @ v, d @ a + dd @ v)
-    return e, ed, edd, None if s is None else j @ lifted + jd @ v, (d, j)
+def _with_jacobians(f, x, v, a, falling):
+    """As :func:`_rates`, and the Jacobians of e and s."""
+    (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
+    ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
+    sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
+    return (y, (ed, None), (edd, sdd)), (d, j)
+
+
+def _pulled(f, x, sigma, weight):
+    return jax.vjp(f, x)[1]((sigma, weight))[0]
+
+
+def _weight(block: Moving, sdd):
+    """H s_ddot of every element, (elements, k, d), or None."""
+    return None if sdd is None else block.mass @ sdd
+
+
+def _stressed(block: Moving, sigma):
+    """Stress resultants of every element, (elements, deformations), or None."""
+    return sigma[block.e] if block.e.shape[1] else None
+
+
+def _along(block: Moving, x, v, a, falling):
+    return [None if of is None else of[block.x] for of in (x, v, a, falling)]
+
+
+def _kinematics(rates, near) -> Kinematics:
+    """Deformations and rates of the whole, from (e, s) and rates of every block."""
+    own = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
+    return Kinematics(*scatter_vectors(near.shape[0], own, 3))
 
 
 def acting_forces(
@@ -213,10 +230,9 @@ def acting_forces(
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
-    lifted: Float[Array, "n_x"],
+    falling: Float[Array, "n_x"] | None,
     near: Float[Array, "n_e"],
     stress: Callable[..., Any],
-    matrices: bool = False,
 ) -> Acting:
     """Deformations, stress resultants and nodal forces of elements in motion.
 
@@ -225,97 +241,70 @@ def acting_forces(
         x: Nodal coordinates, (n_x,) [m, rad, -].
         v: Their velocities, (n_x,) [1/s].
         a: Their accelerations, (n_x,) [1/s^2].
-        lifted: The same less free fall: what the mass resists, (n_x,) [1/s^2].
+        falling: Accelerations of free fall, which mass does not resist, (n_x,) [1/s^2], or None.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
-        matrices: Whether to give D_x and the mass matrix too.
 
     Source:
         FORMULATION.md 3 and 5: D_x^T sigma + J^T H s_ddot.
     """
-    n_e, n_x = near.shape[0], x.shape[0]
-    values, found = [], []
-    for block in elements:
-        along = [of[block.x] for of in (x, v, a, lifted)]
-        rates = _expanded_rates if matrices or block.x.shape[1] <= SMALL else _rates
-        *kinematics, sdd, jacobians = block.over(rates, near, *along)
-        if kinematics[0] is not None:
-            values.append((block.e, tuple(kinematics)))
-        found.append((block, None if sdd is None else block.mass @ sdd, jacobians))
-    kinematics = Kinematics(*scatter_vectors(n_e, values, 3))
+    found = [(block, block.over(_rates, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics(found, near)
+    sigma = stress(kinematics.e, kinematics.ed)
+    forces = []
+    for block, (_, _, (_, sdd)) in found:
+        pulled = block.over(_pulled, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
+        forces.append((block.x, pulled))
+    return Acting(kinematics, sigma, scatter_vector(x.shape[0], forces))
+
+
+def acting_matrices(
+    elements: tuple[Moving, ...],
+    x: Float[Array, "n_x"],
+    v: Float[Array, "n_x"],
+    a: Float[Array, "n_x"],
+    falling: Float[Array, "n_x"] | None,
+    near: Float[Array, "n_e"],
+    stress: Callable[..., Any],
+) -> tuple[Acting, Float[Array, "n_e n_x"], Float[Array, "n_x n_x"]]:
+    """As :func:`acting_forces`, with D_x and the mass matrix, from the Jacobians of the elements.
+
+    Args:
+        elements: Elements.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
+
+    Returns:
+        Acting, D_x and M.
+
+    Source:
+        See :func:`acting_forces`; M = J^T H J.
+    """
+    found = [(block, *block.over(_with_jacobians, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces, rows, masses = [], [], []
-    for block, weight, (d, j) in found:
-        own = None if not block.e.shape[1] else sigma[block.e]
-        if d is None and j is None:
-            forces.append((block.x, block.over(_pulled, near, x[block.x], own, weight)))
-            continue
+    for block, (_, _, (_, sdd)), (d, j) in found:
         if d is not None:
-            forces.append((block.x, jnp.einsum("ni,nix->nx", own, d)))
+            forces.append((block.x, jnp.einsum("ni,nix->nx", _stressed(block, sigma), d)))
             rows.append((block.e, block.x, d))
         if j is not None:
-            forces.append((block.x, jnp.einsum("nkd,nkdx->nx", weight, j)))
-            masses.append((block.x, block.x, _mass(block.mass, j)))
-    force = scatter_vector(n_x, forces)
-    if not matrices:
-        return Acting(kinematics, sigma, force)
-    return Acting(kinematics, sigma, force, scatter_matrix((n_e, n_x), rows), scatter_matrix((n_x, n_x), masses))
+            forces.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
+            masses.append((block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)))
+    n_x = x.shape[0]
+    acting = Acting(kinematics, sigma, scatter_vector(n_x, forces))
+    return acting, scatter_matrix((near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
 
 
-def _pulled(f, x, sigma, weight):
-    return jax.vjp(f, x)[1]((sigma, weight))[0]
-
-
-def _mass(mass, j):
-    """Element mass matrices J^T H J, (elements, coordinates, coordinates)."""
-    return jnp.einsum("nkdx,nkdy->nxy", j, jnp.einsum("nkl,nldy->nkdy", mass, j))
-
-
-class _Expansion(NamedTuple):
-    """Derivatives of one element's e and s by its coordinates: D_x, of e_dot, of e_ddot; J, of s_dot, of s_ddot."""
-
-    d: Any
-    d_rate: Any
-    d_second: Any
-    j: Any
-    j_rate: Any
-    j_second: Any
-
-
-def _hessian(f):
-    """Function from coordinates to values, Jacobians and Hessians."""
-
-    def found(x):
-        def twice(x):
-            y, jacobian = _jacobian(f)(x)
-            return jacobian, (y, jacobian)
-
-        hessian, (y, jacobian) = jax.jacfwd(twice, has_aux=True)(x)
-        return y, jacobian, hessian
-
-    return found
-
-
-def _expanded(f, x, v, a, lifted):
-    """Of one element e, e_dot, e_ddot, s_ddot, all derivatives, and the Hessians of e and s."""
-    ((e, _), (d, j), (d2, j2)), (_, (dd, jd), (dd2, jd2)) = jax.jvp(_hessian(f), (x,), (v,))
-    rates, of_e = (None, None, None), (None, None, None)
-    if e is not None:
-        rates, of_e = (e, d @ v, d @ a + dd @ v), (d, dd, d2 @ a + dd2 @ v)
-    sdd, of_s = None, (None, None, None)
-    if j is not None:
-        sdd, of_s = j @ lifted + jd @ v, (j, jd, j2 @ lifted + jd2 @ v)
-    return rates, sdd, _Expansion(*of_e, *of_s), (d2, j2)
-
-
-def _contracted(f, x, v, a, lifted, sigma, weight):
-    """Of one element all derivatives, and the products of the Hessians with sigma and with weight."""
+def _derivatives(f, x, v, a, falling, sigma, weight):
+    """Of one element the derivatives of (e, s), of their rates and second rates, and of D_x^T sigma + J^T weight."""
 
     def everything(x):
-        e = _second_rate(lambda x: f(x)[0], x, v, a)
-        s = _second_rate(lambda x: f(x)[1], x, v, lifted)
-        of_e, of_s = (jax.vjp(lambda x, i=i: f(x)[i], x)[1] for i in (0, 1))
-        return _Expansion(*e, *s), (of_e(sigma)[0], of_s(weight)[0])
+        return _rates(f, x, v, a, falling), _pulled(f, x, sigma, weight)
 
     return jax.jacfwd(everything)(x)
 
@@ -325,7 +314,7 @@ def force_derivatives(
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
-    lifted: Float[Array, "n_x"],
+    falling: Float[Array, "n_x"] | None,
     near: Float[Array, "n_e"],
     stress: Callable[..., Any],
 ) -> Derivatives:
@@ -336,7 +325,7 @@ def force_derivatives(
         x: Nodal coordinates, (n_x,) [m, rad, -].
         v: Their velocities, (n_x,) [1/s].
         a: Their accelerations, (n_x,) [1/s^2].
-        lifted: The same less free fall, (n_x,) [1/s^2].
+        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
 
@@ -347,42 +336,22 @@ def force_derivatives(
         Derivative of :func:`acting_forces`.
     """
     n_e, n_x = near.shape[0], x.shape[0]
-    values, found = [], []
-    for block in elements:
-        along = [of[block.x] for of in (x, v, a, lifted)]
-        if block.x.shape[1] <= SMALL:
-            rates, sdd, expansion, hessians = block.over(_expanded, near, *along)
-        else:
-            *rates, sdd, _ = block.over(_rates, near, *along)
-            expansion = hessians = None
-        if rates[0] is not None:
-            values.append((block.e, tuple(rates)))
-        found.append((block, along, None if sdd is None else block.mass @ sdd, expansion, hessians))
-    kinematics = Kinematics(*scatter_vectors(n_e, values, 3))
+    found = [(block, block.over(_rates, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics(found, near)
     sigma = stress(kinematics.e, kinematics.ed)
     rows, squares = [], []
-    for block, along, weight, expansion, hessians in found:
-        own = None if not block.e.shape[1] else sigma[block.e]
-        curvature: Any
-        turning: Any
-        if hessians is None:
-            expansion, (curvature, turning) = block.over(_contracted, near, *along, own, weight)
-        else:
-            d2, j2 = hessians
-            curvature = None if d2 is None else jnp.einsum("ni,nixy->nxy", own, d2)
-            turning = None if j2 is None else jnp.einsum("nkd,nkdxy->nxy", weight, j2)
-        nothing = jnp.zeros((*block.x.shape, block.x.shape[1]))
-        if own is not None:
-            rows.append((block.e, block.x, expansion[:3]))
-        second = rate = mass = nothing
-        if weight is not None:
-            lever = jnp.einsum("nkl,nldx->nkdx", block.mass, expansion.j)
-            mass, rate, second = (
-                jnp.einsum("nkdx,nkdy->nxy", lever, of) for of in (expansion.j, expansion.j_rate, expansion.j_second)
-            )
-            second = second + turning
-        curved = nothing if own is None else curvature
-        squares.append((block.x, block.x, (curved, second, 2 * rate, mass)))
+    for block, (_, _, (_, sdd)) in found:
+        along = _along(block, x, v, a, falling)
+        forces = (_stressed(block, sigma), _weight(block, sdd))
+        ((d, j), (dd, jd), (d2, j2)), by_x = block.over(_derivatives, near, *along, *forces)
+        if d is not None:
+            rows.append((block.e, block.x, (d, dd, d2)))
+        by_v = mass = jnp.zeros_like(by_x)
+        if j is not None:
+            lever = jnp.einsum("nkl,nldx->nkdx", block.mass, j)
+            mass, by_v, more = (jnp.einsum("nkdx,nkdy->nxy", lever, of) for of in (j, 2 * jd, j2))
+            by_x = by_x + more
+        squares.append((block.x, block.x, (by_x, by_v, mass)))
     by_e = scatter_matrices((n_e, n_x), rows, 3)
-    forces = scatter_matrices((n_x, n_x), squares, 4)
-    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], forces[3], kinematics, sigma)
+    forces = scatter_matrices((n_x, n_x), squares, 3)
+    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)

@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..math.indices import put
 from .coordinates_form import CoordinatesForm
+from .deformation import deformation_curvature
 from .inertia import weight_stiffness
 from .loads import LoadFactors, load_stiffness
 from .motion import acting_forces, deformed, force_derivatives
@@ -116,7 +117,7 @@ def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
     _, jacobian = deformed(form.elements, x, near)
     tangent = transfer(top, jacobian)
     nothing = jnp.zeros(form.held.shape[0])
-    acting = acting_forces(form.elements, x, v, a, form.lifted(a), near, form.stress_of(t, nothing))
+    acting = acting_forces(form.elements, x, v, a, form.falling, near, form.stress_of(t, nothing))
     # The forces of inertia and the loads, without those of stress.
     force = form.applied(t, x) - acting.force + jacobian.T @ acting.sigma
     return Balance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
@@ -145,7 +146,8 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
-    by_x = force_derivatives(form.elements, x, v, a, a, near, lambda e, ed: sigma)
+    by_x = force_derivatives(form.elements, x, v, a, None, near, lambda e, ed: sigma)
+    curvature = deformation_curvature(top, parameters, x, near, sigma)
     rates = by_x.ed @ z
     turning = solved(form, tangent, rates)
     velocity_by_qd = solved(form, tangent, 2 * rates)
@@ -155,7 +157,7 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         loads = loads + drive.turning
     if form.gravity is not None:
         loads = loads + weight_stiffness(top, parameters, x, form.gravity)
-    n0 = z.T @ (by_x.inertia @ z + by_x.by_v @ turning + by_x.mass @ by_q)
+    n0 = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + by_x.mass @ by_q)
     dfe = tangent.DFe
     held = jnp.concatenate([top.x.fixed, top.x.prescribed])
     stiffness, damping = form.tangents_at(x, v, near)
@@ -166,7 +168,7 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         D0=dfe.T @ damping @ dfe,
         K0=dfe.T @ stiffness @ dfe,
         N0=n0,
-        G0=z.T @ (by_x.curvature - loads) @ z,
+        G0=z.T @ (curvature - loads) @ z,
         residual=at.residual,
         DFx=z,
         DFe=dfe,
@@ -206,6 +208,6 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
 
     v = tangent.DFx @ qd + speed * answer(given.v, given.ed, jnp.zeros(top.n_e))
     still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
-    kin = acting_forces(form.elements, x, v, still, still, near, form.stress_of(t, nothing)).kinematics
+    kin = acting_forces(form.elements, x, v, still, None, near, form.stress_of(t, nothing)).kinematics
     a = tangent.DFx @ qdd + answer(speed**2 * given.a, speed**2 * given.edd, kin.edd)
     return v, a
