@@ -201,6 +201,9 @@ def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -
     if settings["feedback"] is not None:
         form = controlled_form(model, form, settings["feedback"])
     start = form.state_of(x0, xd0, None)
+    if any(one.quantity in ("x", "e") for one in driven):
+        # What is driven may have speed from the start, and take the rest along.
+        start = form.settle(times[0], start)
     z0, regular = form.begin(times[0], start)
     rtol, atol = settings["rtol"], settings["atol"]
     controller = settings["controller"]

@@ -271,15 +271,16 @@ class ControlledForm(Record):
         own, _, own_z, _ = self._split(state, z)
         return self.form.rate_of_memory(t, own, own_z)
 
-    def settle(self, t, state: MotionState) -> MotionState:
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
         """The mechanism brought back onto its constraints.
 
         Args:
             t: Time [s].
             state: State.
+            mass: Mass matrix of what moves, where it is at hand.
         """
         n = self.form.size
-        own = self.form.settle(t, self._split(state)[0])
+        own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
         return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
 
     def whole_motion(self, t, state: MotionState):

@@ -20,9 +20,9 @@ from .motion import Kinematics, Moving, acting_forces, acting_matrices, deformed
 from .second_order import MotionState, Tangent
 from .stress import element_damping, element_stiffness, is_nonlinear, stress_resultants, stress_tangents
 
-# Share of a constraint's own compliance that is added to it: round-off where constraints are independent, and what
-# keeps the system solvable where they are redundant or lose rank for a moment.
-REDUNDANT = 1e-11
+# Share of a constraint's own compliance that is added to it, to keep the equations solvable where constraints are
+# redundant or lose rank for a moment: what is below counts as redundant.
+REDUNDANT = 1e-8
 
 
 class Whole(NamedTuple):
@@ -255,15 +255,10 @@ class CoordinatesForm(Record):
     def _columns(self, matrix):
         return matrix[self.held][:, self.free] * self.sizes
 
-    def _system(self, mass, jacobian):
-        m = self.held.shape[0]
-        top = self._scaled(mass)
-        if m == 0:
-            return top
-        rows = self._columns(jacobian)
-        compliance = rows**2 @ self.mobility
-        corner = -REDUNDANT * jnp.diag(compliance)
-        return jnp.block([[top, rows.T], [rows, corner]])
+    def _system(self, mass, rows):
+        """Matrix of the unknowns, from mass and constraints over the sizes of what moves, kept regular."""
+        corner = -REDUNDANT * jnp.diag(rows**2 @ self.mobility)
+        return jnp.block([[mass, rows.T], [rows, corner]]) if self.held.shape[0] else mass
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
         """Derivatives of the residual.
@@ -304,7 +299,7 @@ class CoordinatesForm(Record):
         by_t = None
         if self.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
-        return Tangent(by_u, by_w, self._system(by_x.mass, by_x.e), by_t)
+        return Tangent(by_u, by_w, self._system(self._scaled(by_x.mass), self._columns(by_x.e)), by_t)
 
     def acceleration(self, t, state: MotionState):
         """Accelerations and multipliers.
@@ -337,7 +332,11 @@ class CoordinatesForm(Record):
         regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
         force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
         residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
-        return factorise(self._system(mass, jacobian)).solve(-residual), regular
+        factors = factorise(self._system(scaled, rows))
+        z = factors.solve(-residual)
+        # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
+        left = jnp.concatenate([scaled @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
+        return z - factors.solve(residual + left), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
         """Rates of the deformations, where their turn is remembered.
@@ -352,12 +351,14 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[: self.size])
         return deformed(self.elements, at.x, state.memory)[1] @ at.v
 
-    def settle(self, t, state: MotionState) -> MotionState:
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
         """Positions and velocities brought back onto the constraints, by the least change measured by inertia.
 
         Args:
             t: Time [s].
             state: State.
+            mass: Mass matrix of what moves, (n, n), where it is at hand; its diagonal in the undeformed mechanism
+                otherwise.
 
         Source:
             FORMULATION.md 9 (b): projection onto D = e and D_x v = e_dot.
@@ -366,16 +367,15 @@ class CoordinatesForm(Record):
         near = self.near(state.memory)
         zero = jnp.zeros_like(u)
         if self.held.shape[0]:
+            heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
             def corrected(_, moving):
                 at = self.whole(t, moving[0], moving[1], zero)
                 e, jacobian = deformed(self.elements, at.x, near)
-                rows = self._columns(jacobian)
-                square = (rows * self.mobility) @ rows.T
                 excess = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
-                factors = factorise(square + jnp.diag(REDUNDANT * diagonal_of(square)))
-                change = self.mobility[:, None] * (rows.T @ factors.solve(excess))
-                return moving[0] - change[:, 0], moving[1] - change[:, 1]
+                right = jnp.concatenate([jnp.zeros((self.size, 2)), excess])
+                change = factorise(self._system(heavy, self._columns(jacobian))).solve(right)
+                return moving[0] - change[: self.size, 0], moving[1] - change[: self.size, 1]
 
             # The second time removes what the first left, which is of second order.
             u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))

@@ -162,12 +162,13 @@ class ReducedForm(Record):
         _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, near)
         return jnp.concatenate([v, jacobian @ v])
 
-    def settle(self, t, state: MotionState) -> MotionState:
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
         """The state with its memory renewed.
 
         Args:
             t: Time [s].
             state: State.
+            mass: Not used.
         """
         return state._replace(memory=jnp.concatenate(self.placed(t, state.u, state.memory)))
 

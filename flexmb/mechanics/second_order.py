@@ -60,6 +60,6 @@ class Equations(Protocol):
         """How the memory changes."""
         ...
 
-    def settle(self, t, state: MotionState) -> MotionState:
-        """The state brought back onto the constraints, memory renewed."""
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+        """The state brought back onto the constraints, memory renewed; by the least change measured by a mass."""
         ...

@@ -198,7 +198,7 @@ class Rosenbrock(diffrax.AbstractAdaptiveSolver):
         ku, kw, kz = jax.lax.fori_loop(0, stages, stage, start)
         u1, w1, z1 = y0.u + tab.m @ ku, y0.w + tab.m @ kw, z0 + tab.m @ kz
         error_u, error_w = tab.error @ ku, tab.error @ kw
-        y1 = equations.settle(t1, MotionState(u1, w1, y0.memory))
+        y1 = equations.settle(t1, MotionState(u1, w1, y0.memory), tangent.by_z[:n, :n])
         # What the error of a velocity does to the position within the step: so the ringing of stiff parts counts by its
         # displacement, and tolerances are those of positions.
         error_u = _finite(jnp.maximum(jnp.abs(error_u), h * jnp.abs(error_w)))
