@@ -122,7 +122,9 @@ def test_body_about_its_middle_axis():
         np.testing.assert_allclose(rates[at], expected, atol=error)
     # Of the interpolation between steps of 0.25 s.
     np.testing.assert_allclose(seen.energy, 1.0000005, rtol=2e-9)
-    np.testing.assert_allclose(momenta(found).value[:, 3:], np.tile([1e-3, 2.0, 0.0], (len(panels.times), 1)), atol=1e-8)
+    np.testing.assert_allclose(
+        momenta(found).value[:, 3:], np.tile([1e-3, 2.0, 0.0], (len(panels.times), 1)), atol=1e-8
+    )
 
 
 def test_balances_about_the_middle_axis():
