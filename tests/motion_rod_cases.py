@@ -309,6 +309,9 @@ PROBLEMS = {
         {"terms": 10, "rtol": 1e-8},
         {"terms": 8, "rtol": 1e-7},
     ),
+    # The same series as a simulation of few coefficients has; the error is that of the integration.
+    "elbow-two-terms": (elbow, {"terms": 2}, (1.0, 2.0, 3.0), {}, {"step": 0.1}),
+    "spaghetti-two-terms": (spaghetti, {"terms": 2}, (2.5, 5.0, 5.5), {"rtol": 1e-8}, {"rtol": 1e-7}),
 }
 
 

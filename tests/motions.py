@@ -21,6 +21,51 @@ def pendulum() -> fm.Builder:
     return b
 
 
+def double_pendulum() -> fm.Builder:
+    """Two point masses on rigid rods of 1 m, at rest, both rods horizontal."""
+    b = fm.Builder()
+    for i, name in enumerate(("pivot", "upper", "lower")):
+        b.node(name, (0.0, -1.0 * i))
+    for rod, p, q in (("first", "pivot", "upper"), ("second", "upper", "lower")):
+        b.rotation(rod)
+        b.add(planar.rigid_beam, p, rod, q, name=f"arm of {q}")
+        b.mass(q, 1.0)
+        b.start(rod, "phi", np.pi / 2)
+    b.fix("pivot", "x", "y")
+    b.gravity((0, -9.81))
+    return b
+
+
+def slider_crank(rod_mass=0.0666) -> fm.Builder:
+    """Rigid crank of 0.15 m whose angle is prescribed, uniform rod of 0.3 m, slider on the x axis, stretched."""
+    b = _crank_and_slider()
+    b.rotation("rod")
+    b.add(planar.rigid_beam, "pin", "rod", "slider", name="bar", section=fm.Rigidity(mass=rod_mass / 0.3))
+    return b
+
+
+def flexible_slider_crank(order=9, diameter=0.006, E=2e11, rho=7870.0) -> fm.Builder:
+    """The same with a round rod that bends and stretches."""
+    b = _crank_and_slider()
+    area, second = np.pi * diameter**2 / 4, np.pi * diameter**4 / 64
+    section = fm.Rigidity(EA=E * area, EIy=E * second, mass=rho * area)
+    b.add(planar.spectral_beam(order), "pin", "slider", name="rod", section=section)
+    return b
+
+
+def _crank_and_slider() -> fm.Builder:
+    b = fm.Builder()
+    for name, x in (("ground", 0.0), ("pin", 0.15), ("slider", 0.45)):
+        b.node(name, (x, 0.0))
+    b.rotation("crank")
+    b.add(planar.rigid_beam, "ground", "crank", "pin", name="arm")
+    b.fix("ground", "x", "y")
+    b.fix("slider", "y")
+    b.mass("slider", 0.033)
+    b.prescribe("crank", "phi", 0.0)
+    return b
+
+
 def four_bars(loops: int) -> fm.Builder:
     """D5: parallel cranks and couplers of unit length and mass, all upright, turning at -1 rad/s."""
     b = fm.Builder()
@@ -81,6 +126,64 @@ def rotor(order=8, EA=1e9) -> fm.Builder:
 def turned(t, speed):
     """Angle of a rotation at constant speed."""
     return speed * t
+
+
+def spun(t, speed, duration):
+    """Angle of a rotation that is brought to a speed, W/T (t^2/2 + (T/2pi)^2 (cos(2pi t/T) - 1)) until then."""
+    k = 2 * np.pi / duration
+    turn = speed / duration * (t**2 / 2 + (jnp.cos(k * t) - 1) / k**2)
+    return jnp.where(t < duration, turn, speed * (t - duration / 2))
+
+
+def spinning_up(order=8) -> fm.Builder:
+    """Cantilever of 10 m on a hub of radius zero that is turned; without shear and rotary inertia."""
+    b = fm.Builder()
+    b.node("hub", (0, 0))
+    b.node("tip", (10.0, 0))
+    section = fm.Rigidity(EA=2.8e7, EIy=1.4e4, mass=1.2)
+    b.add(planar.spectral_beam(order), "hub", "tip", name="blade", section=section)
+    b.fix("hub", "x", "y")
+    b.prescribe("hub", "phi", 0.0)
+    return b
+
+
+def spaghetti(order) -> fm.Builder:
+    """D1: a free flexible rod."""
+    b = fm.Builder()
+    b.node("lower", (6.0, 0, 0))
+    b.node("upper", (0, 8.0, 0))
+    _shearing_rod(b, order, "lower", "upper", bending=500.0, stretching=1e4)
+    return b
+
+
+def _shearing_rod(b: fm.Builder, order: int, p: str, q: str, bending: float, stretching: float):
+    compliance = bending / stretching
+    stiffness = dict(EA=stretching, EIy=bending, EIz=bending, GIt=bending, shear_y=compliance, shear_z=compliance)
+    section = fm.Rigidity(**stiffness, mass=1.0, Jx=20.0, Jy=10.0, Jz=10.0)
+    b.add(spatial.spectral_beam(order, shear=True), p, q, name=f"{p} to {q}", section=section, y=(0, 0, 1))
+
+
+def shaft(order=6, diameter=0.05, E=210e9, rho=7850.0) -> fm.Builder:
+    """C4: simply supported spinning shaft of 1 m with rotary inertia and without shear."""
+    b = fm.Builder()
+    b.node("left", (0, 0, 0))
+    b.node("right", (1.0, 0, 0))
+    area, second = np.pi * diameter**2 / 4, np.pi * diameter**4 / 64
+    section = fm.Rigidity(
+        EA=E * area,
+        EIy=E * second,
+        EIz=E * second,
+        GIt=E / 2.6 * 2 * second,
+        mass=rho * area,
+        Jx=2 * rho * second,
+        Jy=rho * second,
+        Jz=rho * second,
+    )
+    b.add(spatial.spectral_beam(order), "left", "right", name="shaft", section=section, y=(0, 1, 0))
+    b.fix("left", "position")
+    b.fix("right", "y", "z")
+    b.prescribe("left", "rotation", 0.0, axis=(1, 0, 0), tilt="free")
+    return b
 
 
 def released_guide(thickness=0.0005) -> fm.Builder:

@@ -319,6 +319,8 @@ AGAIN = {
     "slider-crank-smooth": (1, {"terms": 5}, 1e-4),
     "elbow": (1, {"terms": 4, "step": 0.1}, 1e-3),
     "spaghetti": (1, {"terms": 4, "rtol": 1e-6}, 1e-3),
+    "elbow-two-terms": (1, {"step": 0.1}, 1e-3),
+    "spaghetti-two-terms": (1, {"rtol": 1e-6}, 1e-4),
 }
 
 
