@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 
 from ..errors import ModelError
-from ..math.compile import jit_thoroughly
+from ..math.compile import jit_beside_options
 from ..math.linear import factorise
 from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.deformation import zero_near
@@ -46,7 +46,7 @@ def _as_matrices(at: MovingMatrices, x, e, result) -> Matrices:
     )
 
 
-@jit_thoroughly
+@jit_beside_options
 def _along(topology, parameters, driven, t, x, xd, near):
     form = coordinates_form(topology, parameters, driven)
 
@@ -79,7 +79,7 @@ def linearize_motion(motion: Motion) -> Linearization:
     return Linearization(found, model)
 
 
-@jit_thoroughly
+@jit_beside_options
 def _steady(topology, parameters, driven, time) -> Matrices:
     form = coordinates_form(topology, parameters, driven)
     none = jnp.zeros(topology.n_q)

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float, Int
 
 from ..errors import ModelError
-from ..math.compile import jit_thoroughly
+from ..math.compile import jit_beside_options
 from ..math.indices import put
 from ..math.record import Record, static
 from ..mechanics.coordinates_form import coordinates_form
@@ -141,7 +141,7 @@ class Observed(Record):
         return self.kinetic + self.elastic + self.potential
 
 
-@jit_thoroughly
+@jit_beside_options
 def _observe(model, driven, t, x, xd, near, u):
     topology, parameters = model.topology, model.parameters
     undriven: Any = coordinates_form(topology, parameters, driven)
@@ -188,7 +188,7 @@ class _Run(NamedTuple):
     result: Int[Array, ""]
 
 
-@jit_thoroughly
+@jit_beside_options
 def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
     import diffrax
 

@@ -63,8 +63,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-def jit_thoroughly(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function that runs long, whose arguments may hold what is no array: functions, solvers, options.
+def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """As :func:`jit`, of a function whose arguments may hold what is no array: functions, solvers, options.
 
     Such leaves of the arguments are compared, not traced, so they must be hashable; a function defined anew is another
     one and is compiled again.
@@ -81,7 +81,7 @@ def jit_thoroughly(function: Callable[..., Any]) -> Callable[..., Any]:
         whole = [next(numbers) if leaf is _NUMBER else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, whole))
 
-    compiled = jax.jit(flat, static_argnums=(0, 1), compiler_options=THOROUGH)
+    quick, thorough = (jax.jit(flat, static_argnums=(0, 1), compiler_options=o) for o in (QUICK, THOROUGH))
     nested = jax.jit(flat, static_argnums=(0, 1))
 
     @functools.wraps(function)
@@ -91,7 +91,7 @@ def jit_thoroughly(function: Callable[..., Any]) -> Callable[..., Any]:
         fixed = tuple(_NUMBER if number else leaf for leaf, number in zip(leaves, is_number, strict=True))
         numbers = [leaf for leaf, number in zip(leaves, is_number, strict=True) if number]
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in numbers)
-        return (nested if traced else compiled)(structure, fixed, *numbers)
+        return (nested if traced else thorough if _thorough else quick)(structure, fixed, *numbers)
 
     return call
 
