@@ -38,6 +38,7 @@ _ROOMS = {
     "analysis.configuration": ("Configuration", "configuration"),
     "analysis.simulate": ("Motion", "Observed", "simulate"),
     "analysis.moving": ("linearize_motion", "steady_motion"),
+    "analysis.closed_loop": ("Sampled",),
     "mechanics.controlled_form": ("Feedback",),
     "mechanics.drive": ("Table",),
     "solvers.rosenbrock": ("Rodas5P",),

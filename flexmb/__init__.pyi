@@ -3,6 +3,7 @@
 from .analysis.buckling import Buckling as Buckling
 from .analysis.buckling import buckling as buckling
 from .analysis.buckling import buckling_loads as buckling_loads
+from .analysis.closed_loop import Sampled as Sampled
 from .analysis.compliance import compliance as compliance
 from .analysis.compliance import directional_compliance as directional_compliance
 from .analysis.configuration import Configuration as Configuration

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -11,11 +12,27 @@ from jax.tree_util import Partial
 from jaxtyping import Array
 
 from ..errors import ModelError
+from ..math.record import Record, static
 from ..mechanics.controlled_form import ControlledForm, Feedback, driven_by_inputs
 from ..mechanics.coordinates_form import CoordinatesForm
 from ..model.model import Model
 
 MEASURED = ("position", "velocity", "deformation", "deformation rate")
+
+
+class Sampled(Record):
+    """A controller that acts at equal intervals from the start of the simulation; its output is held in between.
+
+    Attributes:
+        step: ``u, z_next = step(t, z, y)``: inputs of the mechanism, (n_u,) [N, N m], from its outputs at the
+            sample, in the order in which the builder named them.
+        period: Interval [s].
+        start: State at the start, (n_z,).
+    """
+
+    step: Callable[..., Any]
+    period: float = static()
+    start: Any = ()
 
 
 def _seen(y, t, reference):
@@ -34,7 +51,12 @@ def _static_output(function, reference, t, z, y):
     return function(t, _seen(y, t, reference))
 
 
-def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedback:
+def _sampled_step(a, b, c, d, reference, t, z, y):
+    seen = _seen(y, t, reference)
+    return c @ z + d @ seen, a @ z + b @ seen
+
+
+def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedback | Sampled:
     """Feedback of a controller given as python-control system, function or Feedback.
 
     Args:
@@ -43,8 +65,8 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
         reference: Wanted outputs as a function of time, or None.
 
     Raises:
-        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller, an output that cannot be fed
-            back.
+        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an output
+            that cannot be fed back.
     """
     inputs, outputs = model.labels.inputs, model.labels.outputs
     if not inputs or not outputs:
@@ -57,16 +79,14 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
                 f"Output '{signal.name}' is a {signal.quantity} and cannot be fed back. Feed back one of:"
                 f" {', '.join(MEASURED)}."
             )
-    if isinstance(control, Feedback):
+    if isinstance(control, Feedback | Sampled):
         if reference is not None:
-            raise ModelError("A Feedback has its reference inside: leave `reference` out.")
+            raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
         return control
     if hasattr(control, "A") and hasattr(control, "D"):
-        if getattr(control, "dt", 0) not in (0, None):
-            raise ModelError(
-                f"The controller is sampled (dt = {control.dt}), which a simulation does not close the loop around."
-                " Give a continuous one."
-            )
+        period = getattr(control, "dt", 0)
+        if period is True:
+            raise ModelError("The controller is sampled, but says not how often: give it dt in seconds.")
         a, b, c, d = (jnp.asarray(np.asarray(getattr(control, name)), float) for name in "ABCD")
         if d.shape != (len(inputs), len(outputs)):
             raise ModelError(
@@ -75,10 +95,16 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
                 f" ({', '.join(s.name for s in inputs)})."
             )
         start = jnp.zeros(a.shape[0])
+        if period:
+            return Sampled(Partial(_sampled_step, a, b, c, d, reference), float(period), start)
         return Feedback(Partial(_linear_output, c, d, reference), Partial(_linear_rate, a, b, reference), start)
     if callable(control):
         return Feedback(Partial(_static_output, control, reference))
-    raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), or a Feedback.")
+    raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), a Feedback or Sampled.")
+
+
+def _nothing(t, z, y):
+    return jnp.zeros(0)
 
 
 def _places(model: Model) -> tuple[Array, Array]:
@@ -110,7 +136,17 @@ def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback) -> 
         form: Its equations of motion.
         feedback: Controller.
     """
+    return dataclasses.replace(measuring(model, form), feedback=feedback)
+
+
+def measuring(model: Model, form: CoordinatesForm) -> ControlledForm:
+    """A mechanism with its sensors and actuators, whose inputs nothing gives.
+
+    Args:
+        model: Mechanism.
+        form: Its equations of motion.
+    """
     forces, stresses = _places(model)
     outputs = model.labels.outputs
     indices = jnp.array([s.index for s in outputs], int)
-    return ControlledForm(form, feedback, forces, stresses, indices, tuple(s.quantity for s in outputs))
+    return ControlledForm(form, Feedback(_nothing), forces, stresses, indices, tuple(s.quantity for s in outputs))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import jax
 import jax.core
@@ -19,20 +19,19 @@ from ..math.record import Record, static
 from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.drive import Driven, Table
 from ..mechanics.inertia import mass_matrix, work_of_weight
-from ..mechanics.reduced_form import reduced_form
 from ..mechanics.stress import is_nonlinear, nonlinear_energy, strain_of
 from ..model.model import Labels, Model
-from ..results import RESULTS, check
-from .closed_loop import as_feedback, controlled_form, under_inputs
+from ..results import check
+from .closed_loop import Sampled, as_feedback, under_inputs
 from .configuration import Configuration, configuration
 from .equilibrium import Equilibrium
+from .integrate import Intervals, integrate, integrate_sampled
 
 if TYPE_CHECKING:
     import diffrax
 
 # Absolute tolerance of a position, as share of the mechanism's extent, and of a rotation, over the relative one.
 ABSOLUTE = 1e-3
-SMALLEST_STEP = 1e-12
 
 
 class Motion(Record):
@@ -179,86 +178,6 @@ def _observe(model, driven, t, x, xd, near, u):
     return jax.lax.map(one, (t, x, xd, near, u))
 
 
-class _Run(NamedTuple):
-    x: Float[Array, "n_t n_x"]
-    xd: Float[Array, "n_t n_x"]
-    near: Float[Array, "n_t n_e"]
-    u: Float[Array, "n_t n_u"]
-    steps: Int[Array, ""]
-    result: Int[Array, ""]
-
-
-@jit_beside_options
-def _integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> _Run:
-    import diffrax
-
-    from ..solvers.rosenbrock import Rosenbrock
-    from ..solvers.term import MotionTerm
-
-    form: Any = coordinates_form(model.topology, model.parameters, driven)
-    if settings["form"] == "reduced":
-        form = reduced_form(form)
-    if settings["feedback"] is not None:
-        form = controlled_form(model, form, settings["feedback"])
-    start = form.state_of(x0, xd0, None)
-    if any(one.quantity in ("x", "e") for one in driven):
-        # What is driven may have speed from the start, and take the rest along.
-        start = form.settle(times[0], start)
-    z0, regular = form.begin(times[0], start)
-    rtol, atol = settings["rtol"], settings["atol"]
-    controller = settings["controller"]
-    if controller is None:
-        controller = diffrax.PIDController(
-            rtol=rtol,
-            atol=atol,
-            pcoeff=0.1,
-            icoeff=0.3,
-            dtmin=SMALLEST_STEP * (times[-1] - times[0]),
-            force_dtmin=False,
-        )
-    if settings["jumps"] is not None:
-        controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
-    dt0 = settings["dt0"]
-    if dt0 is None:
-        # Over the first step acceleration moves the mechanism by some ten tolerances.
-        fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
-        dt0 = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (times[-1] - times[0]) / 50)
-    solution = diffrax.diffeqsolve(
-        MotionTerm(form),
-        settings["solver"],
-        times[0],
-        times[-1],
-        dt0,
-        start,
-        saveat=diffrax.SaveAt(ts=times),
-        stepsize_controller=controller,
-        adjoint=settings["adjoint"],
-        event=settings["event"],
-        max_steps=settings["max_steps"],
-        solver_state=z0 if isinstance(settings["solver"], Rosenbrock) else None,
-        throw=False,
-    )
-    states: Any = solution.ys
-
-    def whole(at):
-        # Between steps the state is interpolated, off the constraints.
-        state = form.settle(*at)
-        inputs = form.inputs(at[0], state) if settings["feedback"] is not None else jnp.zeros(0)
-        return *form.whole_motion(at[0], state), inputs
-
-    x, xd, near, u = jax.lax.map(whole, (times, states))
-    ok = diffrax.RESULTS
-    result = jnp.where(solution.result == ok.successful, RESULTS.successful, RESULTS.step_too_small)
-    result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
-    if settings["event"] is not None:
-        result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
-    else:
-        wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(x))
-        result = jnp.where(wrong, RESULTS.step_too_small, result)
-    result = jnp.where(regular, result, RESULTS.singular_mass)
-    return _Run(x, xd, near, u, solution.stats["num_steps"], result.astype(jnp.int32))
-
-
 def simulate(
     model: Model,
     times: ArrayLike,
@@ -296,8 +215,9 @@ def simulate(
         motion: Values of PRESCRIBED coordinates (from their start) and deformations as functions of time, by name,
             twice differentiable.
         increment: Factor of the incremental loads as function of time; zero unless given.
-        control: Controller from the model's outputs y to its inputs u: a continuous ``control.StateSpace``, a function
-            ``u = control(t, y)``, or a :class:`Feedback`.
+        control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace``, continuous or sampled
+            (with dt, its output held from sample to sample), a function ``u = control(t, y)``, a :class:`Feedback`, or
+            a :class:`Sampled`.
         reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
         jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
@@ -355,7 +275,11 @@ def simulate(
         "event": event,
         "max_steps": max_steps,
     }
-    run = _integrate(model, driven, times, x0, xd0, settings)
+    if isinstance(settings["feedback"], Sampled):
+        grid = _intervals(times, settings["feedback"].period)
+        run = integrate_sampled(model, driven, times, grid, x0, xd0, settings | {"first": 4.0})
+    else:
+        run = integrate(model, driven, times, x0, xd0, settings | {"first": 50.0})
     found = Motion(
         times, run.x, run.xd, run.near, run.u, run.steps, run.result, driven, model, form, type(chosen).__name__
     )
@@ -370,6 +294,22 @@ def _checked_times(times):
     if not isinstance(times, jax.core.Tracer) and not bool(np.all(np.diff(np.asarray(times)) > 0)):
         raise ValueError("Argument `times` must be ascending, without a time twice.")
     return times
+
+
+def _intervals(times, period: float) -> Intervals:
+    """Intervals of a sampled controller, and the times asked for in each; a sample belongs to what follows."""
+    if isinstance(times, jax.core.Tracer):
+        raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
+    wanted = np.asarray(times)
+    start, end = wanted[0], wanted[-1]
+    count = max(int(np.ceil((end - start) / period - 1e-9)), 1)
+    begin = start + period * np.arange(count)
+    ends = np.append(begin[1:], end)
+    interval = np.clip(np.searchsorted(begin, wanted + 1e-9 * period, side="right") - 1, 0, count - 1)
+    place = np.arange(len(wanted)) - np.searchsorted(interval, interval)
+    rows = np.repeat(ends[:, None], np.max(place) + 2, axis=1)
+    rows[interval, place] = np.clip(wanted, begin[interval], ends[interval])
+    return Intervals(*(jnp.asarray(part) for part in (begin, ends, rows, interval, place)))
 
 
 def _initial(model: Model, initial):

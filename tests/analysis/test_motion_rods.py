@@ -49,8 +49,8 @@ def test_spin_up():
 
 def test_balances_of_the_spin_up():
     panels, found = spin_up()
-    # The hub's force is sampled at 3e-2 s, waves along the blade take 8e-3 s: 2e-5 of the momentum.
-    check_balances(found, panels, step=1e-3, differences=1e-10, integrated=4e-5)
+    # The hub's force is sampled at 3e-2 s, waves along the blade take 8e-3 s: up to 1e-4 of the momentum.
+    check_balances(found, panels, step=1e-3, differences=1e-10, integrated=2e-4)
 
 
 TURNS = 0.08
@@ -100,6 +100,7 @@ def spaghetti():
     return panels, found
 
 
+@pytest.mark.timeout(400)
 def test_spaghetti():
     """D1, against the same two coefficients a strain apart from flexmb; converged to 3e-5 it takes twenty."""
     panels, found = spaghetti()

@@ -1,5 +1,7 @@
 """Nonlinear motion against closed forms, printed solutions of independent integrations, and conservation laws."""
 
+from typing import Any
+
 import control
 import diffrax
 import jax
@@ -58,7 +60,7 @@ def test_order_of_the_default_solver(pendulum):
     assert np.log2(errors[0] / errors[1]) > 4.5, errors
 
 
-# REFERENCES D5: theta, its rate and the energy (potential zero at theta = 0) at t = 10. The tolerance asked for is 1e-8;
+# REFERENCES D5: theta, its rate and the energy (zero potential at theta = 0) at t = 10. Asked for is 1e-8;
 # with two loops round-off becomes 3e-8 in ten passages of the position where both lose rank.
 FOUR_BARS = {
     1: (-30.343944970939, -1.966934719, 20.4533333333, 1e-8),
@@ -125,7 +127,8 @@ def test_loads_as_functions_of_time():
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, ramp(times) - ramp(times - 0.7), atol=1e-9)
 
 
-def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
+def oscillator():
+    """A mass on a damped spring with a force and its place as input and output."""
     b = fm.Builder()
     b.node("foot", (0, 0))
     b.node("mass", (1.0, 0))
@@ -136,7 +139,28 @@ def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
     b.dof("mass", "x")
     b.input("mass", "x")
     b.output("mass", "x")
-    model = b.build()
+    return b.build()
+
+
+def test_sampled_loop_of_a_linear_mechanism_is_that_of_control():
+    """Zero-order hold is exact in discrete time; the controller sees the output at the sample."""
+    model = oscillator()
+    lead: Any = control.ss(control.tf([200, 3000], [1, 100]))
+    lead = lead.sample(0.05)
+    times = np.arange(0, 1.01, 0.025)
+    found = fm.simulate(model, times, control=lead, reference=lambda t: jnp.array([0.01]), rtol=1e-8, atol=1e-9)
+    plant: Any = fm.to_statespace(model)
+    loop = control.feedback(plant.sample(0.05) * lead, 1)
+    _, expected = control.step_response(loop, np.arange(0, 1.01, 0.05))
+    np.testing.assert_allclose(found.at("mass")[::2, 0] - 1.0, 0.01 * np.asarray(expected), atol=1e-7)
+    # Held in between.
+    np.testing.assert_array_equal(found.u[:-1:2], found.u[1::2])
+    with pytest.raises(fm.ModelError, match="sampled, but says not how often"):
+        fm.simulate(model, times, control=control.ss([], [], [], [[1.0]], True))
+
+
+def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
+    model = oscillator()
     lead = control.ss(control.tf([200, 3000], [1, 100]))
     times = np.linspace(0, 2, 21)
     found = fm.simulate(model, times, control=lead, reference=lambda t: jnp.array([0.01]), rtol=1e-8, atol=1e-9)

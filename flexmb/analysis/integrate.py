@@ -1,0 +1,178 @@
+"""Integration in time by diffrax: of equations of motion, and from sample to sample of a controller."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..math.compile import jit_beside_options
+from ..mechanics.coordinates_form import coordinates_form
+from ..mechanics.reduced_form import reduced_form
+from ..model.model import Model
+from ..results import RESULTS
+from .closed_loop import Sampled, controlled_form, measuring, under_inputs
+
+SMALLEST_STEP = 1e-12
+
+
+class Run(NamedTuple):
+    """What an integration found, at the times asked for.
+
+    Attributes:
+        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
+        xd: Their velocities, (n_t, n_x) [1/s].
+        near: Deformations, (n_t, n_e) [m, rad].
+        u: Inputs of a controller, (n_t, n_u) [N, N m].
+        steps: Number of time steps.
+        result: Code of RESULTS.
+    """
+
+    x: Float[Array, "n_t n_x"]
+    xd: Float[Array, "n_t n_x"]
+    near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regular):
+    """States at times between t0 and t1, number of steps, and code of the result."""
+    import diffrax
+
+    from ..solvers.rosenbrock import Rosenbrock
+    from ..solvers.term import MotionTerm
+
+    rtol, atol = settings["rtol"], settings["atol"]
+    controller = settings["controller"]
+    if controller is None:
+        controller = diffrax.PIDController(
+            rtol=rtol, atol=atol, pcoeff=0.1, icoeff=0.3, dtmin=SMALLEST_STEP * (t1 - t0), force_dtmin=False
+        )
+    if settings["jumps"] is not None:
+        controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
+    dt0 = settings["dt0"]
+    if dt0 is None:
+        # Over the first step acceleration moves the mechanism by some ten tolerances.
+        fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
+        dt0 = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
+    solution = diffrax.diffeqsolve(
+        MotionTerm(form),
+        settings["solver"],
+        t0,
+        t1,
+        dt0,
+        start,
+        saveat=diffrax.SaveAt(ts=times),
+        stepsize_controller=controller,
+        adjoint=settings["adjoint"],
+        event=settings["event"],
+        max_steps=settings["max_steps"],
+        solver_state=z0 if isinstance(settings["solver"], Rosenbrock) else None,
+        throw=False,
+    )
+    states: Any = solution.ys
+    ok = diffrax.RESULTS
+    result = jnp.where(solution.result == ok.successful, RESULTS.successful, RESULTS.step_too_small)
+    result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
+    if settings["event"] is not None:
+        result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
+    else:
+        wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
+        result = jnp.where(wrong, RESULTS.step_too_small, result)
+    result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
+    return states, solution.stats["num_steps"], result
+
+
+def _start(form: Any, driven, t, x0, xd0):
+    start = form.state_of(x0, xd0, None)
+    if any(one.quantity in ("x", "e") for one in driven):
+        # What is driven may have speed from the start, and take the rest along.
+        start = form.settle(t, start)
+    return start
+
+
+@jit_beside_options
+def integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> Run:
+    """Motion from one time to the last.
+
+    Args:
+        model: Mechanism.
+        driven: What depends on time.
+        times: Times, the first is the start, (n_t,) [s].
+        x0: Nodal coordinates at the start, (n_x,).
+        xd0: Their velocities, (n_x,).
+        settings: Of :func:`flexmb.simulate`.
+    """
+    form: Any = coordinates_form(model.topology, model.parameters, driven)
+    if settings["form"] == "reduced":
+        form = reduced_form(form)
+    if settings["feedback"] is not None:
+        form = controlled_form(model, form, settings["feedback"])
+    start = _start(form, driven, times[0], x0, xd0)
+    z0, regular = form.begin(times[0], start)
+    states, steps, result = _solved(form, settings, times[0], times[-1], times, start, z0, regular)
+
+    def whole(at):
+        # Between steps the state is interpolated, off the constraints.
+        state = form.settle(*at)
+        inputs = form.inputs(at[0], state) if settings["feedback"] is not None else jnp.zeros(0)
+        return *form.whole_motion(at[0], state), inputs
+
+    x, xd, near, u = jax.lax.map(whole, (times, states))
+    return Run(x, xd, near, u, steps, result)
+
+
+class Intervals(NamedTuple):
+    """Intervals between the samples of a controller.
+
+    Attributes:
+        begin: (k,) [s].
+        end: (k,) [s].
+        times: Times asked for in each, filled up with its end, (k, m + 1) [s].
+        interval: Interval of each time, (n_t,).
+        place: Its place in the interval, (n_t,).
+    """
+
+    begin: Float[Array, "k"]
+    end: Float[Array, "k"]
+    times: Float[Array, "k m"]
+    interval: Int[Array, "n_t"]
+    place: Int[Array, "n_t"]
+
+
+@jit_beside_options
+def integrate_sampled(model: Model, driven, times, grid: Intervals, x0, xd0, settings: dict[str, Any]) -> Run:
+    """Motion under a controller that acts at equal intervals, one after the other.
+
+    Args:
+        model: Mechanism.
+        driven: What depends on time.
+        times: Times, (n_t,) [s].
+        grid: The intervals and the times in them.
+        x0: Nodal coordinates at the start, (n_x,).
+        xd0: Their velocities, (n_x,).
+        settings: Of :func:`flexmb.simulate`.
+    """
+    sampled: Sampled = settings["feedback"]
+    undriven: Any = coordinates_form(model.topology, model.parameters, driven)
+    sensors = measuring(model, undriven)
+
+    def interval(carry, at):
+        state, memory = carry
+        begin, end, wanted = at
+        u, memory = sampled.step(begin, memory, sensors.measured(begin, state))
+        u = jnp.atleast_1d(jnp.asarray(u, float))
+        form = under_inputs(model, undriven, u)
+        z0, regular = form.begin(begin, state)
+        states, steps, result = _solved(form, settings, begin, end, wanted, state, z0, regular)
+        last = jax.tree.map(lambda rows: rows[-1], states)
+        return (last, memory), (states, u, steps, result)
+
+    start = _start(undriven, driven, times[0], x0, xd0)
+    _, (states, u, steps, result) = jax.lax.scan(interval, (start, sampled.start), grid[:3])
+    chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
+    x, xd, near = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
+    return Run(x, xd, near, u[grid.interval], jnp.sum(steps), jnp.max(result))
