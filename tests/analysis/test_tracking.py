@@ -63,19 +63,27 @@ def test_near_a_repeated_pair_each_eigenvalue_has_its_own_derivative():
         np.testing.assert_allclose(slopes[:, 2], [0.0, 1 / M], atol=1e-15 / gap / M * 10 + 1e-9)
 
 
-def test_vectors_and_second_derivatives_stay_finite_at_a_repeated_pair():
+def test_vectors_and_second_derivatives_at_a_repeated_pair():
     a, b = jnp.diag(jnp.array([1.0, 1.0, 3.0])), jnp.diag(jnp.array([1.0, 2.0, 1.0]))
     turn = jnp.array([[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]])
+    shift = jnp.array([[0.3, 0.1, 0.0], [0.1, 0.2, 0.1], [0.0, 0.1, 0.1]])
     for at in (a, a.at[1, 1].set(2.0)):  # the second is repeated: 2/2 = 1/1
 
-        def total(t, at=at):
-            mu, w = pencil(at + t * turn, b)
-            return jnp.sum(mu), jnp.sum((w @ w.T) * turn)
+        def by_modes(t, at=at):
+            mu, w = pencil(at + t * turn, b + t * shift)
+            return jnp.stack([jnp.sum(mu), jnp.sum((w @ w.T) * turn)])
 
-        for order in (jax.jacfwd(total), jax.jacrev(total), jax.jacfwd(jax.jacrev(total))):
-            assert np.all(np.isfinite(order(0.0)))
-    # W W^T = B^-1 whatever the vectors within the pair.
-    np.testing.assert_allclose(jax.jacfwd(total)(0.0), [0.0, 0.0], atol=1e-12)
+        def exact(t, at=at):
+            # The sum of the eigenvalues is the trace of B^-1 A, and W W^T is B^-1, whatever the vectors of the pair.
+            inverse = jnp.linalg.inv(b + t * shift)
+            return jnp.stack([jnp.trace(inverse @ (at + t * turn)), jnp.sum(inverse * turn)])
+
+        for first in (jax.jacfwd, jax.jacrev):
+            np.testing.assert_allclose(first(by_modes)(0.0), first(exact)(0.0), rtol=1e-12, atol=1e-12)
+        # Of second order only finite: that of the sum misses what the pair's own rotation adds where B changes.
+        twice = jax.jacfwd(jax.jacrev(by_modes))(0.0)
+        assert np.all(np.isfinite(twice))
+        assert twice[1] == pytest.approx(float(jax.jacfwd(jax.jacrev(exact))(0.0)[1]), rel=1e-11)
 
 
 def test_smooth_minimum_is_near_the_minimum():
@@ -107,5 +115,12 @@ def test_a_frequency_is_followed_through_a_crossing():
         value, slope = fm.jit(jax.value_and_grad(followed))(k)
         assert value == pytest.approx(np.sqrt(k / M) / (2 * np.pi), rel=1e-10)
         assert slope == pytest.approx(np.sqrt(1 / (k * M)) / (4 * np.pi), rel=1e-9)
+    # At the crossing itself the solver's vectors lie along x and y; the mode along the diagonal is made of both.
+    slanted = np.array([1.0, 1.0])
+    for skew in (0.1 * K, 1e-9 * K, 0.0, -1e-9 * K, -0.1 * K):
+        like = fm.jit(jax.value_and_grad(lambda s: fm.frequency_like(cross((K, K, s)), slanted)))
+        value, slope = like(skew)
+        assert value == pytest.approx(np.sqrt((K + skew) / M) / (2 * np.pi), rel=1e-8)  # the share of the cluster
+        assert slope == pytest.approx(np.sqrt(1 / ((K + skew) * M)) / (4 * np.pi), rel=1e-6)
     with pytest.raises(ValueError, match="must have 2 entries"):
         fm.frequency_like(cross((K, K, 0.0)), shape[:1])
