@@ -10,7 +10,7 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Flexible multibody mechanisms: motion, frequencies, buckling and state space of a SPACAR input file.",
+    help="Flexible multibody mechanisms: motion, frequencies, buckling, state space of a SPACAR input file; designs.",
 )
 
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.dat", help="SPACAR input file.")]
@@ -184,6 +184,94 @@ def demo(
     for number in (0, 7, 9):
         _guarded(debug, path, number, None, None, None, "none")
         print()
+
+
+def _study(path: Path, json_path: str | None, save: Path | None, debug: bool, work: Any) -> None:
+    """Run a design study and write its answer; ``work`` returns data, table, exit status and what saves it."""
+    from . import enable_cache, enable_x64
+    from .design.study import StudyError, read_study
+    from .errors import AnalysisError, ModelError, SpacarError
+    from .io.files import to_json, write_whole
+
+    _check_call("none", json_path, save, None)
+    enable_x64()
+    try:
+        enable_cache()
+    except OSError:
+        pass
+    try:
+        data, text, status, saved = work(read_study(path))
+    except (StudyError, OSError) as fault:
+        _refuse(f"flexmb: {fault}")
+    except AnalysisError as fault:
+        print(f"{path.name}: {fault.code}: {str(fault).splitlines()[0]}", file=sys.stderr)
+        raise typer.Exit(1) from None
+    except Exception as fault:
+        if debug:
+            raise
+        first = (str(fault).splitlines() or [""])[0]
+        if isinstance(fault, ValueError) and not isinstance(fault, ModelError):
+            _refuse(str(fault) if isinstance(fault, SpacarError) else f"{path.name}: {first}")
+        print(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)", file=sys.stderr)
+        raise typer.Exit(1) from None
+    print(to_json(data) if json_path == "-" else text)
+    if json_path not in (None, "-"):
+        write_whole(json_path, to_json(data).encode())
+    if save is not None:
+        saved(save)
+    if status:
+        print(f"{path.name}: {data['status']}: {data['message']}", file=sys.stderr)
+        raise typer.Exit(status)
+
+
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
+
+
+@app.command()
+def sweep(
+    study: StudyFile,
+    json_path: Json = None,
+    save: Save = None,
+    checkpoint: Annotated[Path | None, typer.Option("--checkpoint", help="Go on from this .npz, and write it.")] = None,
+    debug: Debug = False,
+) -> None:
+    """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
+
+    def work(read):
+        from . import __version__
+        from .design.study import sweep_answer, sweep_table
+
+        options = {"chunk": int(read.plan["chunk"])} if "chunk" in read.plan else {}
+        found = read.sweep(checkpoint=checkpoint, **options)
+        data = sweep_answer(read, found, __version__)
+        return data, sweep_table(found), int(data["status"] != "ok"), found.save
+
+    _study(study, json_path, save, debug, work)
+
+
+@app.command()
+def tune(study: StudyFile, json_path: Json = None, save: Save = None, debug: Debug = False) -> None:
+    """Find parameters within bounds that meet targets and keep limits."""
+
+    def work(read):
+        from . import __version__
+        from .design.labelled import save_arrays
+        from .design.study import tune_answer
+
+        found = read.tune(throw=False)
+        data = tune_answer(read, found, __version__)
+
+        def saved(path):
+            about = {name: data[name] for name in ("study", "status", "reason", "active")}
+            save_arrays(path, {**found.dimensions, **found.answers, **_named("history_", found.history)}, about)
+
+        return data, str(found), int(data["status"] != "ok"), saved
+
+    _study(study, json_path, save, debug, work)
+
+
+def _named(before: str, arrays: dict[str, Any]) -> dict[str, Any]:
+    return {before + name: array for name, array in arrays.items()}
 
 
 def main() -> None:

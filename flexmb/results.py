@@ -5,7 +5,11 @@ Compiled kernels return the integer; the wrapper in Python turns it into a membe
 process pays for.
 """
 
+import contextlib
+import contextvars
 import enum
+from collections.abc import Iterator
+from typing import Any
 
 from .errors import AnalysisError
 
@@ -83,10 +87,44 @@ class RESULTS(enum.IntEnum):
         "The motion did not reach its end within the allowed number of steps. Allow more (max_steps), ask for less"
         " accuracy (rtol), or use a solver for stiff motion; the results up to there are kept.",
     )
+    not_valid = (
+        20,
+        "No model could be built from these dimensions: build it from them alone to see what is wrong.",
+    )
+    infeasible = (
+        21,
+        "No design within the bounds was found that keeps the limits. Widen the bounds or the limits, or start"
+        " elsewhere (starts).",
+    )
+    not_optimal = (
+        22,
+        "The design did not settle within the allowed number of evaluations. Allow more (max_evaluations), or look at"
+        " the history: the best design so far is returned.",
+    )
+
+
+_CODES: contextvars.ContextVar[tuple[Any, list[Any]] | None] = contextvars.ContextVar("codes", default=None)
+
+
+@contextlib.contextmanager
+def collected() -> Iterator[list[Any]]:
+    """Collect the codes that analyses would raise outside a trace, while a function of designs is traced.
+
+    What is computed inside a transformation of its own (``jax.vmap``, ``jax.lax.scan``) is not collected: its codes do
+    not live out here.
+    """
+    import jax.extend.core
+
+    codes: list[Any] = []
+    token = _CODES.set((jax.extend.core.get_opaque_trace_state(), codes))
+    try:
+        yield codes
+    finally:
+        _CODES.reset(token)
 
 
 def check(result, throw: bool, about: str = "") -> None:
-    """Raise the text of a result that is a failure; does nothing under a trace or with ``throw=False``.
+    """Raise the text of a result that is a failure; under a trace it is collected; nothing with ``throw=False``.
 
     A critical state is a success with a warning for whom differentiates.
 
@@ -101,10 +139,21 @@ def check(result, throw: bool, about: str = "") -> None:
     import jax.core
     import numpy as np
 
-    if not throw or isinstance(result, jax.core.Tracer):
+    if not throw:
+        return
+    if isinstance(result, jax.core.Tracer):
+        _collect(result)
         return
     codes = np.asarray(result)
     worst = int(np.max(np.where(codes == RESULTS.critical_state, RESULTS.successful, codes)))
     if worst != RESULTS.successful:
         member = RESULTS(worst)
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))
+
+
+def _collect(result) -> None:
+    import jax.extend.core
+
+    collector = _CODES.get()
+    if collector is not None and jax.extend.core.get_opaque_trace_state() == collector[0]:
+        collector[1].append(result)

@@ -8,6 +8,7 @@ import pytest
 README = (Path(__file__).parents[1] / "README.md").read_text()
 
 
+@pytest.mark.timeout(300)
 def test_the_example_runs(capsys):
     code = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     scope: dict = {}

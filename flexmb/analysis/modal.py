@@ -136,7 +136,15 @@ def _frequencies(topology: Topology, parameters: Parameters):
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
 
-def _refuse_unsymmetric(symmetric: bool) -> None:
+def refuse_unsymmetric(symmetric: bool) -> None:
+    """Refuse to ask for frequencies where the stiffness has no potential.
+
+    Args:
+        symmetric: Whether it has one.
+
+    Raises:
+        NotImplementedError: It has none.
+    """
     if not symmetric:
         raise NotImplementedError(
             "Loads or laws without a potential, such as moments about fixed axes in space, make the stiffness"
@@ -160,7 +168,7 @@ def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    _refuse_unsymmetric(not lacks_potential(model.topology))
+    refuse_unsymmetric(not lacks_potential(model.topology))
     values, result = _frequencies(model.topology, model.parameters)
     check(result, throw)
     return values
@@ -189,7 +197,7 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
     lin = model if isinstance(model, Linearization) else linearize(model, throw=throw)
-    _refuse_unsymmetric(lin.matrices.symmetric)
+    refuse_unsymmetric(lin.matrices.symmetric)
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
     check(result, throw)
     finite = int(np.sum(np.isfinite(values)))

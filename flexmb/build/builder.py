@@ -19,6 +19,7 @@ from ..errors import ModelError
 from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble, is_concrete, number_of_deformations, stack
+from .carry import as_in, next_carried, note
 from .dofs import complete
 
 AXES = ("x", "y", "z")
@@ -436,8 +437,10 @@ class Builder:
             raise ModelError(
                 f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
             )
-        model = assemble(self)
+        model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
+            if before is not None and (twin := as_in(self, before)) is not self:
+                return assemble(twin)
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while the model's geometry is traced. Name them with dof();"
@@ -452,7 +455,7 @@ class Builder:
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
             return model
-        return complete(self, model, dofs, release) if check else model
+        return note(complete(self, model, dofs, release) if check else model)
 
     def copy(self) -> Builder:
         """A builder with the same contents, to vary."""

@@ -27,6 +27,7 @@ from .spacar_lines import (
     Fault,
     Statement,
     first_parameter,
+    known,
     parse,
     statements,
 )
@@ -151,7 +152,10 @@ class SpacarModel:
 
 
 def read_spacar(
-    path_or_text: str | os.PathLike, *, callables: Mapping[str, Callable[..., Any]] | None = None
+    path_or_text: str | os.PathLike,
+    *,
+    callables: Mapping[str, Callable[..., Any]] | None = None,
+    numbers: Mapping[str, Any] | None = None,
 ) -> SpacarModel:
     """Read a SPACAR input file.
 
@@ -165,6 +169,7 @@ def read_spacar(
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
         callables: User routines by the names that USERSIG and USERINP give.
+        numbers: What placeholders such as "{t}" or "{E*w*t**3/12}" stand for, by name; they may be traced.
 
     Returns:
         SpacarModel with an unbuilt Builder, so that more can be added.
@@ -176,7 +181,7 @@ def read_spacar(
     name, text = _source(path_or_text)
     faults: list[tuple[int, str]] = []
     r = Reading(dict(callables or {}))
-    found = statements(text)
+    found = statements(text, numbers)
     placed = list(_Blocks(r, faults).rows(found))
     for stage in (DECLARE, DESCRIBE):
         _run(r, placed, stage, faults)
@@ -358,7 +363,7 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
     """A rigid beam needs a length, though its element type does not."""
     if declared.kind.keyword in ("RBEAM", "PLRBEAM"):
         p, q = (r.builder.nodes[str(n)].start for n in (declared.nodes[0], declared.nodes[-1]))
-        if not np.linalg.norm(np.subtract(q, p)):
+        if all(map(known, (*p, *q))) and not np.linalg.norm(np.subtract(q, p)):
             pin = "PINBODY" if declared.kind.dimension == 3 else "PLPINBODY"
             raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
 

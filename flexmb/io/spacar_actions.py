@@ -12,7 +12,7 @@ from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..model.roles import Role
 from . import spacar_series as series
 from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
-from .spacar_lines import DRAWING, Fault, Statement
+from .spacar_lines import DRAWING, Fault, Statement, known
 from .spacar_reading import Declared, Reading
 
 Values = dict[str, Any]
@@ -88,12 +88,16 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
     if len(values) > len(names):
         raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
     for name, value in zip(names, values, strict=False):
-        if name == NOTHING and value != 0:
+        if name == NOTHING and not (known(value) and value == 0):
             what = "cross-section that turns: a rotary inertia" if s.keyword == "EM" else "shear deformation: a shear"
             raise Fault(f"{kind.keyword} has no {what} of {value} must be 0")
-        if name not in ("stiffness", "damping", "Jyz") and value < 0:
+        if name not in ("stiffness", "damping", "Jyz") and known(value) and value < 0:
             raise Fault(f"{name} must not be negative, but is {value}")
-    if kind.series is not None and s.keyword == "ESTIFF" and sum(v > 0 for v in (*values, 0, 0)[4:6]) == 1:
+    if (
+        kind.series is not None
+        and s.keyword == "ESTIFF"
+        and sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6]) == 1
+    ):
         raise Fault(f"{kind.keyword} counts shear in both directions or in none: give shear_z and shear_y, or neither")
     r.once(s, p["element"])
     r.lines.setdefault(p["element"], {})[s.keyword] = values
@@ -173,7 +177,7 @@ def lumped(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{_part(kind)} node takes {wanted} ({names}), but {len(values)} are given")
     r.once(s, p["node"])
     if kind.part == "position":
-        if values[0] < 0:
+        if known(values[0]) and values[0] < 0:
             raise Fault(f"mass must not be negative, but is {values[0]}; only a rotational node may have that")
         r.builder.mass(str(p["node"]), values[0])
     else:

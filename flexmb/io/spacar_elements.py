@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..build.assemble import stack
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.sections import Damping, Rigidity
+from .spacar_lines import known
 
 # A place in a line of numbers that must be zero, since the element has nothing for it.
 NOTHING = ""
@@ -59,7 +61,7 @@ class ElementKind:
         """
         if self.series is None:
             return self.element
-        return self.series(ORDER if order is None else order, any(stiffness[4:]))
+        return self.series(ORDER if order is None else order, any(not known(v) or v != 0 for v in stiffness[4:]))
 
     def stands_for(self, element: Element) -> bool:
         """Whether this keyword names an element type.
@@ -90,8 +92,8 @@ class ElementKind:
         if "stiffness" in self.stiffness:
             for keyword, name in (("ESTIFF", "stiffness"), ("EDAMP", "damping")):
                 if keyword in lines:
-                    padded = np.array(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
-                    found[name] = padded if len(padded) > 1 else float(padded[0])
+                    padded = stack(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
+                    found[name] = padded if len(padded) > 1 else padded[0]
             return found
         if "ESTIFF" in lines or "EM" in lines:
             named = [

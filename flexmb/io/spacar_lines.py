@@ -1,9 +1,14 @@
 """Lines of a SPACAR input file: comments, blocks, and parameters checked against the form of their keyword."""
 
+import ast
 import dataclasses
 import math
+import operator
 import re
+from collections.abc import Callable, Mapping
 from typing import Any
+
+import jax.core
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
 BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
@@ -23,6 +28,64 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 class Fault(Exception):
     """What is wrong with one line."""
+
+
+_WORD = re.compile(r"(?:\{[^{}]*\}|[^\s{}]|[{}])+")
+_OPERATIONS: dict[type, Callable[..., Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+
+
+class Placeholder(str):
+    """A word "{t}" or "{E*w*t**3/12}" that stands for a number, with the numbers by name."""
+
+    numbers: Mapping[str, Any]
+
+    def value(self) -> Any:
+        """The number, which may be traced.
+
+        Raises:
+            Fault: Unknown name, or no arithmetic.
+        """
+        try:
+            tree = ast.parse(self[1:-1].strip(), mode="eval").body
+        except SyntaxError:
+            raise Fault(f"'{self}' is no arithmetic of numbers and parameters") from None
+        try:
+            return self._of(tree)
+        except (ZeroDivisionError, OverflowError) as fault:
+            raise Fault(f"'{self}' has no value: {fault}") from None
+
+    def _of(self, node: ast.expr) -> Any:
+        if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+            return float(node.value)
+        if isinstance(node, ast.Name):
+            if node.id in self.numbers:
+                return self.numbers[node.id]
+            if node.id == "pi":
+                return math.pi
+            known = ", ".join(self.numbers) or "none is given"
+            raise Fault(f"'{self}': there is no parameter '{node.id}' ({known})")
+        if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
+            return _OPERATIONS[type(node.op)](self._of(node.left), self._of(node.right))
+        if isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATIONS:
+            return _OPERATIONS[type(node.op)](self._of(node.operand))
+        raise Fault(f"'{self}' may have numbers, parameters, pi, + - * / ** and parentheses only")
+
+
+def known(value: Any) -> bool:
+    """Whether a number can be compared: whether it is not traced.
+
+    Args:
+        value: A number.
+    """
+    return not isinstance(value, jax.core.Tracer)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,17 +110,29 @@ class Statement:
         return {int(w) for w in self.words if _WHOLE.fullmatch(w)}
 
 
-def statements(text: str) -> list[Statement]:
+def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
+    """Words of a line, those in braces as placeholders."""
+    found: list[str] = []
+    for word in _WORD.findall(line):
+        if word[0] == "{" and word.find("}") == len(word) - 1:
+            word = Placeholder(word)
+            word.numbers = numbers
+        found.append(word)
+    return found
+
+
+def statements(text: str, numbers: Mapping[str, Any] | None = None) -> list[Statement]:
     """Lines of a file that say something.
 
     Args:
         text: Contents of the file.
+        numbers: What placeholders "{name}" stand for; without, a brace is a letter like others.
     """
     found = []
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
         raw = re.split("[%#;]", line, maxsplit=1)[0].strip()
         if raw:
-            keyword, *words = raw.split()
+            keyword, *words = raw.split() if numbers is None else _words(raw, numbers)
             found.append(Statement(number, keyword.upper(), tuple(words), raw))
     return found
 
@@ -128,6 +203,13 @@ def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
 def _value(name: str, given: Any, expected: str) -> Any:
     if isinstance(given, list):
         return [_value(name, word, expected) for word in given]
+    if isinstance(given, Placeholder) and name not in TEXT and name not in WHOLE:
+        value = given.value()
+        if isinstance(value, complex):
+            raise Fault(f"{name} must be a real number, but '{given}' is {value}; {expected}")
+        if known(value) and not math.isfinite(value):
+            raise Fault(f"{name} must be a finite number, but '{given}' is {value}; {expected}")
+        return value
     if name in TEXT:
         return given
     if name in WHOLE:

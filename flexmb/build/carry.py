@@ -1,0 +1,85 @@
+"""Degrees of freedom that an untraced build finds, carried over to traced builds of the same function."""
+
+import contextlib
+import contextvars
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model.model import Model
+
+if TYPE_CHECKING:
+    from .builder import Builder
+
+_RECORD: contextvars.ContextVar[list[Model] | None] = contextvars.ContextVar("record", default=None)
+_REPLAY: contextvars.ContextVar[Iterator[Model] | None] = contextvars.ContextVar("replay", default=None)
+
+
+@contextlib.contextmanager
+def recorded() -> Iterator[list[Model]]:
+    """Note the models that are built, in order."""
+    models: list[Model] = []
+    token = _RECORD.set(models)
+    try:
+        yield models
+    finally:
+        _RECORD.reset(token)
+
+
+@contextlib.contextmanager
+def carried(models: list[Model]) -> Iterator[None]:
+    """Give traced builds the degrees of freedom and releases of models that were built in the same order.
+
+    Args:
+        models: What :func:`recorded` noted.
+    """
+    token = _REPLAY.set(iter(models))
+    try:
+        yield
+    finally:
+        _REPLAY.reset(token)
+
+
+def note(model: Model) -> Model:
+    """Note a finished model where models are recorded.
+
+    Args:
+        model: Mechanism.
+
+    Returns:
+        The model.
+    """
+    models = _RECORD.get()
+    if models is not None:
+        models.append(model)
+    return model
+
+
+def next_carried() -> Model | None:
+    """The model that the present build repeats, or None."""
+    replay = _REPLAY.get()
+    return None if replay is None else next(replay, None)
+
+
+def as_in(builder: "Builder", model: Model) -> "Builder":
+    """A builder whose coordinates and deformations have the roles of a model with the same nodes and elements.
+
+    Args:
+        builder: Builder; not changed.
+        model: Model of the same nodes and elements, with other numbers.
+
+    Returns:
+        The copy; the builder itself if nodes or elements differ.
+    """
+    labels, topology, twin = model.labels, model.topology, builder.copy()
+    owners: tuple[Any, Any] = (twin.nodes, twin.members)
+    for owner, entries, roles in zip(owners, (labels.x, labels.e), model.roles(), strict=True):
+        for entry, role in zip(entries, roles, strict=True):
+            if entry.kind != "norm":
+                if entry.of not in owner or len(owner[entry.of].roles) < entry.component:
+                    return builder
+                owner[entry.of].roles[entry.component - 1] = role
+    twin.dofs = [("node", labels.x[i].of, labels.x[i].component) for i in np.asarray(topology.x.dof).tolist()]
+    twin.dofs += [("element", labels.e[i].of, labels.e[i].component) for i in np.asarray(topology.e.dof).tolist()]
+    return twin

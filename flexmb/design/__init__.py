@@ -1,0 +1,1 @@
+"""Designs: sensitivities, sweeps and tuning of named dimensions."""

@@ -1,0 +1,146 @@
+"""Sets of designs: grid, Latin hypercube, Monte Carlo."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+
+class Designs(dict[str, np.ndarray]):
+    """Dimensions by name, each with the designs along its first axis.
+
+    Attributes:
+        axes: Of a grid, the values along each axis by name, the last running fastest; otherwise empty.
+    """
+
+    axes: dict[str, np.ndarray]
+
+    def __init__(self, values: Mapping[str, Any], axes: Mapping[str, Any] | None = None):
+        """Keep arrays of equal length.
+
+        Args:
+            values: Dimensions by name, (designs, ...).
+            axes: Of a grid.
+
+        Raises:
+            ValueError: There are no designs, or their numbers differ.
+        """
+        super().__init__({name: np.asarray(v, float) for name, v in values.items()})
+        self.axes = {name: np.asarray(v, float) for name, v in (axes or {}).items()}
+        for name, v in self.items():
+            if v.ndim == 0 or len(v) == 0:
+                raise ValueError(f"Dimension '{name}' has no designs: give one value for each.")
+        lengths = {name: len(v) for name, v in self.items()}
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{name} {n}" for name, n in lengths.items())
+            raise ValueError(f"All dimensions need one value for each design, but their numbers differ: {listed}.")
+        if not lengths:
+            raise ValueError("Give at least one dimension.")
+
+    @property
+    def count(self) -> int:
+        """Number of designs."""
+        return len(next(iter(self.values())))
+
+
+def grid(**axes: Any) -> Designs:
+    """Every combination of values of the dimensions.
+
+    Args:
+        axes: Values of each dimension by name, (n,) [SI].
+
+    Returns:
+        Designs, the last axis running fastest.
+
+    Raises:
+        ValueError: An axis is empty or no list of numbers.
+
+    Source:
+        Cartesian product.
+    """
+    values = {name: np.atleast_1d(np.asarray(v, float)) for name, v in axes.items()}
+    for name, v in values.items():
+        if v.ndim != 1 or len(v) == 0:
+            raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
+    crossed = np.meshgrid(*values.values(), indexing="ij")
+    return Designs({name: c.ravel() for name, c in zip(values, crossed, strict=True)}, values)
+
+
+def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bound of a dimension.
+
+    Args:
+        name: Of the dimension, for the message.
+        bounds: Two numbers, or two arrays for a dimension with several entries.
+
+    Raises:
+        ValueError: Not two, not finite, or the lower one is not below the upper one.
+    """
+    try:
+        lower, upper = (np.asarray(b, float) for b in bounds)
+    except (TypeError, ValueError):
+        raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {bounds!r}.") from None
+    if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
+        raise ValueError(f"Bounds of '{name}' must be finite, but are {lower} and {upper}.")
+    if not np.all(lower < upper):
+        raise ValueError(f"Bounds of '{name}' are empty: lower {lower} is not below upper {upper}.")
+    return lower, upper
+
+
+def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
+    """Designs that cover the bounds evenly: each of ``count`` slices of every dimension holds one.
+
+    Args:
+        count: Number of designs.
+        seed: Of the random numbers.
+        bounds: Lower and upper value of each dimension by name [SI].
+
+    Returns:
+        Designs.
+
+    Raises:
+        ValueError: Bounds are empty or not finite.
+
+    Source:
+        McKay, Beckman, Conover 1979, as ``scipy.stats.qmc.LatinHypercube``.
+    """
+    from scipy.stats import qmc
+
+    checked = {name: checked_bounds(name, b) for name, b in bounds.items()}
+    lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
+    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(_positive(count))
+    return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
+
+
+def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
+    """Random designs, every dimension by itself.
+
+    Args:
+        count: Number of designs.
+        seed: Of the random numbers.
+        distributions: By name: lower and upper value for a uniform one [SI], or anything with ``rvs``, such as
+            ``scipy.stats.norm(0.5e-3, 5e-6)``.
+
+    Returns:
+        Designs.
+
+    Raises:
+        ValueError: Bounds are empty or not finite.
+
+    Source:
+        Independent samples.
+    """
+    rng, drawn = np.random.default_rng(seed), {}
+    for name, given in distributions.items():
+        if hasattr(given, "rvs"):
+            drawn[name] = given.rvs(size=_positive(count), random_state=rng)
+        else:
+            lower, upper = checked_bounds(name, given)
+            drawn[name] = rng.uniform(lower, upper, (_positive(count), *lower.shape))
+    return Designs(drawn)
+
+
+def _positive(count: int) -> int:
+    if int(count) < 1:
+        raise ValueError(f"Argument `count` must be at least 1, but is {count}.")
+    return int(count)

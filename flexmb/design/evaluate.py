@@ -1,0 +1,236 @@
+"""Answers of a function of named dimensions, with the code of what failed."""
+
+import difflib
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..build.carry import carried, recorded
+from ..errors import AnalysisError, ModelError
+from ..model.model import Model
+from ..results import RESULTS, collected
+
+Build = Callable[..., Any]
+Answers = Callable[[Any], Any] | Sequence[Callable[[Any], Any]] | Mapping[str, Callable[[Any], Any]]
+
+
+def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
+    """Answers by name.
+
+    Args:
+        answers: Functions of what ``build`` returns: a dictionary, or one or several with names of their own.
+
+    Raises:
+        TypeError: Something among them is no function.
+        ValueError: None is given, or two have the same name.
+    """
+    if isinstance(answers, Mapping):
+        found = dict(answers)
+    else:
+        several = list(answers) if isinstance(answers, Sequence) else [answers]
+        found = {getattr(f, "__name__", str(f)): f for f in several}
+        if len(found) < len(several):
+            raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
+    for name, function in found.items():
+        if not callable(function):
+            raise TypeError(f"Answer '{name}' must be a function of the model, but is {function!r}.")
+    if not found:
+        raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
+    return found
+
+
+def check_dimensions(build: Build, names: Sequence[str]) -> None:
+    """Refuse dimensions that a function does not take, and those that it lacks.
+
+    Args:
+        build: Function of named dimensions.
+        names: Their names.
+
+    Raises:
+        ValueError: Names the dimension.
+    """
+    if not callable(build):
+        raise TypeError(f"Argument `build` must be a function of dimensions that returns a model, but is {build!r}.")
+    try:
+        parameters = inspect.signature(build).parameters
+    except (TypeError, ValueError):
+        return
+    taken = [p for p in parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    known = [p.name for p in taken]
+    listed = f"{getattr(build, '__name__', 'the function')}({', '.join(known)})"
+    if not any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
+        for name in names:
+            if name not in known:
+                near = difflib.get_close_matches(name, known, 1)
+                hint = f" Did you mean '{near[0]}'?" if near else ""
+                raise ValueError(f"Dimension '{name}' is not one of {listed}.{hint}")
+    missing = [p.name for p in taken if p.default is p.empty and p.name not in names]
+    if missing:
+        raise ValueError(f"Dimension '{missing[0]}' of {listed} is not given.")
+
+
+class Layout(NamedTuple):
+    """Named arrays laid end to end.
+
+    Attributes:
+        names: In order.
+        shapes: Of each.
+    """
+
+    names: tuple[str, ...]
+    shapes: tuple[tuple[int, ...], ...]
+
+    @property
+    def sizes(self) -> list[int]:
+        """Numbers of entries."""
+        return [int(np.prod(shape, dtype=int)) for shape in self.shapes]
+
+    @property
+    def labels(self) -> list[str]:
+        """A name for every entry: "width", or "height[3]" where there are several."""
+        found = []
+        for name, shape in zip(self.names, self.shapes, strict=True):
+            found += [name + (f"[{', '.join(map(str, at))}]" if at else "") for at in np.ndindex(*shape)]
+        return found
+
+    def split(self, flat: Any) -> dict[str, Any]:
+        """Named arrays from one vector, also with further axes behind the first.
+
+        Args:
+            flat: (n, ...).
+        """
+        ends = np.cumsum(self.sizes)
+        parts = [flat[end - size : end] for size, end in zip(self.sizes, ends, strict=True)]
+        return {
+            name: part.reshape(shape + part.shape[1:])
+            for name, shape, part in zip(self.names, self.shapes, parts, strict=True)
+        }
+
+    def join(self, values: Mapping[str, Any]) -> np.ndarray:
+        """One vector from named arrays of these shapes or scalars.
+
+        Args:
+            values: By name.
+        """
+        pairs = zip(self.names, self.shapes, strict=True)
+        return np.concatenate([np.broadcast_to(np.asarray(values[n], float), s).ravel() for n, s in pairs])
+
+
+def layout_of(values: Mapping[str, Any]) -> Layout:
+    """Layout of named numbers or arrays.
+
+    Args:
+        values: By name, or anything with a shape.
+    """
+    return Layout(tuple(values), tuple(np.shape(v) for v in values.values()))
+
+
+def evaluate(
+    build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
+) -> tuple[dict[str, Float[Array, "..."]], Int[Array, ""]]:
+    """Answers and a code of RESULTS, for use under a trace.
+
+    Args:
+        build: Function of named dimensions.
+        answers: Functions of what it returns, by name.
+        dimensions: By name.
+
+    Returns:
+        Answers by name; the first failure of their analyses, or not_finite where an answer is NaN.
+    """
+    with collected() as codes:
+        made = build(**dimensions)
+        values = {name: _real(name, function(made)) for name, function in answers.items()}
+    code: Any = jnp.zeros((), jnp.int32)
+    for other in codes:
+        code = jnp.where(code == RESULTS.successful, jnp.max(jnp.asarray(other, jnp.int32)), code)
+    undefined = jnp.array(False)
+    for value in values.values():
+        undefined |= jnp.any(jnp.isnan(value))
+    return values, jnp.where((code == RESULTS.successful) & undefined, RESULTS.not_finite, code).astype(jnp.int32)
+
+
+def evaluate_concretely(
+    build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
+) -> tuple[dict[str, np.ndarray] | None, int]:
+    """Answers and a code of RESULTS of one design, for analyses that cannot be traced.
+
+    Args:
+        build: Function of named dimensions.
+        answers: Functions of what it returns, by name.
+        dimensions: By name.
+
+    Returns:
+        Answers by name, None where there are none; code.
+    """
+    try:
+        made = build(**dimensions)
+        values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
+    except AnalysisError as fault:
+        return None, int(RESULTS[fault.code])
+    except ModelError:
+        return None, int(RESULTS.not_valid)
+    undefined = any(np.any(np.isnan(v)) for v in values.values())
+    return values, int(RESULTS.not_finite if undefined else RESULTS.successful)
+
+
+def _real(name: str, value: Any) -> Float[Array, "..."]:
+    """A real array of double precision."""
+    try:
+        array = jnp.asarray(value)
+    except (TypeError, ValueError):
+        kind = type(value).__name__
+        raise TypeError(f"Answer '{name}' must be a number or an array of numbers, but is {kind}.") from None
+    if jnp.iscomplexobj(array):
+        raise TypeError(f"Answer '{name}' is complex. Take its real part, its modulus or its damping instead.")
+    return array.astype(float)
+
+
+def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
+    """Build on concrete numbers, where everything is checked and degrees of freedom are found.
+
+    Args:
+        build: Function of named dimensions.
+        dimensions: By name.
+
+    Returns:
+        The models that are built on the way.
+
+    Raises:
+        ModelError: As ``build`` raises.
+    """
+    with recorded() as models:
+        build(**dimensions)
+    return models
+
+
+def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):
+    """A function from one vector of dimensions to one vector of answers, and their code.
+
+    Args:
+        build: Function of named dimensions.
+        answers: Functions of what it returns, by name.
+        layout: Of the dimensions.
+        models: See :func:`build_once`.
+
+    Returns:
+        Function of (n,) with results (m,) and code; layout of the answers.
+    """
+
+    def function(flat):
+        with carried(models):
+            values, code = evaluate(build, answers, layout.split(flat))
+        return jnp.concatenate([jnp.ravel(v) for v in values.values()]), code
+
+    def shapes(flat):
+        with carried(models):
+            return evaluate(build, answers, layout.split(flat))[0]
+
+    size = sum(layout.sizes)
+    of_answers = jax.eval_shape(shapes, jax.ShapeDtypeStruct((size,), float))
+    return function, layout_of({name: of_answers[name] for name in answers})

@@ -1,0 +1,221 @@
+"""What is asked of a design: an objective, targets and limits, all linear in the scaled answers."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .evaluate import Layout
+
+
+@dataclasses.dataclass(frozen=True)
+class Rows:
+    """Rows r = (A a - b) of scaled answers a, each with a name.
+
+    Attributes:
+        matrix: A, (rows, m).
+        right: b, (rows,).
+        names: Name of each.
+    """
+
+    matrix: np.ndarray
+    right: np.ndarray
+    names: tuple[str, ...]
+
+    def __call__(self, answers: Any) -> Any:
+        """Values of the rows, (rows,) [-]."""
+        return self.matrix @ answers - self.right
+
+
+@dataclasses.dataclass(frozen=True)
+class Problem:
+    """Minimise weights . a + |targets(a)|^2/2 with equal(a) = 0 and limits(a) <= 0.
+
+    Attributes:
+        weights: Of the objective, (m,).
+        targets: Residuals, relative to the target.
+        equal: Equality constraints, relative to the value.
+        limits: Inequality constraints, relative to the limit.
+    """
+
+    weights: np.ndarray
+    targets: Rows
+    equal: Rows
+    limits: Rows
+
+    @property
+    def only_targets(self) -> bool:
+        """Whether it is a least-squares problem within bounds."""
+        return not (np.any(self.weights) or self.equal.names or self.limits.names)
+
+    def objective(self, answers: Any) -> Any:
+        """What is minimised, () [-].
+
+        Args:
+            answers: (m,).
+        """
+        residual = self.targets(answers)
+        return self.weights @ answers + 0.5 * residual @ residual
+
+    def violation(self, answers: Any) -> float:
+        """Largest violation of a constraint, relative to its value, () [-].
+
+        Args:
+            answers: (m,).
+        """
+        parts = (np.abs(self.equal(answers)), self.limits(answers))
+        return float(max(np.max(part, initial=0.0) for part in parts))
+
+    def violated(self, answers: Any, tolerance: float) -> list[str]:
+        """Constraints that are violated, and by how much.
+
+        Args:
+            answers: (m,).
+            tolerance: Relative violation that is none.
+        """
+        found = []
+        for rows, values in ((self.equal, np.abs(self.equal(answers))), (self.limits, self.limits(answers))):
+            found += [f"{n} by {100 * v:.3g} %" for n, v in zip(rows.names, values, strict=True) if v > tolerance]
+        return found
+
+    def lagrangian(self, answers: Any, multipliers: tuple[Any, Any], weight: Any) -> Any:
+        """Augmented Lagrangian, () [-].
+
+        Args:
+            answers: (m,).
+            multipliers: Of equal and of limits.
+            weight: Of the penalty, () [-].
+
+        Source:
+            Rockafellar 1974; Nocedal, Wright 2006, eq. (17.65) with the slacks eliminated.
+        """
+        of_equal, of_limits = multipliers
+        c = self.equal(answers)
+        pushed = jnp.maximum(of_limits + weight * self.limits(answers), 0.0)
+        penalty = of_equal @ c + 0.5 * weight * c @ c + (pushed @ pushed - of_limits @ of_limits) / (2 * weight)
+        return self.objective(answers) + penalty
+
+    def slope(self, answers: np.ndarray, multipliers: tuple[np.ndarray, np.ndarray], weight: float) -> np.ndarray:
+        """Derivative of the augmented Lagrangian by the answers, (m,).
+
+        Args:
+            answers: (m,).
+            multipliers: Of equal and of limits.
+            weight: Of the penalty, () [-].
+        """
+        updated = self.updated(answers, multipliers, weight)
+        slope = self.weights + self.targets.matrix.T @ self.targets(answers)
+        return slope + self.equal.matrix.T @ updated[0] + self.limits.matrix.T @ updated[1]
+
+    def updated(
+        self, answers: np.ndarray, multipliers: tuple[np.ndarray, np.ndarray], weight: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """First-order estimate of the multipliers.
+
+        Args:
+            answers: (m,).
+            multipliers: Of equal and of limits.
+            weight: Of the penalty, () [-].
+        """
+        of_equal, of_limits = multipliers
+        return (
+            of_equal + weight * self.equal(answers),
+            np.maximum(of_limits + weight * self.limits(answers), 0.0),
+        )
+
+
+def make_problem(
+    layout: Layout,
+    start: np.ndarray,
+    *,
+    minimize: str | None,
+    maximize: str | None,
+    targets: Mapping[str, Any],
+    equal: Mapping[str, Any],
+    limits: Mapping[str, Any],
+    margin: float,
+) -> Problem:
+    """Problem from the user's words.
+
+    Args:
+        layout: Of the answers.
+        start: Answers at the start, (m,), which scale the objective and whatever is compared with zero.
+        minimize: Name of a scalar answer, or None.
+        maximize: The same.
+        targets: Values by name.
+        equal: Values by name.
+        limits: Lower and upper value by name, None for none.
+        margin: By how much limits are tightened, relative to them, so that what is found keeps them.
+
+    Raises:
+        ValueError: An unknown answer, a shape that does not fit, or nothing to do.
+    """
+    places = dict(zip(layout.names, np.split(np.arange(len(start)), np.cumsum(layout.sizes)[:-1]), strict=True))
+    shapes, labels = dict(zip(layout.names, layout.shapes, strict=True)), layout.labels
+    given = [n for n in (minimize, maximize) if n is not None]
+    for name in (*given, *targets, *equal, *limits):
+        if name not in places:
+            raise ValueError(f"There is no answer '{name}'. Answers are: {', '.join(places)}.")
+    if len(given) > 1:
+        raise ValueError("Give either `minimize` or `maximize`, not both; weigh the two in an answer of your own.")
+    if not (given or targets):
+        raise ValueError("Say what is wanted: `minimize`, `maximize` or `targets`.")
+    weights = np.zeros(len(start))
+    for name in given:
+        if len(places[name]) != 1:
+            raise ValueError(
+                f"Answer '{name}' has shape {shapes[name]}, but one number can be {'min' if minimize else 'max'}imized:"
+                " take fm.smooth_maximum, fm.smooth_minimum or one entry of it."
+            )
+        place = places[name][0]
+        weights[place] = (1 if minimize else -1) / (abs(start[place]) or 1.0)
+
+    def entries(name: str, value: Any, what: str) -> np.ndarray:
+        try:
+            return np.broadcast_to(np.asarray(value, float), shapes[name]).ravel()
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {value!r}."
+            ) from None
+
+    def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
+        matrix, right, names = [], [], []
+        for name, value, sign, what in wanted:
+            for place, v in zip(places[name], entries(name, value, what), strict=True):
+                if np.isinf(v) and what.endswith("limit") and v * sign > 0:
+                    continue
+                if not np.isfinite(v):
+                    raise ValueError(f"The {what} of '{name}' must be finite, but is {v}.")
+                scale = abs(v) or abs(start[place]) or 1.0
+                matrix.append(np.eye(len(start))[place] * sign / scale)
+                right.append(sign * v / scale - tightened)
+                names.append(labels[place] if what in ("target", "value") else f"{labels[place]} ({what} {v:g})")
+        return Rows(np.array(matrix).reshape(-1, len(start)), np.array(right), tuple(names))
+
+    pairs = [(name, *_limits(name, pair, entries)) for name, pair in limits.items()]
+    below = [(n, upper, 1.0, "upper limit") for n, _, upper in pairs if upper is not None]
+    above = [(n, lower, -1.0, "lower limit") for n, lower, _ in pairs if lower is not None]
+    return Problem(
+        weights,
+        rows([(n, v, 1.0, "target") for n, v in targets.items()], 0.0),
+        rows([(n, v, 1.0, "value") for n, v in equal.items()], 0.0),
+        rows(below + above, margin),
+    )
+
+
+def _limits(name: str, pair: Any, entries) -> tuple[Any, Any]:
+    try:
+        lower, upper = pair
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {pair!r}."
+        ) from None
+    if lower is None and upper is None:
+        raise ValueError(f"Limits of '{name}' are both None: leave it out.")
+    if lower is not None and upper is not None:
+        low, high = entries(name, lower, "lower limit"), entries(name, upper, "upper limit")
+        if not np.all(low < high):
+            raise ValueError(f"Limits of '{name}' are empty: lower {lower} is not below upper {upper}; see `equal`.")
+    return lower, upper

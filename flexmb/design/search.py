@@ -1,0 +1,321 @@
+"""The search itself: an augmented Lagrangian around a method that keeps bounds, or least squares."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..math.compile import jit
+from ..results import RESULTS
+from .problem import Problem
+
+Kernel = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]]
+History = list[tuple[np.ndarray, np.ndarray]]
+
+FIRST_WEIGHT, WEIGHT_GROWTH, LARGEST_WEIGHT = 10.0, 10.0, 1e8
+# The weight of the penalty grows where a round does not bring the violation down to this share.
+ENOUGH = 0.25
+MAX_ROUNDS = 40
+# Projected derivative of the scaled Lagrangian at the end, and in the first round.
+STATIONARY, FIRST_STATIONARY = 1e-7, 1e-2
+
+
+@dataclasses.dataclass
+class Run:
+    """One search from one start.
+
+    Attributes:
+        unit: Where it ended, scaled dimensions, (n,).
+        answers: There, (m,).
+        result: Code of RESULTS.
+        reason: In words.
+        objective: There.
+        violation: There, of the limits tightened by the tolerance.
+        history: Scaled dimensions and answers of every evaluation.
+    """
+
+    unit: np.ndarray
+    answers: np.ndarray
+    result: RESULTS
+    reason: str
+    objective: float
+    violation: float
+    history: History
+
+    @property
+    def answered(self) -> bool:
+        """Whether the start could be computed at all."""
+        return bool(self.history)
+
+
+class _Stop(Exception):
+    """The budget is spent."""
+
+
+class _Evaluations:
+    """Answers and derivatives with a budget, a history, and a memory of the last."""
+
+    def __init__(self, problem: Problem, kernel: Kernel, budget: int, progress):
+        self.problem, self.kernel, self.budget, self.progress = problem, kernel, budget, progress
+        self.history: History = []
+        self.count = 0
+        self.failed = RESULTS.successful
+        self.last: tuple[bytes, tuple] | None = None
+
+    def __call__(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Answers and derivatives, or None where the design fails."""
+        unit = np.clip(np.asarray(unit, float), 0.0, 1.0)
+        key = unit.tobytes()
+        if self.last is None or self.last[0] != key:
+            if self.count >= self.budget:
+                raise _Stop
+            self.count += 1
+            self.last = key, self.kernel(unit)
+            values, slopes, code = self.last[1]
+            if self.good(values, slopes, code):
+                self.history.append((unit.copy(), values))
+                if self.progress is not None:
+                    self.progress(self.count, float(self.problem.objective(values)), self.problem.violation(values))
+            else:
+                self.failed = RESULTS.not_finite if code == RESULTS.successful else RESULTS(code)
+        values, slopes, code = self.last[1]
+        return (values, slopes) if self.good(values, slopes, code) else None
+
+    @staticmethod
+    def good(values, slopes, code) -> bool:
+        return code == RESULTS.successful and bool(np.all(np.isfinite(values)) and np.all(np.isfinite(slopes)))
+
+
+def search(
+    problem: Problem,
+    kernel: Kernel,
+    of_unit: Callable[[Any], Any],
+    start: np.ndarray,
+    optimizer: Any,
+    tolerance: float,
+    budget: int,
+    *,
+    progress: Callable[[int, float, float], None] | None = None,
+) -> Run:
+    """Search from one start.
+
+    Args:
+        problem: What is asked.
+        kernel: Answers, derivatives by the scaled dimensions, code.
+        of_unit: The same as a function to trace, answers and code.
+        start: Scaled dimensions, (n,).
+        optimizer: None, an optimiser of optax or a least-squares solver of optimistix.
+        tolerance: Relative violation that is none.
+        budget: Evaluations at most.
+        progress: Called after each.
+
+    Raises:
+        TypeError: The optimiser is neither.
+        ValueError: A least-squares solver where more than targets is asked.
+    """
+    evaluate = _Evaluations(problem, kernel, budget, progress)
+    if evaluate(start) is None:
+        nothing = np.full(problem.weights.shape, np.nan)
+        return Run(start, nothing, evaluate.failed, "the start could not be computed", np.nan, np.nan, [])
+    if _is_least_squares_solver(optimizer):
+        if not problem.only_targets:
+            raise ValueError("A least-squares solver of optimistix takes targets alone: leave out the rest.")
+        end, reason, result = _by_optimistix(problem, of_unit, start, optimizer, budget)
+    elif problem.only_targets and optimizer is None:
+        end, reason, result = _least_squares(problem, evaluate, start)
+    else:
+        inner = _by_scipy(evaluate) if optimizer is None else _by_optax(problem, evaluate, of_unit, optimizer)
+        end, reason, result = _augmented(problem, evaluate, start, inner, tolerance)
+    evaluate.budget += 1
+    values, _ = evaluate(end) or (evaluate.history[-1][1], None)
+    return Run(
+        end, values, result, reason, float(problem.objective(values)), problem.violation(values), evaluate.history
+    )
+
+
+def _is_least_squares_solver(optimizer: Any) -> bool:
+    if optimizer is None:
+        return False
+    import optimistix
+
+    return isinstance(optimizer, optimistix.AbstractLeastSquaresSolver)
+
+
+Outcome = tuple[np.ndarray, str, RESULTS]
+
+
+def _best(problem: Problem, history: History, tolerance: float) -> np.ndarray:
+    """Scaled dimensions of the best design so far: feasible first."""
+
+    def rank(pair):
+        violation = problem.violation(pair[1])
+        return (violation if violation > tolerance else 0.0, problem.objective(pair[1]))
+
+    return min(history, key=rank)[0]
+
+
+def _least_squares(problem: Problem, evaluate: _Evaluations, start: np.ndarray) -> Outcome:
+    import scipy.optimize
+
+    count = len(problem.targets.names)
+
+    def residual(unit):
+        found = evaluate(unit)
+        return np.full(count, np.nan) if found is None else problem.targets(found[0])
+
+    def jacobian(unit):
+        found = evaluate(unit)
+        return np.full((count, len(unit)), np.nan) if found is None else problem.targets.matrix @ found[1]
+
+    # The method starts inside the bounds.
+    inside = np.clip(start, 1e-6, 1 - 1e-6)
+    try:
+        found = scipy.optimize.least_squares(
+            residual,
+            inside,
+            jac=jacobian,  # pyright: ignore[reportArgumentType]
+            bounds=(0.0, 1.0),
+            method="trf",
+            ftol=1e-15,
+            xtol=1e-13,
+            gtol=1e-13,
+            x_scale="jac",
+        )
+    except _Stop:
+        return _best(problem, evaluate.history, 0.0), "max_evaluations reached", RESULTS.not_optimal
+    missed = np.max(np.abs(found.fun))
+    far = [f"{n} misses by {100 * r:.3g} %" for n, r in zip(problem.targets.names, found.fun, strict=True)]
+    reason = "all targets are met" if missed < 1e-8 else "nearest to the targets: " + ", ".join(far)
+    return found.x, reason, RESULTS.successful if found.status > 0 else RESULTS.not_optimal
+
+
+def _by_optimistix(problem: Problem, of_unit, start: np.ndarray, solver: Any, budget: int) -> Outcome:
+    """Within the bounds by u = (1 + sin v)/2, since its solvers know none."""
+    import optimistix
+
+    def residual(angle, _):
+        values, _ = of_unit((1 + jnp.sin(angle)) / 2)
+        return problem.targets(values)
+
+    def solve(angle):
+        found = optimistix.least_squares(residual, solver, angle, max_steps=budget, throw=False)
+        return found.value, found.result == optimistix.RESULTS.successful
+
+    # At a bound the sine is flat.
+    angle, good = jit(solve)(np.arcsin(2 * np.clip(start, 1e-3, 1 - 1e-3) - 1))
+    end = (1 + np.sin(np.asarray(angle))) / 2
+    if bool(good):
+        return end, "the solver of optimistix converged", RESULTS.successful
+    return end, "the solver of optimistix did not converge", RESULTS.not_optimal
+
+
+def _projected(unit: np.ndarray, gradient: np.ndarray) -> float:
+    """Largest entry of the derivative that does not push against a bound."""
+    return float(np.max(np.abs(np.clip(unit - gradient, 0.0, 1.0) - unit), initial=0.0))
+
+
+def _augmented(problem: Problem, evaluate: _Evaluations, start: np.ndarray, inner, tolerance: float) -> Outcome:
+    """Rounds of a bounded minimisation, each with better multipliers or a larger weight."""
+    multipliers = np.zeros(len(problem.equal.names)), np.zeros(len(problem.limits.names))
+    constrained = bool(problem.equal.names or problem.limits.names)
+    weight, wanted, before, unit = FIRST_WEIGHT, FIRST_STATIONARY if constrained else STATIONARY, np.inf, start
+    try:
+        for _ in range(MAX_ROUNDS):
+            unit = inner(unit, multipliers, weight, wanted)
+            found = evaluate(unit)
+            if found is None:
+                return (
+                    _best(problem, evaluate.history, tolerance),
+                    "the search ran into designs that fail",
+                    evaluate.failed,
+                )
+            values, slopes = found
+            violation = problem.violation(values)
+            left = _projected(unit, slopes.T @ problem.slope(values, multipliers, weight))
+            # A limit that is not reached has no multiplier in the end.
+            updated = problem.updated(values, multipliers, weight)
+            slack = np.max(np.abs(updated[1] * problem.limits(values)), initial=0.0)
+            if violation <= tolerance and left <= 10 * STATIONARY and slack <= 10 * tolerance:
+                return unit, "the conditions of an optimum hold", RESULTS.successful
+            if not constrained:
+                why = "no further descent was found; the objective may have a kink there"
+                return unit, why, RESULTS.successful if left <= 1e3 * STATIONARY else RESULTS.not_optimal
+            if violation > max(ENOUGH * before, tolerance) and weight < LARGEST_WEIGHT:
+                weight *= WEIGHT_GROWTH
+            multipliers, before, wanted = updated, violation, max(0.1 * wanted, STATIONARY)
+    except _Stop:
+        return _best(problem, evaluate.history, tolerance), "max_evaluations reached", RESULTS.not_optimal
+    end = _best(problem, evaluate.history, tolerance)
+    if problem.violation(evaluate.history[-1][1]) > tolerance:
+        return unit, "the limits cannot be kept", RESULTS.infeasible
+    return end, "the multipliers did not settle", RESULTS.not_optimal
+
+
+def _by_scipy(evaluate: _Evaluations):
+    import scipy.optimize
+
+    problem = evaluate.problem
+
+    def inner(unit, multipliers, weight, wanted):
+        known = [0.0]
+
+        def merit(u):
+            found = evaluate(u)
+            if found is None:
+                # Worse than all that is known, so that the line search comes back.
+                return known[0] + 10 * (1 + abs(known[0])), np.zeros_like(u)
+            values, slopes = found
+            value = float(problem.lagrangian(values, multipliers, weight))
+            known[0] = max(known[0], value)
+            return value, slopes.T @ problem.slope(values, multipliers, weight)
+
+        options = {"ftol": 0.0, "gtol": wanted, "maxiter": 10_000, "maxfun": 100_000, "maxcor": 20}
+        limits = [(0.0, 1.0)] * len(unit)
+        found = scipy.optimize.minimize(merit, unit, jac=True, method="L-BFGS-B", bounds=limits, options=options)
+        return np.clip(found.x, 0.0, 1.0)
+
+    return inner
+
+
+def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit, optimizer: Any):
+    import optax
+
+    if not isinstance(optimizer, optax.GradientTransformation):
+        raise TypeError(
+            f"Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is {optimizer!r}."
+        )
+    rule = optax.with_extra_args_support(optimizer)
+
+    def step(unit, state, multipliers, weight):
+        def merit(u):
+            values, code = of_unit(u)
+            return problem.lagrangian(values, multipliers, weight), (values, code)
+
+        (value, (values, code)), gradient = jax.value_and_grad(merit, has_aux=True)(unit)
+        change, state = rule.update(gradient, state, unit, value=value, grad=gradient, value_fn=lambda u: merit(u)[0])
+        return jnp.clip(unit + change, 0.0, 1.0), state, values, gradient, code
+
+    compiled = jit(step)
+
+    def inner(unit, multipliers, weight, wanted):
+        state, at = rule.init(jnp.asarray(unit)), jnp.asarray(unit)
+        while True:
+            if evaluate.count >= evaluate.budget:
+                raise _Stop
+            after, state, values, gradient, code = compiled(at, state, multipliers, weight)
+            here, gradient = np.asarray(at), np.asarray(gradient)
+            if not evaluate.good(values, gradient, int(code)):
+                return here
+            evaluate.count += 1
+            evaluate.history.append((here, np.asarray(values)))
+            if evaluate.progress is not None:
+                values = np.asarray(values)
+                evaluate.progress(evaluate.count, float(problem.objective(values)), problem.violation(values))
+            if _projected(here, gradient) <= wanted:
+                return here
+            at = after
+
+    return inner

@@ -1,0 +1,243 @@
+"""Sensitivities of answers to dimensions, and what manufacturing tolerances make of them."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import jax
+import numpy as np
+
+from ..math.compile import jit
+from ..results import RESULTS, check
+from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
+from .sweep import Sweep, sweep
+
+# A reverse pass costs about this many forward ones (benchmarks/first_impression.py: value and gradient against value).
+REVERSE_COST = 2.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Sensitivities:
+    """First derivatives of answers by dimensions, and second ones where asked for.
+
+    Attributes:
+        answers: Name of each of the m answers; "stiffness[1]" for one of several.
+        dimensions: Name of each of the n dimensions.
+        values: Answers, (m,) [their units].
+        point: Dimensions, (n,) [SI].
+        slopes: d answer/d dimension, (m, n) [their units].
+        table: d ln(answer)/d ln(dimension), (m, n) [-]: percent of the answer for one percent of the dimension. Not
+            finite where the answer is zero.
+        curvatures: d2 answer/d dimension d dimension, (m, n, n) [their units], or None.
+        mode: "forward" or "reverse".
+        result: Code of RESULTS.
+    """
+
+    answers: tuple[str, ...]
+    dimensions: tuple[str, ...]
+    values: np.ndarray
+    point: np.ndarray
+    slopes: np.ndarray
+    table: np.ndarray
+    curvatures: np.ndarray | None
+    mode: str
+    result: RESULTS
+
+    def to_pandas(self):
+        """The table as a ``pandas.DataFrame``, answers down and dimensions across.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        from .labelled import pandas
+
+        return pandas().DataFrame(self.table, index=list(self.answers), columns=list(self.dimensions))
+
+    def __str__(self) -> str:
+        width = max(12, *(len(name) + 2 for name in self.dimensions))
+        first = max(len(name) for name in (*self.answers, "d ln/d ln"))
+        lines = [f"{'d ln/d ln':<{first}}{'value':>14}" + "".join(f"{name:>{width}}" for name in self.dimensions)]
+        for name, value, row in zip(self.answers, self.values, self.table, strict=True):
+            lines.append(f"{name:<{first}}{value:>14.6g}" + "".join(f"{entry:>{width}.4f}" for entry in row))
+        return "\n".join(lines)
+
+
+def sensitivities(
+    build: Build,
+    answers: Answers,
+    dimensions: Mapping[str, Any],
+    *,
+    second_order: bool = False,
+    mode: Literal["forward", "reverse"] | None = None,
+    throw: bool = True,
+) -> Sensitivities:
+    """Derivatives of answers by the dimensions of a mechanism.
+
+    Args:
+        build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are
+            found once, at these dimensions.
+        answers: Functions of the model that return numbers: one, several, or a dictionary by name.
+        dimensions: Numbers or arrays by name, n in all [SI].
+        second_order: Whether second derivatives are wanted too.
+        mode: Of differentiation; by default the cheaper.
+        throw: Raise where an analysis fails; otherwise the code is in ``result``.
+
+    Returns:
+        Sensitivities with ``table`` (m, n) [-] and ``slopes`` (m, n).
+
+    Raises:
+        ValueError: A dimension that ``build`` does not take, or lacks.
+        AnalysisError: An analysis fails, or the state is critical, where there is no derivative.
+
+    Source:
+        Implicit differentiation of the equilibrium and of the eigenvalues (:func:`flexmb.equilibrium`,
+        :func:`flexmb.frequencies`); d ln a/d ln p = (p/a) da/dp.
+    """
+    functions, layout = named_answers(answers), layout_of(dimensions)
+    check_dimensions(build, layout.names)
+    function, rows = flat_function(build, functions, layout, build_once(build, dimensions))
+    point, m = layout.join(dimensions), sum(rows.sizes)
+    if mode is None:
+        mode = "forward" if len(point) <= REVERSE_COST * m else "reverse"
+    if mode not in ("forward", "reverse"):
+        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {mode!r}.")
+    values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
+    result = RESULTS(int(code))
+    if result is RESULTS.successful and not np.all(np.isfinite(slopes)):
+        result = RESULTS.not_finite
+    if throw and result is RESULTS.critical_state:
+        raise_critical(result)
+    check(int(result), throw, "It is about the sensitivities of " + ", ".join(functions) + ".")
+    values, slopes = np.asarray(values), np.asarray(slopes)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        table = slopes * point / values[:, None]
+    second = np.asarray(curvatures) if second_order else None
+    return Sensitivities(tuple(rows.labels), tuple(layout.labels), values, point, slopes, table, second, mode, result)
+
+
+def raise_critical(result: RESULTS) -> None:
+    """Raise for a state without derivative, which is no failure where none is asked for."""
+    from ..errors import AnalysisError
+
+    raise AnalysisError(result.name, result.message)
+
+
+def _derivatives(function, mode: str, second_order: bool):
+    differentiate: Any = jax.jacfwd if mode == "forward" else jax.jacrev
+
+    def twice(flat):
+        value, code = function(flat)
+        return value, (value, code)
+
+    def once(flat):
+        slopes, (value, code) = differentiate(twice, has_aux=True)(flat)
+        return slopes, (value, slopes, code)
+
+    def everything(flat):
+        if not second_order:
+            slopes, (value, code) = differentiate(twice, has_aux=True)(flat)
+            return value, slopes, None, code
+        curvatures, (value, slopes, code) = jax.jacfwd(once, has_aux=True)(flat)
+        return value, slopes, curvatures, code
+
+    return everything
+
+
+@dataclasses.dataclass(frozen=True)
+class Tolerances:
+    """Scatter of answers from the scatter of dimensions.
+
+    Attributes:
+        answers: Name of each of the m answers.
+        dimensions: Name of each of the n dimensions.
+        values: Answers at the nominal dimensions, (m,) [their units].
+        deviations: First-order standard deviation of each answer, (m,) [its unit].
+        shares: Share of each dimension in the variance, (m, n) [-]; the sum of a row is one.
+        sampled_mean: Mean of the samples, (m,), or None without samples.
+        sampled_deviations: Standard deviation of the samples, (m,), or None.
+        sampled_interval: Quantiles 0.025 and 0.975 of the samples, (m, 2), or None.
+        samples: The sweep over them, or None.
+    """
+
+    answers: tuple[str, ...]
+    dimensions: tuple[str, ...]
+    values: np.ndarray
+    deviations: np.ndarray
+    shares: np.ndarray
+    sampled_mean: np.ndarray | None = None
+    sampled_deviations: np.ndarray | None = None
+    sampled_interval: np.ndarray | None = None
+    samples: Sweep | None = None
+
+    def __str__(self) -> str:
+        first = max(len(name) for name in (*self.answers, "answer"))
+        width = max(12, *(len(name) + 2 for name in self.dimensions))
+        head = f"{'answer':<{first}}{'value':>14}{'deviation':>14}" + "".join(f"{n:>{width}}" for n in self.dimensions)
+        lines = [head]
+        for i, name in enumerate(self.answers):
+            shares = "".join(f"{100 * s:>{width - 1}.1f}%" for s in self.shares[i])
+            lines.append(f"{name:<{first}}{self.values[i]:>14.6g}{self.deviations[i]:>14.4g}{shares}")
+        return "\n".join(lines)
+
+
+def tolerances(
+    build: Build,
+    answers: Answers,
+    dimensions: Mapping[str, Any],
+    deviations: Mapping[str, Any],
+    *,
+    samples: int = 0,
+    seed: int = 0,
+) -> Tolerances:
+    """Scatter of answers from independent, normally distributed deviations of the dimensions.
+
+    Args:
+        build: See :func:`sensitivities`.
+        answers: See :func:`sensitivities`.
+        dimensions: Nominal dimensions by name [SI].
+        deviations: Standard deviation of those that scatter, by name [SI].
+        samples: Number of random designs to compute besides; 0 for the first-order answer alone.
+        seed: Of the random numbers.
+
+    Returns:
+        Tolerances with deviations (m,) [units of the answers] and shares (m, n) [-].
+
+    Raises:
+        ValueError: A deviation is negative or of no dimension.
+        AnalysisError: As for :func:`sensitivities`; a sample that fails is left out of the statistics and has its code
+            in ``samples``.
+
+    Source:
+        First-order propagation of variance: sum of (da/dp s)^2; Monte Carlo.
+    """
+    for name, deviation in deviations.items():
+        if name not in dimensions:
+            raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
+        if not np.all(np.asarray(deviation, float) >= 0):
+            raise ValueError(f"Deviation of '{name}' must not be negative, but is {deviation}.")
+    found = sensitivities(build, answers, dimensions)
+    layout = layout_of(dimensions)
+    spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
+    variances = (found.slopes * spread) ** 2
+    total = variances.sum(axis=1)
+    shares = variances / np.where(total > 0, total, 1.0)[:, None]
+    first_order = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
+    if not samples:
+        return first_order
+    drawn = np.random.default_rng(seed).standard_normal((samples, len(spread)))
+    ran = sweep(build, answers, _stacked(layout, layout.join(dimensions) + spread * drawn))
+    good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[ran.codes == 0]
+    if len(good) < 2:
+        raise ValueError(f"Fewer than two of {samples} samples could be computed: {ran.failures()}")
+    return dataclasses.replace(
+        first_order,
+        sampled_mean=good.mean(axis=0),
+        sampled_deviations=good.std(axis=0, ddof=1),
+        sampled_interval=np.quantile(good, [0.025, 0.975], axis=0).T,
+        samples=ran,
+    )
+
+
+def _stacked(layout: Layout, points: np.ndarray) -> dict[str, np.ndarray]:
+    """Named arrays with the designs first, from one row a design."""
+    return {name: np.moveaxis(part, -1, 0) for name, part in layout.split(points.T).items()}

@@ -1,0 +1,126 @@
+"""Eigenvalues that meet: derivatives of functions of a cluster, and modes followed through a crossing."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.math.linear import pencil
+
+M, K = 0.5, 800.0
+
+
+def cross(stiff, mass=M):
+    """A point held by two springs along x and y: modes along x and y, and a skew third spring couples them."""
+    b = fm.Builder()
+    b.node("p", (0, 0))
+    for name, place, k in (("right", (1, 0), stiff[0]), ("up", (0, 1), stiff[1]), ("skew", (1, 1), stiff[2])):
+        b.node(name, place)
+        length = float(np.linalg.norm(place))
+        b.add(planar.truss, "p", name, name=f"spring {name}", section=fm.Rigidity(EA=k * length))
+        b.fix(name)
+    b.mass("p", mass)
+    b.dof("p", "x", "y")
+    return b.build()
+
+
+def exact(stiff):
+    """Squares of the frequencies, from the stiffness matrix."""
+    kx, ky, ks = stiff
+    return np.linalg.eigvalsh(np.array([[kx + ks / 2, ks / 2], [ks / 2, ky + ks / 2]]) / M)
+
+
+def hertz(stiff):
+    return np.sqrt(exact(stiff)) / (2 * np.pi)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-13, 1e-11, 1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("function", [jnp.sum, fm.smooth_minimum], ids=["sum", "smooth minimum"])
+def test_functions_of_a_cluster_have_right_derivatives(gap, function):
+    at = jnp.array([K, K * (1 + gap), 0.0])
+
+    def value(stiff):
+        return function(fm.frequencies(cross(stiff)))
+
+    reverse, forward = fm.jit(jax.grad(value))(at), fm.jit(jax.jacfwd(value))(at)
+    h = 1e-5 * K
+    for i in range(3):
+        step = h * np.eye(3)[i]
+        difference = (function(hertz(at + step)) - function(hertz(at - step))) / (2 * h)
+        # Truncation of the difference: the curvature of the smooth minimum is its sharpness, 50, over the frequency.
+        assert reverse[i] == pytest.approx(float(difference), rel=1e-6)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-9)
+
+
+def test_near_a_repeated_pair_each_eigenvalue_has_its_own_derivative():
+    # Two coupled oscillators: omega^2 = (k +- s/2)/m moves by +-1/(2 m) per skew stiffness, however near they are.
+    for gap in (1e-3, 1e-6, 1e-8):
+        at = jnp.array([K, K, gap * K])
+        slopes = fm.jit(jax.jacfwd(lambda s: (2 * jnp.pi * fm.frequencies(cross(s))) ** 2))(at)
+        # The vectors of the pair are known to eps/gap.
+        np.testing.assert_allclose(slopes[:, 2], [0.0, 1 / M], atol=1e-15 / gap / M * 10 + 1e-9)
+
+
+def test_vectors_and_second_derivatives_at_a_repeated_pair():
+    a, b = jnp.diag(jnp.array([1.0, 1.0, 3.0])), jnp.diag(jnp.array([1.0, 2.0, 1.0]))
+    turn = jnp.array([[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]])
+    shift = jnp.array([[0.3, 0.1, 0.0], [0.1, 0.2, 0.1], [0.0, 0.1, 0.1]])
+    for at in (a, a.at[1, 1].set(2.0)):  # the second is repeated: 2/2 = 1/1
+
+        def by_modes(t, at=at):
+            mu, w = pencil(at + t * turn, b + t * shift)
+            return jnp.stack([jnp.sum(mu), jnp.sum((w @ w.T) * turn)])
+
+        def exact(t, at=at):
+            # The sum of the eigenvalues is the trace of B^-1 A, and W W^T is B^-1, whatever the vectors of the pair.
+            inverse = jnp.linalg.inv(b + t * shift)
+            return jnp.stack([jnp.trace(inverse @ (at + t * turn)), jnp.sum(inverse * turn)])
+
+        for first in (jax.jacfwd, jax.jacrev):
+            np.testing.assert_allclose(first(by_modes)(0.0), first(exact)(0.0), rtol=1e-12, atol=1e-12)
+        # Of second order only finite: that of the sum misses what the pair's own rotation adds where B changes.
+        twice = jax.jacfwd(jax.jacrev(by_modes))(0.0)
+        assert np.all(np.isfinite(twice))
+        assert twice[1] == pytest.approx(float(jax.jacfwd(jax.jacrev(exact))(0.0)[1]), rel=1e-11)
+
+
+def test_smooth_minimum_is_near_the_minimum():
+    values = jnp.array([2.0, 2.0, 3.0, jnp.inf])
+    # Closed form: (2 + (2/3)^50)^(-1/50) * 2.
+    assert fm.smooth_minimum(values) == pytest.approx(2 * (2 + (2 / 3) ** 50) ** (-1 / 50), rel=1e-12)
+    assert fm.smooth_maximum(values[:3], 2.0) == pytest.approx(np.sqrt(17), rel=1e-12)
+    assert np.all(np.isfinite(jax.grad(fm.smooth_minimum)(values)))
+    with pytest.raises(ValueError, match="must be positive"):
+        fm.smooth_minimum(jnp.array([-1.0, 2.0]))
+
+
+def test_modes_are_followed_by_shape():
+    one, other = (fm.modes(cross((K, k, 0.02 * K))) for k in (1.4 * K, 0.6 * K))
+    np.testing.assert_array_equal(fm.follow_modes(one, other), [1, 0])
+    np.testing.assert_allclose(fm.mode_assurance(one, one), np.eye(2), atol=1e-12)  # round-off
+    # Rows are shares of a whole.
+    np.testing.assert_allclose(fm.mode_assurance(one, other).sum(axis=0), 1.0, rtol=1e-9)
+
+
+def test_a_frequency_is_followed_through_a_crossing():
+    shape = fm.modes(cross((K, 1.4 * K, 0.0))).q_shapes[:, 1]  # along y
+
+    def followed(k):
+        return fm.frequency_like(cross((K, k, 0.0)), shape)
+
+    for k in (1.4 * K, 1.0001 * K, K * (1 + 1e-12), K, 0.9999 * K, 0.6 * K):
+        # Closed form of the oscillator along y: sqrt(k/m)/2 pi, whatever the other does.
+        value, slope = fm.jit(jax.value_and_grad(followed))(k)
+        assert value == pytest.approx(np.sqrt(k / M) / (2 * np.pi), rel=1e-10)
+        assert slope == pytest.approx(np.sqrt(1 / (k * M)) / (4 * np.pi), rel=1e-9)
+    # At the crossing itself the solver's vectors lie along x and y; the mode along the diagonal is made of both.
+    slanted = np.array([1.0, 1.0])
+    for skew in (0.1 * K, 1e-9 * K, 0.0, -1e-9 * K, -0.1 * K):
+        like = fm.jit(jax.value_and_grad(lambda s: fm.frequency_like(cross((K, K, s)), slanted)))
+        value, slope = like(skew)
+        assert value == pytest.approx(np.sqrt((K + skew) / M) / (2 * np.pi), rel=1e-8)  # the share of the cluster
+        assert slope == pytest.approx(np.sqrt(1 / ((K + skew) * M)) / (4 * np.pi), rel=1e-6)
+    with pytest.raises(ValueError, match="must have 2 entries"):
+        fm.frequency_like(cross((K, K, 0.0)), shape[:1])

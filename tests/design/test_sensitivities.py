@@ -1,0 +1,114 @@
+"""Sensitivities against closed forms (E1) and central differences; tolerances against the law of propagation."""
+
+import design_cases
+import jax.numpy as jnp
+import mechanisms
+import numpy as np
+import pytest
+
+import flexmb as fm
+
+T, WIDTH = mechanisms.THICKNESS, mechanisms.WIDTH
+DISTRIBUTED = 26 / 35 * 7850 * mechanisms.WIDTH * T * mechanisms.LENGTH
+
+
+def guide(thickness, width=WIDTH):
+    b = mechanisms.planar_guide(dofs=False, force=(0.0, -1.0))
+    for name in ("left 1", "right 1"):
+        b.members[name].properties["section"] = mechanisms.leaf(thickness, width)
+    return b.build()
+
+
+ANSWERS = {"frequency": lambda model: fm.frequencies(model)[0], "load": lambda model: fm.buckling_loads(model)[0]}
+
+
+@pytest.mark.parametrize("mode", ["forward", "reverse"])
+def test_table_is_the_closed_form(mode):
+    found = fm.sensitivities(design_cases.unloaded_guide, fm.frequencies, {"thickness": T, "width": WIDTH}, mode=mode)
+    # E1: f ~ sqrt(w t^3/(m + c w t)), so that d ln f/d ln t = (3 - s)/2 with the share s of the leaf springs' mass.
+    share = DISTRIBUTED / (0.206 + DISTRIBUTED)
+    # Round-off of a frequency times its condition; the closed form is exact for one cubic beam.
+    np.testing.assert_allclose(found.table, [[(3 - share) / 2, (1 - share) / 2]], rtol=1e-8)
+    assert found.answers == ("frequencies[0]",)
+    assert found.dimensions == ("thickness", "width")
+    assert found.mode == mode
+    assert found.slopes[0, 0] == pytest.approx(31670.0798802, rel=1e-8)  # printed in E1
+
+
+def test_several_answers_against_central_differences():
+    point = {"thickness": T, "width": WIDTH}
+    found = fm.sensitivities(guide, ANSWERS, point)
+    assert found.mode == "forward"
+    h = 1e-5
+    for j, name in enumerate(point):
+        up, down = ({**point, name: point[name] * (1 + s * h)} for s in (1, -1))
+        for i, answer in enumerate(ANSWERS.values()):
+            difference = (float(answer(guide(**up))) - float(answer(guide(**down)))) / (2 * h * found.values[i])
+            # Truncation h^2, round-off eps/h times the condition of the answer.
+            assert found.table[i, j] == pytest.approx(difference, rel=1e-6)
+    assert "thickness" in str(found)
+    assert "load" in str(found)
+    frame = pytest.importorskip("pandas") and found.to_pandas()
+    assert frame.loc["load", "thickness"] == pytest.approx(3, rel=1e-8)  # P ~ w t^3
+
+
+def test_second_order_is_the_closed_form():
+    found = fm.sensitivities(
+        design_cases.unloaded_guide, fm.frequencies, {"thickness": T}, second_order=True, mode="reverse"
+    )
+    f, s = found.values[0], DISTRIBUTED / (0.206 + DISTRIBUTED)
+    # ln f = 3/2 ln t - ln(m + c t)/2: d2 f = f ((ln f)'' + (ln f)'^2).
+    second = f * ((-1.5 + s**2 / 2) + ((3 - s) / 2) ** 2) / T**2
+    assert found.curvatures[0, 0, 0] == pytest.approx(second, rel=1e-7)
+
+
+def test_arrays_of_dimensions_have_their_own_labels():
+    def answer(made):
+        return fm.compliance(made, "3")[1, 1]
+
+    found = fm.sensitivities(lambda h: design_cases.cantilever(h, 1), {"compliance": answer}, {"h": np.ones(3)})
+    assert found.dimensions == ("h[0]", "h[1]", "h[2]")
+    # Compliance is the integral of (1 - x)^2/I: each piece's share, closed form.
+    edges = 1 - np.linspace(0, 1, 4)
+    np.testing.assert_allclose(found.table[0], -(edges[:-1] ** 3 - edges[1:] ** 3), rtol=1e-9)
+    assert found.mode == "reverse"
+
+
+def test_a_failing_analysis_is_told():
+    def build(thickness):
+        return mechanisms.planar_guide(thickness, elongation=True, force=(0.0, -500.0)).build()
+
+    with pytest.raises(fm.AnalysisError, match="static equilibrium was not found"):
+        fm.sensitivities(build, ANSWERS["load"], {"thickness": T})
+    found = fm.sensitivities(build, {"load": ANSWERS["load"]}, {"thickness": T}, throw=False)
+    assert found.result is fm.RESULTS.not_converged
+
+
+@pytest.mark.parametrize(
+    ("dimensions", "words"),
+    [({"thicknes": T}, "Did you mean 'thickness'"), ({"width": WIDTH}, "Dimension 'thickness' of guide")],
+)
+def test_wrong_dimensions_are_named(dimensions, words):
+    with pytest.raises(ValueError, match=words):
+        fm.sensitivities(guide, ANSWERS, dimensions)
+
+
+def test_wrong_answers_are_named():
+    with pytest.raises(TypeError, match="Answer 'poles' is complex"):
+        fm.sensitivities(guide, {"poles": lambda model: jnp.array([1j])}, {"thickness": T})
+    with pytest.raises(ValueError, match="same name"):
+        fm.sensitivities(guide, [lambda m: 1.0, lambda m: 2.0], {"thickness": T})
+
+
+def test_tolerances_by_the_law_of_propagation_and_by_samples():
+    point, spread = {"thickness": T, "width": WIDTH}, {"thickness": 1e-3 * T, "width": 2e-3 * WIDTH}
+    found = fm.tolerances(guide, ANSWERS, point, spread, samples=400, seed=3)
+    # P ~ w t^3: relative deviation sqrt(3^2 1^2 + 2^2) per thousand, shares 9 to 4.
+    assert found.deviations[1] / found.values[1] == pytest.approx(np.sqrt(13) * 1e-3, rel=1e-8)
+    np.testing.assert_allclose(found.shares[1], [9 / 13, 4 / 13], rtol=1e-8)
+    # A sampled deviation scatters by 1/sqrt(2 n) = 3.5 %; three of those.
+    np.testing.assert_allclose(found.sampled_deviations, found.deviations, rtol=3 / np.sqrt(800))
+    assert np.all(found.sampled_interval[:, 0] < found.values)
+    assert np.all(found.values < found.sampled_interval[:, 1])
+    with pytest.raises(ValueError, match="Deviation of 'length'"):
+        fm.tolerances(guide, ANSWERS, point, {"length": 1e-3})
