@@ -76,6 +76,7 @@ from .errors import AnalysisError as AnalysisError
 from .errors import MechanismError as MechanismError
 from .errors import ModelError as ModelError
 from .errors import SpacarError as SpacarError
+from .io.motion_file import save_motion as save_motion
 from .io.spacar import read_spacar as read_spacar
 from .io.spacar import write_spacar as write_spacar
 from .io.spacar_light import LightResults as LightResults
@@ -83,6 +84,7 @@ from .io.spacar_light import Struct as Struct
 from .io.spacar_light import StructArray as StructArray
 from .io.spacar_light import spacar_light as spacar_light
 from .io.spacar_light import spacar_light_model as spacar_light_model
+from .iosystem import to_nonlinear_system as to_nonlinear_system
 from .math.compile import jit as jit
 from .mechanics.controlled_form import Feedback as Feedback
 from .mechanics.drive import Table as Table

@@ -255,8 +255,8 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, debug: Deb
 
     def work(read):
         from . import __version__
-        from .design.labelled import save_arrays
         from .design.study import tune_answer
+        from .io.files import save_arrays
 
         found = read.tune(throw=False)
         data = tune_answer(read, found, __version__)

@@ -19,7 +19,7 @@ ROWS = [
     ("solvers",),
     ("analysis",),
     ("build",),
-    ("statespace", "mechanisms"),
+    ("statespace", "iosystem", "mechanisms"),
     ("io",),
     ("design", "plot"),
     ("cli",),

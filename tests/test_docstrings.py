@@ -18,7 +18,7 @@ METHODS = {
     if inspect.isfunction(f) and not method.startswith("_") and c.__module__.startswith("flexmb")
 }
 # They set up a process, wrap a user's function or read what a user wrote; nothing in them is an equation.
-WITHOUT_EQUATION = {"enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
+WITHOUT_EQUATION = {"save_motion", "enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
 WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model"}
 
 

@@ -42,6 +42,7 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     """States at times between t0 and t1, number of steps, and code of the result."""
     import diffrax
 
+    from ..solvers.projected import Projected
     from ..solvers.rosenbrock import Rosenbrock
     from ..solvers.term import MotionTerm
 
@@ -51,6 +52,9 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         controller = diffrax.PIDController(
             rtol=rtol, atol=atol, pcoeff=0.1, icoeff=0.3, dtmin=SMALLEST_STEP * (t1 - t0), force_dtmin=False
         )
+    solver = settings["solver"]
+    if isinstance(solver, Projected):
+        solver = solver.with_tolerances(controller)
     if settings["jumps"] is not None:
         controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
     dt0 = settings["dt0"]
@@ -60,7 +64,7 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         dt0 = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
     solution = diffrax.diffeqsolve(
         MotionTerm(form),
-        settings["solver"],
+        solver,
         t0,
         t1,
         dt0,
@@ -70,7 +74,7 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         adjoint=settings["adjoint"],
         event=settings["event"],
         max_steps=settings["max_steps"],
-        solver_state=z0 if isinstance(settings["solver"], Rosenbrock) else None,
+        solver_state=z0 if isinstance(solver, Rosenbrock) else None,
         throw=False,
     )
     states: Any = solution.ys

@@ -1,5 +1,6 @@
 """Files that appear whole or not at all: JSON, npz and mat."""
 
+import io
 import json
 import os
 import tempfile
@@ -92,15 +93,39 @@ def save(data: dict[str, Any], path: str | os.PathLike) -> None:
         ValueError: Another ending.
         OSError: The folder is missing or not writable.
     """
-    import io
+    _write(Path(path), {name[:31]: value for name, value in _flat(data).items()} if _is_mat(path) else _flat(data))
 
-    path, content = Path(path), io.BytesIO()
+
+def _is_mat(path: str | os.PathLike) -> bool:
+    return Path(path).suffix == ".mat"
+
+
+def _write(path: Path, arrays: dict[str, Any]) -> None:
+    content = io.BytesIO()
     if path.suffix == ".npz":
-        np.savez(content, allow_pickle=False, **{k: np.asarray(v) for k, v in _flat(data).items()})
-    elif path.suffix == ".mat":
+        np.savez(content, allow_pickle=False, **{k: np.asarray(v) for k, v in arrays.items()})
+    elif _is_mat(path):
         import scipy.io
 
-        scipy.io.savemat(content, {k[:31]: v for k, v in _flat(data).items()}, oned_as="column")
+        scipy.io.savemat(content, arrays, oned_as="column", long_field_names=True)
     else:
         raise ValueError(f"Results are saved as .npz or .mat, not '{path.suffix or path}'.")
     write_whole(path, content.getvalue())
+
+
+def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str, Any]) -> None:
+    """Write named arrays as .npz or .mat, whole or not at all.
+
+    Args:
+        path: Where; its ending says how.
+        arrays: By name; in a .mat a name is cut to what MATLAB allows and its dots and brackets become underscores.
+        about: Texts and units, kept as JSON under "about".
+
+    Raises:
+        ValueError: Another ending.
+        OSError: The folder is missing or not writable.
+    """
+    everything = {**arrays, "about": np.asarray(json.dumps(about))}
+    if _is_mat(path):
+        everything = {"".join(c if c.isalnum() else "_" for c in k)[:63]: v for k, v in everything.items()}
+    _write(Path(path), everything)

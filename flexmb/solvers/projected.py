@@ -1,6 +1,7 @@
 """Any solver of diffrax, with the state brought back onto the constraints after each step."""
 
 import diffrax
+import equinox as eqx
 
 from .term import equations_of
 
@@ -23,6 +24,27 @@ class Projected(diffrax.AbstractWrappedSolver):
     def interpolation_cls(self):  # pyright: ignore[reportIncompatibleMethodOverride]
         """As the solver."""
         return self.solver.interpolation_cls
+
+    @property
+    def root_finder(self):
+        """As an implicit solver."""
+        return self.solver.root_finder  # pyright: ignore[reportAttributeAccessIssue]
+
+    def with_tolerances(self, controller) -> "Projected":
+        """The same with the root finder of an implicit solver at the tolerances of a step size controller.
+
+        Args:
+            controller: Of diffrax; one of fixed steps has none, and the root finder needs its own.
+        """
+        if not isinstance(self.solver, diffrax.AbstractImplicitSolver) or not hasattr(controller, "rtol"):
+            return self
+        unset = diffrax.Kvaerno3().root_finder.rtol  # pyright: ignore[reportAttributeAccessIssue]
+        names = [n for n in ("rtol", "atol", "norm") if getattr(self.solver.root_finder, n) is unset]
+
+        def tolerances(projected):
+            return [getattr(projected.solver.root_finder, name) for name in names]
+
+        return eqx.tree_at(tolerances, self, [getattr(controller, name) for name in names])
 
     def order(self, terms):
         """As the solver."""

@@ -1,5 +1,6 @@
 """Nonlinear motion against closed forms, printed solutions of independent integrations, and conservation laws."""
 
+import json
 from typing import Any
 
 import control
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from jax.tree_util import Partial
 from scipy.integrate import solve_ivp
+from scipy.io import loadmat
 
 import flexmb as fm
 from flexmb import planar
@@ -140,6 +142,39 @@ def oscillator():
     b.input("mass", "x")
     b.output("mass", "x")
     return b.build()
+
+
+def test_plant_for_python_control():
+    """The same motion by python-control's integration of the plant as by the simulation."""
+    b = motions.pendulum()
+    b.input("rod", "phi", name="torque")
+    b.output("rod", "phi", name="angle")
+    model = b.build()
+    times = np.linspace(0, 1, 6)
+    plant = fm.to_nonlinear_system(model)
+    assert (plant.ninputs, plant.noutputs, plant.nstates) == (1, 1, 2)
+    driven = control.input_output_response(
+        plant, times, 4 * np.sin(times), solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10}
+    )
+    # python-control draws straight lines between the inputs.
+    loads = {"rod.phi": fm.Table(jnp.asarray(times), jnp.asarray(4 * np.sin(times)))}
+    found = fm.simulate(model, times, loads=loads, rtol=1e-9)
+    np.testing.assert_allclose(np.ravel(driven.outputs), found.at("rod")[:, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat"])
+def test_a_motion_is_saved_whole(pendulum, tmp_path, ending):
+    found = fm.simulate(pendulum, np.linspace(0, 1, 5))
+    fm.save_motion(found, tmp_path / f"run.{ending}")
+    kept: Any = np.load(tmp_path / "run.npz") if ending == "npz" else loadmat(tmp_path / "run.mat")
+    np.testing.assert_array_equal(kept["x"], found.x)
+    np.testing.assert_allclose(np.ravel(kept["kinetic"]), found.observe().kinetic, rtol=1e-12)
+    assert [str(name).strip() for name in kept["x_names"]] == [str(entry) for entry in found.labels.x]
+    about = json.loads(str(np.ravel(kept["about"])[0]))
+    assert about["result"] == "successful"
+    assert about["units"]["kinetic"] == "J"
+    with pytest.raises(ValueError, match=r"saved as \.npz or \.mat"):
+        fm.save_motion(found, tmp_path / "run.csv")
 
 
 def test_sampled_loop_of_a_linear_mechanism_is_that_of_control():

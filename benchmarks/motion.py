@@ -1,0 +1,189 @@
+"""Error against time of one second of motion of a guide of steel, released from 1 mm.
+
+``python benchmarks/motion.py`` prints the tables that README quotes, writes results/motion.json and draws
+results/motion.png. Compile times come from fresh processes, without a cache and with compiled code cached.
+"""
+
+import functools
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+HERE = Path(__file__).parent
+RUNS = 7
+TOLERANCES = (1e-3, 3e-4, 1e-4, 1e-5)
+STROKE = 1e-3
+FIRST = """
+import time
+import numpy as np
+import flexmb as fm
+fm.enable_x64()
+{cache}
+from motion import at_rest, guide
+model = guide({plane!r})
+bent = at_rest(model)
+begin = time.perf_counter()
+fm.simulate(model, np.linspace(0, 1, 11), initial=bent).x.block_until_ready()
+print(time.perf_counter() - begin)
+"""
+
+
+def guide(plane: bool, fixed: bool = False):
+    """Two leaf springs of two beams each with a bar on top: all deformations, or with their elongations FIXED.
+
+    Args:
+        plane: In the plane, otherwise in space.
+        fixed: Whether elongations are FIXED.
+    """
+    import flexmb as fm
+    from flexmb import planar, spatial
+
+    leaf = fm.Rectangle(0.018, 0.0005, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    b = fm.Builder()
+    element = planar.beam if plane else spatial.beam
+    across = {} if plane else {"y": (0, 1, 0)}
+    bending = (2, 3) if plane else (2, 3, 4, 5, 6)
+    for side, place in (("left", 0.0), ("right", 0.1)):
+        for i in range(3):
+            height = 0.05 * i
+            b.node(f"{side}{i}", (place, height) if plane else (place, 0.0, height))
+        for i in range(2):
+            released = {"released": bending} if fixed else {}
+            b.add(element, f"{side}{i}", f"{side}{i + 1}", name=f"{side} {i + 1}", section=leaf, **across, **released)
+        b.fix(f"{side}0")
+    b.add(element, "left2", "right2", name="bar", section=fm.Rigidity(mass=2.0), released=(), **across)
+    b.mass("right2", 0.006)
+    return b.build()
+
+
+def at_rest(model):
+    """Equilibrium with the bar displaced by 1 mm."""
+    import dataclasses
+
+    import jax.numpy as jnp
+
+    import flexmb as fm
+
+    index = int(model.labels.known("right2")[0])
+
+    def pushed(force):
+        loads = dataclasses.replace(model.parameters.loads, force=jnp.zeros(model.topology.n_x).at[index].set(force))
+        parameters = dataclasses.replace(model.parameters, loads=loads)
+        return fm.equilibrium(fm.Model(model.topology, parameters, model.labels))
+
+    force, moved = 1.0, 0.0
+    for _ in range(4):
+        found = pushed(force)
+        moved = float(found.x[index] - model.parameters.reference[index])
+        force *= STROKE / moved
+    return found
+
+
+def first_call(plane: bool, cache: str | None) -> float:
+    """Seconds of the first simulation in a fresh process.
+
+    Args:
+        plane: In the plane or in space.
+        cache: Folder of compiled code, or None.
+    """
+    code = FIRST.format(cache=f"fm.enable_cache({cache!r})" if cache else "", plane=plane)
+    environment = {**os.environ, "PYTHONPATH": str(HERE), "JAX_PLATFORMS": "cpu"}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    return float(run.stdout)
+
+
+def draw(found, timed):
+    """Chart of error against time.
+
+    Args:
+        found: Entries by name, with their error.
+        timed: Times by name.
+    """
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from record import RESULTS
+
+    families: dict[str, list[str]] = {}
+    for name in found:
+        families.setdefault(name.rsplit(": ", 1)[0], []).append(name)
+    figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
+    for (family, names), marker in zip(families.items(), "osD^v<>", strict=False):
+        x, y = [timed[name]["median"] for name in names], [found[name]["error"] for name in names]
+        axes.loglog(x, y, marker=marker, label=family)
+    axes.set_xlabel("time of one second of motion, compiled [s]")
+    axes.set_ylabel("greatest error of the bar's position, over 1 mm [-]")
+    axes.set_title("Guide of steel released from 1 mm", fontsize=11)
+    axes.grid(True, which="major", alpha=0.4)
+    axes.legend(fontsize=8)
+    figure.savefig(RESULTS / "motion.png", dpi=120)
+
+
+def main() -> None:
+    """Compute, time, print, save and draw."""
+    import diffrax
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+    from record import PACKAGES, interleaved, save, show
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    first = {}
+    for plane in (True, False):
+        where = "plane" if plane else "space"
+        first[f"{where}, no cache"] = first_call(plane, None)
+        with tempfile.TemporaryDirectory() as folder:
+            first[f"{where}, for a cache"] = first_call(plane, folder)
+            first[f"{where}, cached"] = first_call(plane, folder)
+    print("First simulation of a process:")
+    for name, seconds in first.items():
+        print(f"  {name:<30}{seconds:6.2f} s")
+
+    fm.enable_cache()
+    times = np.linspace(0, 1, 101)
+    found, run = {}, {}
+    for plane, fixed in ((True, False), (True, True), (False, False)):
+        model = guide(plane, fixed)
+        bent = at_rest(model)
+        place = model.labels.known("right2")[0]
+        simulate = functools.partial(fm.simulate, model, times, initial=bent)
+        exact = np.asarray(simulate(rtol=1e-9, atol=1e-11).x[:, place])
+        solvers = {"": TOLERANCES}
+        if plane:
+            solvers |= {"Dopri8": TOLERANCES[1:] if fixed else (1e-4,), "Kvaerno5": (1e-4,)}
+        for solver, tolerances in solvers.items():
+            chosen = {"solver": getattr(diffrax, solver)()} if solver else {}
+            family = f"{'plane' if plane else 'space'}{', elongations FIXED' if fixed else ''}, {solver or 'Rodas5P'}"
+            for rtol in tolerances:
+                call = functools.partial(simulate, rtol=rtol, throw=False, **chosen)
+                begin = time.perf_counter()
+                motion = call()
+                error = float(np.max(np.abs(np.asarray(motion.x[:, place]) - exact))) / STROKE
+                name = f"{family}: {rtol:g}"
+                found[name] = {"error": error, "steps": int(motion.steps)}
+                print(
+                    f"{name:<50} error {error:.1e} {int(motion.steps):7d} steps, first {time.perf_counter() - begin:.1f} s"
+                )
+                run[name] = lambda call=call: call().x.block_until_ready()
+    symmetric = np.random.default_rng(0).standard_normal((38, 38))
+    symmetric = jnp.asarray(symmetric + symmetric.T)
+    eigh = jax.jit(jnp.linalg.eigh)
+    quick = {name: call for name, call in run.items() if "Rodas5P" in name or "FIXED, Dopri8" in name}
+    slow = {name: call for name, call in run.items() if name not in quick}
+    # What takes a minute is timed once.
+    timed = interleaved(quick, RUNS) | interleaved(slow, 1)
+    timed |= interleaved({"jnp.linalg.eigh, 38 x 38": lambda: jax.block_until_ready(eigh(symmetric))}, RUNS, 100)
+    show("One second of motion, compiled", timed)
+    save("motion", {"first_call_s": first, "found": found, "times": timed}, (*PACKAGES, "diffrax"))
+    draw(found, timed)
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(HERE))
+    main()

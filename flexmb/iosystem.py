@@ -1,0 +1,79 @@
+"""The nonlinear mechanism as a system of python-control."""
+
+from typing import TYPE_CHECKING
+
+import jax.numpy as jnp
+import numpy as np
+
+from .analysis.closed_loop import MEASURED, measuring, under_inputs
+from .analysis.configuration import configuration
+from .analysis.simulate import driven_by
+from .errors import ModelError
+from .math.compile import jit_beside_options
+from .mechanics.coordinates_form import coordinates_form
+from .mechanics.reduced_form import reduced_form
+from .mechanics.second_order import MotionState
+from .model.model import Model
+
+if TYPE_CHECKING:
+    import control
+
+
+@jit_beside_options
+def _rates(model: Model, driven, t, state, memory, u):
+    """Rates of the state, outputs, and the memory to go on from."""
+    undriven = coordinates_form(model.topology, model.parameters, driven)
+    form = reduced_form(under_inputs(model, undriven, u))
+    n = form.size
+    q, qd = state[:n] / form.sizes, state[n:] / form.sizes
+    at = form.settle(t, MotionState(q, qd, memory))
+    x, v, near = form.whole_motion(t, at)
+    own = undriven.state_of(x, v, near)
+    y = measuring(model, undriven).measured(t, own)
+    return jnp.concatenate([state[n:], form.acceleration(t, at) * form.sizes]), y, at.memory
+
+
+def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.NonlinearIOSystem":
+    """The mechanism with all its nonlinearity as a plant for ``control.input_output_response`` and its like.
+
+    States are the degrees of freedom, from the undeformed mechanism, and their rates; inputs and outputs those that the
+    builder named. Every evaluation places the other coordinates from where the last one left them.
+
+    Args:
+        model: Mechanism with named inputs and outputs.
+        loads: Loads as functions of time, see :func:`flexmb.simulate`.
+        motion: Prescribed motion as functions of time, see :func:`flexmb.simulate`.
+
+    Returns:
+        control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].
+
+    Raises:
+        ModelError: The model names no inputs or no outputs, or an output that is no position, velocity or deformation.
+
+    Source:
+        FORMULATION.md 5 and 9 (a).
+    """
+    import control
+
+    inputs, outputs = model.labels.inputs, model.labels.outputs
+    if not inputs or not outputs:
+        raise ModelError("A plant needs an input and an output: name them with input() and output().")
+    for signal in outputs:
+        if signal.quantity not in MEASURED:
+            raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. A plant gives: {', '.join(MEASURED)}.")
+    driven = driven_by(model, loads or {}, motion or {}, None)
+    start = configuration(model)
+    memory = [jnp.concatenate([start.x, jnp.zeros(model.topology.n_e)])]
+
+    def evaluated(t, x, u):
+        rates, y, memory[0] = _rates(model, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u))
+        return np.asarray(rates), np.asarray(y)
+
+    names = [name.replace(".", " ") for name in model.q_labels]
+    return control.nlsys(
+        lambda t, x, u, params: evaluated(t, x, u)[0],
+        lambda t, x, u, params: evaluated(t, x, u)[1],
+        inputs=[s.name.replace(".", " ") for s in inputs],
+        outputs=[s.name.replace(".", " ") for s in outputs],
+        states=names + [f"d {name}" for name in names],
+    )
