@@ -49,6 +49,13 @@ def test_pendulum_by_an_explicit_solver(pendulum):
     assert found.solver == "Dopri8"
 
 
+def test_pendulum_by_an_implicit_solver_of_diffrax(pendulum):
+    """Its root finder takes the tolerances of the steps."""
+    found = fm.simulate(pendulum, np.array([0.0, 1.0]), rtol=1e-8, atol=1e-8, solver=diffrax.Kvaerno5())
+    other = fm.simulate(pendulum, np.array([0.0, 1.0]), rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(found.at("mass"), other.at("mass"), atol=1e-7)
+
+
 def test_order_of_the_default_solver(pendulum):
     """Fixed steps: the error falls with the fifth power of the step."""
     errors = []
