@@ -175,7 +175,7 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
         for name, a, b, s in zip("xyz", low, high, size, strict=True):
             getattr(ax, f"set_{name}lim")((a + b - s) / 2, (a + b + s) / 2)
             getattr(ax, f"{name}axis").set_major_locator(_ticks(4 * s / np.max(size)))
-        ax.set_box_aspect(size, zoom=0.95)
+        ax.set_box_aspect(size, zoom=0.88)
         # A flat mechanism is seen from the side that shows it.
         thin = np.min(size[:2]) < 0.5 * np.max(size[:2])
         ax.view_init(elev=22, azim=-55 if not thin else 25 if size[0] < size[1] else -65)
@@ -186,4 +186,4 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
 def _ticks(count: float) -> Any:
     from matplotlib.ticker import MaxNLocator
 
-    return MaxNLocator(max(1, round(count)))
+    return MaxNLocator(max(1, round(count)), min_n_ticks=1)

@@ -24,8 +24,8 @@ def stress(
 ) -> Any:
     """Colour every flexible element by its stress, or by a force or moment in its sections, with a scale.
 
-    Of the points of a section's surface the one with the largest stress counts, its sign kept; between the places that
-    the stress was asked at, values are interpolated.
+    The undeformed mechanism is drawn pale where something has moved. Of the points of a section's surface the one with
+    the largest stress counts, its sign kept; between the places that the stress was asked at, values are interpolated.
 
     Args:
         found: Stress or section resultants.
@@ -45,10 +45,13 @@ def stress(
     """
     values, label = _values(found, quantity)
     model, x = state_of(shown, step=step)
-    drawn = lines(model, displaced(model, x, scale))
+    x = displaced(model, x, scale)
+    drawn, still = lines(model, x), lines(model, np.asarray(model.parameters.reference))
     if missing := set(found.names) - {line.element for line in drawn}:
         raise ValueError(f"The stress is not of this model, which has no element '{min(missing)}'.")
     ax = new_axes(model.labels.dimension, ax)
+    if not np.allclose(x, model.parameters.reference, rtol=0, atol=1e-12):
+        mechanism_lines(ax, still, ghost=True)
     mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
     rows = {name: row for row, name in enumerate(found.names)}
     pieces, colours = [], []
@@ -70,7 +73,7 @@ def stress(
         zorder=3,
     )
     ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
-    frame(ax, np.concatenate([line.points for line in drawn]))
+    frame(ax, np.concatenate([line.points for line in (*drawn, *still)]))
     return ax
 
 
