@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 
 README = (Path(__file__).parents[1] / "README.md").read_text()
@@ -36,7 +37,7 @@ def test_the_example_runs(capsys, tmp_path, monkeypatch):
     assert scope["out"].load_factors.shape == (2, 7)
     assert "NDOF = NX - NXO - NEO = 12 - 6 - 5 = 1" in printed
     assert (tmp_path / "modes.png").stat().st_size > 1000
-    mpl.pyplot.close("all")
+    plt.close("all")
 
 
 def test_links_and_pictures_exist():
