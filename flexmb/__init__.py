@@ -57,16 +57,17 @@ _ROOMS = {
     "io.spacar_light": ("LightResults", "Struct", "StructArray", "spacar_light", "spacar_light_model"),
     "math.compile": ("jit",),
     "setup": ("enable_cache", "enable_x64"),
+    "": ("plot",),
 }
 _WHERE = {name: room for room, names in _ROOMS.items() for name in names}
-_MODULES = ("planar", "spatial", "sections")
+_MODULES = ("planar", "spatial", "sections", "plot")
 
 
 def __getattr__(name: str):
     if name not in _WHERE:
         raise AttributeError(f"module 'flexmb' has no attribute '{name}'")
     if name in _MODULES:
-        value = importlib.import_module(f".{_WHERE[name]}.{name}", __name__)
+        value = importlib.import_module(f".{_WHERE[name]}.{name}".replace("..", "."), __name__)
     else:
         value = getattr(importlib.import_module(f".{_WHERE[name]}", __name__), name)
     globals()[name] = value

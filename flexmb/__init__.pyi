@@ -1,5 +1,6 @@
 """Public names, as type checkers and editors see them; ``__init__.py`` loads each on first use."""
 
+from . import plot as plot
 from .analysis.buckling import Buckling as Buckling
 from .analysis.buckling import buckling as buckling
 from .analysis.buckling import buckling_loads as buckling_loads

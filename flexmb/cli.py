@@ -18,6 +18,7 @@ Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JS
 Save = Annotated[Path | None, typer.Option("--save", help="Save the answer as .npz or .mat.")]
 Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run here.")]
 Release = Annotated[str, typer.Option("--release", help="auto: release over-constraints.")]
+Plot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg.")]
 MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, help="Steps of a path (mode 10) at most.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
@@ -49,13 +50,15 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     _refuse(f"flexmb run: there is no mode '{text}'. Available: {known}.")
 
 
-def _check_call(release: str, json_path: str | None, save: Path | None, log: Path | None) -> None:
+def _check_call(release: str, json_path: str | None, save: Path | None, log: Path | None, plot: Path | None) -> None:
     """Refuse wrong options before anything is computed."""
     if release not in ("none", "auto"):
         _refuse(f"flexmb: --release takes auto or none, not '{release}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
         _refuse(f"flexmb: --save writes .npz or .mat, not '{save}'.")
-    for path in (json_path if json_path != "-" else None, save, log):
+    if plot is not None and plot.suffix not in (".png", ".svg"):
+        _refuse(f"flexmb: --plot writes .png or .svg, not '{plot}'.")
+    for path in (json_path if json_path != "-" else None, save, log, plot):
         if path is not None and not Path(path).absolute().parent.is_dir():
             _refuse(f"flexmb: the folder of '{path}' does not exist.")
 
@@ -68,6 +71,7 @@ def _run(
     log: Path | None,
     release: str,
     max_steps: int = 200,
+    plot: Path | None = None,
 ) -> None:
     from . import SpacarError, enable_cache, enable_x64, read_spacar
     from .io.answers import answer
@@ -76,7 +80,7 @@ def _run(
     from .io.tables import log as log_text
     from .io.tables import table
 
-    _check_call(release, json_path, save, log)
+    _check_call(release, json_path, save, log, plot)
     enable_x64()
     try:
         enable_cache()
@@ -113,10 +117,20 @@ def _run(
         save_answer(found.data, save)
     if log is not None:
         write_whole(log, log_text(found, source).encode())
+    if plot is not None:
+        _draw(found, number, plot)
     if found.exit_status:
         first = found.data["message"].splitlines()[0]
         print(f"{model.name}: {found.data['status']}: {first}", file=sys.stderr)
         raise typer.Exit(found.exit_status)
+
+
+def _draw(found: Any, number: int, path: Path) -> None:
+    """Draw an answer in a file; where there is none, the mechanism."""
+    from .io.files import write_whole
+    from .plot.answer import image
+
+    write_whole(path, image(found, number, path.suffix[1:]))
 
 
 def _guarded(debug: bool, *arguments: Any) -> None:
@@ -143,16 +157,24 @@ def run(
     log: Log = None,
     release: Release = "none",
     max_steps: MaxSteps = 200,
+    plot: Plot = None,
     debug: Debug = False,
 ) -> None:
     """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
-    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps)
+    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot)
 
 
 @app.command()
-def check(model: ModelFile, json_path: Json = None, save: Save = None, log: Log = None, debug: Debug = False) -> None:
+def check(
+    model: ModelFile,
+    json_path: Json = None,
+    save: Save = None,
+    log: Log = None,
+    plot: Plot = None,
+    debug: Debug = False,
+) -> None:
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
-    _guarded(debug, model, 0, json_path, save, log, "none")
+    _guarded(debug, model, 0, json_path, save, log, "none", 200, plot)
 
 
 @app.command()
@@ -181,9 +203,20 @@ def demo(
         write_whole(to / path.name, path.read_bytes())
         print(to / path.name)
         return
+    picture = _demo_picture(name)
     for number in (0, 7, 9):
-        _guarded(debug, path, number, None, None, None, "none")
+        _guarded(debug, path, number, None, None, None, "none", 200, picture if number == 7 else None)
         print()
+    print(f"picture: {picture}")
+
+
+def _demo_picture(name: str) -> Path:
+    """Where the demo leaves its picture: here, or among temporary files where this folder takes none."""
+    import os
+    import tempfile
+
+    folder = Path.cwd()
+    return (folder if os.access(folder, os.W_OK) else Path(tempfile.mkdtemp())) / f"{name}.png"
 
 
 def _study(path: Path, json_path: str | None, save: Path | None, debug: bool, work: Any) -> None:

@@ -7,9 +7,11 @@ import re
 import pytest
 
 import flexmb
+from flexmb import plot
 
 PUBLIC = {name: getattr(flexmb, name) for name in sorted(flexmb._WHERE)}
-FUNCTIONS = {name: f for name, f in PUBLIC.items() if inspect.isfunction(f)}
+PLOTS = {f"plot.{name}": f for name, f in vars(plot).items() if inspect.isfunction(f)}
+FUNCTIONS = {name: f for name, f in PUBLIC.items() if inspect.isfunction(f)} | PLOTS
 CLASSES = {name: c for name, c in PUBLIC.items() if inspect.isclass(c)}
 METHODS = {
     f"{name}.{method}": f
@@ -20,6 +22,8 @@ METHODS = {
 # They set up a process, wrap a user's function or read what a user wrote; nothing in them is an equation.
 WITHOUT_EQUATION = {"save_motion", "enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
 WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model"}
+# Pictures show what has been computed.
+WITHOUT_EQUATION |= set(PLOTS)
 
 
 def section(text: str, title: str) -> str:

@@ -3,13 +3,18 @@
 import re
 from pathlib import Path
 
+import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 
 README = (Path(__file__).parents[1] / "README.md").read_text()
 
 
 @pytest.mark.timeout(300)
-def test_the_example_runs(capsys):
+def test_the_example_runs(capsys, tmp_path, monkeypatch):
+    # Pictures are drawn without a screen, and left in a folder of this test.
+    mpl.use("Agg")
+    monkeypatch.chdir(tmp_path)
     code = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     scope: dict = {}
     for block in code:
@@ -32,6 +37,8 @@ def test_the_example_runs(capsys):
     assert stiffness[0] == pytest.approx(210e9 * 50e-3 * 0.5e-3 / 0.1, rel=0.01)
     assert scope["out"].load_factors.shape == (2, 7)
     assert "NDOF = NX - NXO - NEO = 12 - 6 - 5 = 1" in printed
+    assert (tmp_path / "modes.png").stat().st_size > 1000
+    plt.close("all")
 
 
 def test_links_and_pictures_exist():

@@ -127,6 +127,20 @@ def along(ends, place) -> Float[Array, "6"]:
     return (1 - place) * ends[0] + place * ends[1]
 
 
+def straight(p, q, place) -> Float[Array, "d"]:
+    """Point of the straight line between two points.
+
+    Args:
+        p: First end, (d,) [m].
+        q: Last end, (d,) [m].
+        place: From 0 to 1, () [-].
+
+    Returns:
+        (d,) [m].
+    """
+    return p + place * (q - p)
+
+
 def check_length(*, ref) -> list[str]:
     """Faults of an element with two end positions."""
     if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:

@@ -45,6 +45,9 @@ class Element:
             force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
             there. They are what the part beyond the place does to the part before it (the face whose normal is +x),
             so that a positive normal force pulls. Asked of flexible elements with a section.
+        shape: ``f(*nodes, ref, place, **properties) -> (d,)``, where a point of the element is, 0 at its first end and
+            1 at its last, for pictures; its properties are among those of the deformation. Without it an element with
+            two points and two rotations is drawn as a cubic, another as a line between its points.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
             The rest is FIXED. None: all if the element is elastic, none if not.
@@ -62,6 +65,7 @@ class Element:
     dissipation: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
     resultants: Callable[..., Any] | None = None
+    shape: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     measured: tuple[int, ...] = ()
@@ -101,7 +105,7 @@ class Element:
         return any(self.arguments(getattr(self, name), properties) is not None for name in ELASTIC)
 
     def _functions(self) -> list[Callable[..., Any]]:
-        companions = (getattr(self, name) for name in (*COMPANIONS, "check"))
+        companions = (getattr(self, name) for name in (*COMPANIONS, "shape", "check"))
         return [self.deformation, *(c for c in companions if c is not None)]
 
     def reference(self, coordinates) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import counted, initial_frame, relative_parameters, rotation_matrix, turned
+from . import beams
 from .element import Element
 from .laws import diagonal_damping, diagonal_stiffness, mesh_damping, mesh_stiffness
 from .nodes import Point3, Rotation3
@@ -101,8 +102,17 @@ def _prismatic(
     return jnp.concatenate([_offset(p, rot_p, q, ref, axis), _frame(axis).T @ rotation])
 
 
+def _joint_shape(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref, place) -> Float[Array, "3"]:
+    return beams.straight(p, q, place)
+
+
 prismatic = Element(
-    _prismatic, stiffness=diagonal_stiffness(6), damping=diagonal_damping(6), check=check_axis, released=(1,)
+    _prismatic,
+    stiffness=diagonal_stiffness(6),
+    damping=diagonal_damping(6),
+    shape=_joint_shape,
+    check=check_axis,
+    released=(1,),
 )
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
 e4 to e6 rotation [rad], FIXED.
@@ -128,7 +138,7 @@ def _screw(
     return jnp.stack([along - pitch * turn, turn, off_y, off_z, tilt_y, tilt_z])
 
 
-screw = Element(_screw, check=check_axis, released=(2,))
+screw = Element(_screw, shape=_joint_shape, check=check_axis, released=(2,))
 """Screw of body q in body p, about an axis through q: e1 displacement along the axis less pitch times turn [m], FIXED;
 e2 turn, counted past full turns [rad]; e3 and e4 displacement off the axis [m] and e5 and e6 tilt [rad], FIXED.
 

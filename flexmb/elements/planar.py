@@ -182,8 +182,17 @@ def _prismatic(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, axis: F
     return jnp.concatenate([_slider(p, rot_p, q, ref=ref, axis=axis), turn])
 
 
+def _prismatic_shape(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place) -> Float[Array, "2"]:
+    return beams.straight(p, q, place)
+
+
 prismatic = Element(
-    _prismatic, stiffness=diagonal_stiffness(3), damping=diagonal_damping(3), check=_check_axis, released=(1,)
+    _prismatic,
+    stiffness=diagonal_stiffness(3),
+    damping=diagonal_damping(3),
+    shape=_prismatic_shape,
+    check=_check_axis,
+    released=(1,),
 )
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 off it [m] and e3 rotation
 [rad], FIXED.

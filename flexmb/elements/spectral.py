@@ -161,6 +161,12 @@ def _planar_beam(order: int) -> Element:
             angle = angle + curvature * length * s
         return jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)
 
+    def to_place(c, length, curvature, place):
+        """Directions and stretches at the nodes of the quadrature from p to a place, and at the place itself."""
+        on_the_way = place * np.append(nodes, 1.0)
+        directions = bent(c, length, curvature, on_the_way, legendre_integrals_at(order, on_the_way))
+        return directions, length + legendre_values_at(order, on_the_way) @ c.reshape(2, order)[ELONGATION]
+
     def _spectral_beam(
         p: Point2,
         rot_p: Angle,
@@ -217,10 +223,7 @@ def _planar_beam(order: int) -> Element:
         curvature: float | None = None,
     ) -> Float[Array, "6"]:
         length, axes, _, _ = line(rot_p, c, ref, curvature)
-        # Quadrature from p to the place, and the place itself.
-        on_the_way = place * np.append(nodes, 1.0)
-        directions = bent(c, length, curvature, on_the_way, legendre_integrals_at(order, on_the_way))
-        stretched = length + legendre_values_at(order, on_the_way) @ c.reshape(2, order)[ELONGATION]
+        directions, stretched = to_place(c, length, curvature, place)
         lever = axes.T @ (q - p) - place * (weights * stretched[:-1]) @ directions[:-1]
         x, y, moment = _closure_of(sigma, 3)
 
@@ -236,12 +239,28 @@ def _planar_beam(order: int) -> Element:
         zero = jnp.zeros_like(normal)
         return jnp.stack([normal, zero, across, zero, -bending, zero])
 
+    def _shape(
+        p: Point2,
+        rot_p: Angle,
+        q: Point2,
+        rot_q: Angle,
+        c: Internal(layout.size, 2),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        place,
+        curvature: float | None = None,
+    ) -> Float[Array, "2"]:
+        length, axes, _, _ = line(rot_p, c, ref, curvature)
+        directions, stretched = to_place(c, length, curvature, place)
+        return p + axes @ (place * (weights * stretched[:-1]) @ directions[:-1])
+
     return Element(
         _spectral_beam,
         stiffness=_stiffness,
         damping=_damping,
         inertia=_inertia,
         resultants=_resultants,
+        shape=_shape,
         check=_check_planar,
         released=layout.released,
         fields=layout.numbers,
@@ -397,6 +416,23 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         static = (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
         return static + more[np.array([0, 4, 5, 1, 2, 3])]
 
+    def _shape(
+        p: Point3,
+        rot_p: Rotation3,
+        q: Point3,
+        rot_q: Rotation3,
+        c: Internal(layout.size, 3),  # pyright: ignore[reportInvalidTypeForm]
+        *,
+        ref,
+        place,
+        y: Float[Array, "3"] | None = None,
+        curvature: Float[Array, "3"] | None = None,
+    ) -> Float[Array, "3"]:
+        length = _length(ref, curvature)
+        at_p, _ = frames(rot_p, rot_q, ref, y, curvature, length)
+        pose = product(strains(c, length, curvature, place, legendre_values_at(order, place * inner.ravel())))
+        return p + at_p @ pose[:3, 3]
+
     def _check(
         *,
         ref,
@@ -421,6 +457,7 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         damping=_damping,
         inertia=_inertia,
         resultants=_resultants,
+        shape=_shape,
         check=_check,
         released=layout.released,
         fields=layout.numbers,

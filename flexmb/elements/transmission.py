@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.rotation import angle_between, counted
+from ..math.rotation import angle_between, counted, rotation_plane
 from .element import Element
 from .laws import mesh_damping, mesh_stiffness
 from .nodes import Angle, Point2
@@ -32,10 +32,22 @@ def _check_centres(*, ref) -> list[str]:
     return []
 
 
+def _around(centre, start, turns) -> Float[Array, "2"]:
+    """Point of a circle, so many turns after its start."""
+    return centre + rotation_plane(2 * np.pi * jnp.clip(turns, 0.0, 1.0)) @ (start - centre)
+
+
+def _gear_shape(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place, ratio: float) -> Float[Array, "2"]:
+    """Both pitch circles, from where they meet."""
+    meeting = p + (q - p) / (1 + ratio)
+    return jnp.where(place < 0.5, _around(p, meeting, 2 * place), _around(q, meeting, 2 * place - 1))
+
+
 gear = Element(
     _gear,
     stiffness=mesh_stiffness,
     damping=mesh_damping,
+    shape=_gear_shape,
     check=_check_centres,
     measured=(2,),
 )
@@ -108,10 +120,25 @@ def _check_belt(*, ref, radius_p: float, radius_q: float, section: Section | Non
     return faults
 
 
+def _belt_shape(
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place, radius_p: float, radius_q: float
+) -> Float[Array, "2"]:
+    """Pulley p, the straight part, pulley q, a third of the way each."""
+    d = q - p
+    _, angle = _span(d, radius_p, radius_q)
+    tangent = rotation_plane(angle) @ (d / jnp.sqrt(d @ d))
+    left = jnp.stack([-tangent[1], tangent[0]])
+    leaving, arriving = p + radius_p * left, q + radius_q * left
+    along = leaving + jnp.clip(3 * place - 1, 0.0, 1.0) * (arriving - leaving)
+    after = jnp.where(place > 2 / 3, _around(q, arriving, 3 * place - 2), along)
+    return jnp.where(place < 1 / 3, _around(p, leaving, 3 * place), after)
+
+
 belt = Element(
     _belt,
     energy=_belt_energy,
     dissipation=_belt_dissipation,
+    shape=_belt_shape,
     check=_check_belt,
     measured=(2, 3),
 )
@@ -147,10 +174,15 @@ def _check_point(*, ref, radius_p: float, section: Section | None = None) -> lis
     return _check_belt(ref=ref, radius_p=radius_p, radius_q=0.0, section=section)
 
 
+def _point_shape(p: Point2, rot_p: Angle, q: Point2, *, ref, place, radius_p: float) -> Float[Array, "2"]:
+    return _belt_shape(p, rot_p, q, rot_p, ref=ref, place=place, radius_p=radius_p, radius_q=0.0)
+
+
 belt_to_point = Element(
     _belt_to_point,
     energy=_point_energy,
     dissipation=_point_dissipation,
+    shape=_point_shape,
     check=_check_point,
     measured=(2,),
 )

@@ -38,12 +38,14 @@ class Answer:
         exit_status: 0 answered, 1 not valid or not converged.
         model: The mechanism, if it could be built.
         lin: Its linearisation, if there is one.
+        found: What the analysis returned: Mobility, Motion, Modes, Buckling or Path; None for a state space.
     """
 
     data: dict[str, Any]
     exit_status: int
     model: Model | None = None
     lin: Linearization | None = None
+    found: Any = None
 
 
 def _number(name: str) -> int | str:
@@ -163,6 +165,7 @@ def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
     values, hertz = np.asarray(found.eigenvalues), np.asarray(found.frequencies)
     return {
         **_state(lin),
+        "found": found,
         "stable": found.stable,
         "eigenvalues": values,
         "frequencies_hz": _hertz(values, hertz),
@@ -177,6 +180,7 @@ def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
     silent = "No load acts in any motion: there is no load multiplier." if not len(found.multipliers) else None
     return {
         **_state(lin),
+        "found": found,
         "load_multipliers": np.asarray(found.multipliers),
         "modes": _shapes(found.shapes, lin.labels),
         "compliance": _compliance(lin),
@@ -299,6 +303,7 @@ def answer(
                 "overconstraints": found.overconstraints,
                 "underconstraints": found.underconstraints,
                 "mobility": _mobility_modes(found),
+                "found": found,
             }
         elif mode in (1, 4):
             model = builder.build(dofs=dofs, release=release)
@@ -307,7 +312,7 @@ def answer(
         elif mode == 10:
             model = builder.build(dofs=dofs, release=release)
             followed = path(model, max_steps=max_steps, throw=False)
-            lin, extra = followed.linearization(), _path(followed)
+            lin, extra = followed.linearization(), {**_path(followed), "found": followed}
             data["warnings"] += _loose_warnings(lin)
             failed = int(extra["status"] != "ok")
         else:
@@ -323,8 +328,9 @@ def answer(
     data.update(model.counts())
     data["dofs"] = _dofs(model)
     data["warnings"] += extra.pop("warnings", [])
+    returned = extra.pop("found", None)
     data.update(extra)
-    return Answer(data, failed, model, lin)
+    return Answer(data, failed, model, lin, returned)
 
 
 def plain(value: Any) -> Any:

@@ -88,6 +88,9 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
         settings: What is not part of the mechanism: TIMESTEP, ERROR, INPUTX, INPUTE.
         linearised: Whether to linearise at every output time.
 
+    Returns:
+        The keys, and the Motion itself as "found", if any of it was reached.
+
     Raises:
         SpacarError: There is no TIMESTEP.
     """
@@ -109,6 +112,7 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     labels = found.labels
     return {
         **extra,
+        "found": found,
         "x": {node: rows[-1] for node, rows in _over_time(found.x, labels.x).items()},
         "time": np.asarray(found.t),
         "trajectory": _over_time(found.x, labels.x),

@@ -1,0 +1,13 @@
+"""Pictures by matplotlib: each function takes a result and returns Axes or a Figure. A plot is one file of this room.
+
+matplotlib is loaded when the first picture is drawn.
+"""
+
+from .bode import bode as bode
+from .frequencies import frequencies as frequencies
+from .history import history as history
+from .mechanism import mechanism as mechanism
+from .modes import modes as modes
+from .path import path as path
+from .self_stress import self_stress as self_stress
+from .stress import stress as stress

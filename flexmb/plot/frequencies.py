@@ -1,0 +1,66 @@
+"""Natural frequencies along a path or a motion."""
+
+from typing import Any
+
+import numpy as np
+
+from ..analysis.moving import linearize_motion
+from ..analysis.path import Path
+from ..analysis.simulate import Motion
+from ..results import RESULTS
+from .canvas import plain_axes
+from .path import index_of, with_unit
+
+
+def frequencies(found: Path | Motion, of: str | None = None, *, count: int | None = None, ax: Any = None) -> Any:
+    """Natural frequencies along a path or a motion; below zero where the motion grows.
+
+    Along a motion they are those of K0 + N0 + G0 and M0 at every time, without C0 and D0; where an eigenvalue is
+    complex there is none.
+
+    Args:
+        found: Path or Motion.
+        of: Coordinate to draw them over, such as "tip.x"; load factor or time unless given.
+        count: How many, the lowest; all unless given.
+        ax: matplotlib Axes to draw in; new ones unless given.
+
+    Returns:
+        matplotlib Axes, one line a frequency.
+
+    Raises:
+        TypeError: ``found`` is neither a Path nor a Motion.
+        KeyError: No such coordinate.
+
+    Source:
+        FORMULATION.md 7.
+    """
+    if isinstance(found, Path):
+        along, label, hertz = np.asarray(found.load_factor), "load factor [-]", np.asarray(found.frequencies)
+        x = np.asarray(found.matrices.x)
+    elif isinstance(found, Motion):
+        along, label, hertz, x = np.asarray(found.t), "time [s]", _of_motion(found), np.asarray(found.x)
+    else:
+        raise TypeError(f"Frequencies are drawn along a Path or a Motion, not along a {type(found).__name__}.")
+    if of is not None:
+        index = index_of(found.labels, of)
+        along, label = x[:, index], with_unit(found.labels, index)
+    ax = plain_axes(ax)
+    for i, row in enumerate(hertz.T[:count]):
+        ax.plot(along, np.where(np.isfinite(row), row, np.nan), label=f"f{i + 1}")
+    ax.set_xlabel(label)
+    ax.set_ylabel("frequency [Hz]")
+    ax.grid(visible=True, alpha=0.3)
+    ax.legend()
+    return ax
+
+
+def _of_motion(found: Motion) -> np.ndarray:
+    """Frequencies at every time, ascending, (n_t, n_q) [Hz]."""
+    m = linearize_motion(found).matrices
+    mass, stiffness = np.asarray(m.M0), np.asarray(m.K)
+    rows = np.full(mass.shape[:2], np.nan)
+    for i in np.flatnonzero(np.asarray(m.result) == int(RESULTS.successful.value)):
+        values = np.linalg.eigvals(np.linalg.solve(mass[i], stiffness[i]))
+        values = np.where(np.abs(values.imag) <= 1e-9 * np.abs(values), values.real, np.nan)
+        rows[i] = np.sort(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))
+    return rows

@@ -1,0 +1,283 @@
+"""Where the elements of a mechanism are: lines to draw, from node kinds and companions alone."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..elements.element import ELASTIC
+from ..elements.nodes import NodeKind
+from ..math.compile import jit
+from ..math.rotation import ROTATION
+from ..mechanics.blocks import element_function
+from ..model.model import Model
+from ..model.roles import Role
+from ..model.topology import Block
+
+# Places along an element. Multiples of 1/96: halves and thirds are among them, where a shape may have a corner.
+PLACES = np.linspace(0.0, 1.0, 97)
+
+
+class Line(NamedTuple):
+    """An element as it is drawn.
+
+    Attributes:
+        element: Its name.
+        kind: "beam" or "bar", which are elastic, with rotations and without; "rigid"; "spring", which has a law;
+            "joint", a line that is neither elastic nor rigid; "hinge", which has no points of its own.
+        points: Along the element, (places, d) [m]; of a hinge the one place where its bodies meet.
+    """
+
+    element: str
+    kind: str
+    points: Float[np.ndarray, "places d"]
+
+
+def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
+    """Indices in x of every node of one kind.
+
+    Args:
+        model: Mechanism.
+        part: "position" or "rotation".
+
+    Returns:
+        Indices by node name, in the order of the model.
+    """
+    found: dict[str, list[int]] = {}
+    for i, entry in enumerate(model.labels.x):
+        if entry.kind == part:
+            found.setdefault(entry.of, []).append(i)
+    return {name: np.array(indices) for name, indices in found.items()}
+
+
+def extent_of(points: Float[np.ndarray, "n d"]) -> float:
+    """Largest size of a set of points along an axis, 1 where they are one point, [m].
+
+    Args:
+        points: (n, d) [m].
+    """
+    return (float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0) or 1.0
+
+
+def places_of_rotations(model: Model) -> dict[str, list[str]]:
+    """Points that each rotation belongs to: in an element's signature it follows the point whose rotation it is.
+
+    Args:
+        model: Mechanism.
+
+    Returns:
+        Names of points by name of the rotation.
+    """
+    found: dict[str, list[str]] = {}
+    for block in model.topology.blocks:
+        kinds = list(block.element.nodes.values())
+        starts = [0, *block.splits]
+        for row in np.asarray(block.x).tolist():
+            point = None
+            for kind, start in zip(kinds, starts, strict=True):
+                name = model.labels.x[row[start]].of
+                if kind.part == "position":
+                    point = name
+                elif kind.part == "rotation" and point is not None:
+                    found.setdefault(name, []).append(point)
+    return found
+
+
+def lines(
+    model: Model, x: Float[np.ndarray, "n_x"], places: Float[np.ndarray, "places"] = PLACES, straight: bool = False
+) -> list[Line]:
+    """Every element with deformations as a line, at given coordinates.
+
+    An element's ``shape`` companion says where its points are. Without one, two points and two rotations are joined by
+    the cubic along the axis that the undeformed element had, and other points by straight lines.
+
+    Args:
+        model: Mechanism.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        places: From 0 to 1, (places,) [-].
+        straight: Springs as straight lines rather than zigzags.
+
+    Returns:
+        Lines in the order of the model.
+    """
+    found: dict[str, Line] = {}
+    companions = _companions(model)
+    roles, paired = model.roles()[1], places_of_rotations(model)
+    reference = np.asarray(model.parameters.reference)
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        names = _names(model, block)
+        if "deformation" not in block.companions or not names:
+            continue
+        curves = _curves(block, properties, reference, x, places)
+        for i, name in enumerate(names):
+            own = companions[name]
+            fixed = all(roles[k] is Role.FIXED for k in np.asarray(block.e[i]).tolist())
+            kind = _kind(block, own, fixed)
+            points = _meeting(model, block, i, x, paired) if kind == "hinge" else curves[i]
+            if kind == "spring" and not straight:
+                points = zigzag(points[0], points[-1])
+            if len(points):
+                found[name] = Line(name, kind, points)
+    return [found[name] for name, *_ in model.labels.elements if name in found]
+
+
+def masses(model: Model) -> list[np.ndarray]:
+    """Indices in x of every point that carries a lumped mass.
+
+    Args:
+        model: Mechanism.
+    """
+    found = []
+    for block in model.topology.blocks:
+        kinds = list(block.element.nodes.values())
+        if block.e.shape[1] == 0 and "inertia" in block.companions and [k.part for k in kinds] == ["position"]:
+            found += list(np.asarray(block.x))
+    return found
+
+
+def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"], teeth: int = 5) -> Float[np.ndarray, "n d"]:
+    """A spring from p to q.
+
+    Args:
+        p: First end, (d,) [m].
+        q: Last end, (d,) [m].
+        teeth: Number of teeth to either side.
+
+    Returns:
+        Its corners, (n, d) [m].
+    """
+    along = q - p
+    across = np.zeros(len(p))
+    k = np.argmin(np.abs(along))
+    across[k] = 1.0
+    across = across - (across @ along) * along / max(along @ along, 1e-300)
+    across *= 0.08 * np.linalg.norm(along) / np.linalg.norm(across)
+    places = np.concatenate([[0.0], np.linspace(0.2, 0.8, 2 * teeth + 1), [1.0]])
+    # 0, 1, 0, -1, 0, ...
+    sides = np.concatenate([[0.0], np.sin(np.pi / 2 * np.arange(2 * teeth + 1)), [0.0]])
+    return p + places[:, None] * along + sides[:, None] * across
+
+
+def _names(model: Model, block: Block) -> list[str]:
+    """Names of a block's elements; none for what has no deformations or is a unit norm."""
+    if block.e.shape[1] == 0:
+        return []
+    entries = [model.labels.e[k] for k in np.asarray(block.e[:, 0]).tolist()]
+    return [] if entries[0].kind == "norm" else [entry.of for entry in entries]
+
+
+def _companions(model: Model) -> dict[str, set[str]]:
+    """Companions of each element, whose blocks may be several."""
+    found: dict[str, set[str]] = {}
+    for block in model.topology.blocks:
+        for name in _names(model, block):
+            found.setdefault(name, set()).update(block.companions)
+    return found
+
+
+def _kind(block: Block, companions: set[str], fixed: bool) -> str:
+    parts = [kind.part for kind in block.element.nodes.values()]
+    if "position" not in parts:
+        return "hinge"
+    if fixed:
+        return "rigid"
+    if "law" in companions and parts == ["position", "position"]:
+        return "spring"
+    if companions.isdisjoint(ELASTIC):
+        return "joint"
+    return "beam" if "rotation" in parts else "bar"
+
+
+def _curves(block: Block, properties: dict[str, Any], reference, x, places) -> Float[np.ndarray, "elements places d"]:
+    index = np.asarray(block.x)
+    at, ref = x[index], reference[index]
+    kinds = list(block.element.nodes.values())
+    options = dict(block.options)
+    if block.element.shape is not None:
+        named = block.element.arguments(block.element.shape, {**options, **properties})
+        if named is not None:
+            own = {name: value for name, value in named.items() if name not in options}
+            return np.asarray(_shapes(block, own, jnp.asarray(ref), jnp.asarray(at), jnp.asarray(places)))
+    points = _parts(kinds, block.splits, at, "position")
+    if not points:
+        return np.zeros((len(index), 0, 0))
+    turns, before = (_parts(kinds, block.splits, values, "rotation") for values in (at, ref))
+    if len(points) == len(turns) == 2:
+        start, end = _parts(kinds, block.splits, ref, "position")
+        axis = end - start
+        slopes = [np.einsum("eij,ej->ei", _turn(now, then), axis) for now, then in zip(turns, before, strict=True)]
+        return cubic(points[0], slopes[0], points[1], slopes[1], places)
+    return _polyline(np.stack(points, axis=1), places)
+
+
+@jit
+def _shapes(block: Block, properties: dict[str, Any], ref, x, places) -> Float[Array, "elements places d"]:
+    function: Any = element_function(block, block.element.shape, properties)
+
+    def along(x, ref, own):
+        return jax.vmap(lambda place: function(x, ref, own, place=place))(places)
+
+    return jax.vmap(along)(x, ref, properties)
+
+
+def _parts(kinds: list[NodeKind], splits, values, part: str) -> list[np.ndarray]:
+    """Coordinates of the nodes of one kind, each (elements, size)."""
+    pieces = np.split(values, splits, axis=1)
+    return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
+
+
+def _turn(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:
+    """Rotation matrices since the undeformed state."""
+    if now.shape[1] == 1:
+        c, s = np.cos(now - before)[:, 0], np.sin(now - before)[:, 0]
+        return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=1)
+    turned, first = (np.einsum("ijkl,ek,el->eij", _QUADRATIC, lam, lam) for lam in (now, before))
+    return turned @ np.swapaxes(first, 1, 2)
+
+
+_QUADRATIC = np.asarray(ROTATION)
+
+
+def cubic(p, slope_p, q, slope_q, places) -> Float[np.ndarray, "elements places d"]:
+    """Cubics through end positions with end slopes, the interpolation of the beams' inertia.
+
+    Args:
+        p: First ends, (elements, d) [m].
+        slope_p: Derivative by place there, (elements, d) [m].
+        q: Last ends, (elements, d) [m].
+        slope_q: Derivative by place there, (elements, d) [m].
+        places: From 0 to 1, (places,) [-].
+
+    Returns:
+        (elements, places, d) [m].
+
+    Source:
+        Hermite's cubics.
+    """
+    s = places
+    weights = np.stack([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2], axis=1)
+    return np.einsum("sk,ked->esd", weights, np.stack([p, slope_p, q, slope_q]))
+
+
+def _polyline(corners: Float[np.ndarray, "elements n d"], places) -> Float[np.ndarray, "elements places d"]:
+    """Straight lines from point to point."""
+    count = corners.shape[1]
+    if count == 1:
+        return corners
+    at = places * (count - 1)
+    first = np.minimum(at.astype(int), count - 2)
+    part = (at - first)[None, :, None]
+    return (1 - part) * corners[:, first] + part * corners[:, first + 1]
+
+
+def _meeting(model: Model, block: Block, row: int, x, paired) -> Float[np.ndarray, "n d"]:
+    """The one point of all bodies that an element without points joins, or one of the first body's; (0, d) if none."""
+    index, starts = np.asarray(block.x[row]), [0, *block.splits]
+    points = [paired.get(model.labels.x[index[k]].of, []) for k in starts]
+    points = [own for own in points if own]
+    if not points:
+        return np.zeros((0, 0))
+    common = [name for name in points[0] if all(name in own for own in points)]
+    return x[nodes_of(model)[(common or points[0])[0]]][None]

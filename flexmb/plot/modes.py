@@ -1,0 +1,104 @@
+"""Vibration and buckling modes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..analysis.buckling import Buckling
+from ..analysis.modal import Modes
+from ..model.model import Model
+from .canvas import frame, grid, mechanism_lines
+from .geometry import extent_of, lines, nodes_of
+from .mechanism import draw_supports
+from .state import displaced
+
+# Modes are drawn by this share of the mechanism's extent.
+AMPLITUDE = 0.15
+# Step of the difference that finds how far a shape moves its lines; their displacement is linear in it but for 1e-6.
+STEP = 1e-6
+AT_MOST = 6
+
+
+def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, amplitude: float = AMPLITUDE) -> Any:
+    """Draw mode shapes over the state that they are about, with frequency or load multiplier in the title.
+
+    Args:
+        found: Vibration or buckling modes.
+        which: Numbers of the modes, from 0; the first six unless given.
+        amplitude: Largest displacement that is drawn, as share of the mechanism's extent.
+
+    Returns:
+        matplotlib Figure, one Axes a mode.
+
+    Raises:
+        TypeError: ``found`` is neither Modes nor Buckling.
+        ValueError: There is no such mode, or none at all.
+    """
+    if not isinstance(found, Modes | Buckling):
+        raise TypeError(f"Modes are drawn of fm.modes(model) or fm.buckling(model), not of a {type(found).__name__}.")
+    count = found.shapes.shape[1]
+    chosen = list(range(min(count, AT_MOST))) if which is None else [which] if isinstance(which, int) else list(which)
+    if not chosen:
+        raise ValueError("There is no mode to draw: no motion has mass, or no load acts in any.")
+    if wrong := [mode for mode in chosen if not 0 <= mode < count]:
+        raise ValueError(f"There is no mode {wrong[0]}: there are {count}, numbered from 0.")
+    lin = found.lin
+    figure, axes = grid(len(chosen), lin.labels.dimension)
+    for ax, mode in zip(axes, chosen, strict=True):
+        _draw(ax, lin.model, np.asarray(lin.matrices.x), np.asarray(found.shapes[:, mode]), amplitude)
+        ax.set_title(title_of(found, mode))
+    return figure
+
+
+def title_of(found: Modes | Buckling, mode: int) -> str:
+    """Number of a mode, and its frequency or load multiplier.
+
+    Args:
+        found: Modes.
+        mode: Which, from 0.
+    """
+    if isinstance(found, Buckling):
+        return f"buckling mode {mode + 1}: λ = {float(found.multipliers[mode]):.5g}"
+    hertz = float(found.frequencies[mode])
+    if hertz < 0:
+        return f"mode {mode + 1}: unstable, ω² = {float(found.eigenvalues[mode]):.4g} rad²/s²"
+    return f"mode {mode + 1}: {hertz:.5g} Hz"
+
+
+def _draw(ax: Any, model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float) -> None:
+    still = lines(model, x)
+    mechanism_lines(ax, still, ghost=True)
+    moved = x + factor_of(model, x, shape, amplitude) * shape
+    moved = displaced(model, moved, 1.0) if model.labels.dimension == 2 else _unit(model, moved)
+    drawn = lines(model, moved)
+    mechanism_lines(ax, drawn)
+    draw_supports(ax, model, {name: moved[indices] for name, indices in nodes_of(model).items()})
+    frame(ax, np.concatenate([line.points for line in (*still, *drawn)]))
+
+
+def _unit(model: Model, x: np.ndarray) -> np.ndarray:
+    """Euler parameters brought to unit norm."""
+    x = x.copy()
+    for index in nodes_of(model, "rotation").values():
+        x[index] /= np.linalg.norm(x[index])
+    return x
+
+
+def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float = AMPLITUDE) -> float:
+    """What a shape is multiplied by so that the largest displacement of a drawn point is a share of the extent.
+
+    Args:
+        model: Mechanism.
+        x: Coordinates that the shape is about, (n_x,) [m, rad, -].
+        shape: Motion, (n_x,).
+        amplitude: The share.
+    """
+    size = np.max(np.abs(shape), initial=0.0) or 1.0
+    before, after = (lines(model, at, straight=True) for at in (x, x + STEP / size * shape))
+    points = np.concatenate([line.points for line in before])
+    moved = np.concatenate([line.points for line in after]) - points
+    # A mode that only turns what has no length: a tenth of a radian.
+    largest = np.max(np.linalg.norm(moved, axis=1)) / STEP * size
+    extent = extent_of(points)
+    return amplitude * extent / largest if largest > 1e-9 * size * extent else 0.1 / size

@@ -1,0 +1,67 @@
+"""Self-stress of an over-constrained mechanism: which elements work against each other."""
+
+from typing import Any
+
+import numpy as np
+
+from ..analysis.mobility import Mobility
+from .canvas import frame, mechanism_lines, new_axes, polylines, write
+from .geometry import lines, nodes_of
+from .mechanism import draw_supports
+
+LABELS = 3
+
+
+def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
+    """Colour every element by its part in a state of self-stress, and say what to release.
+
+    An element's part is its largest stress resultant, where the largest of all is 1. Its resultants are written beside
+    it, as they are in ``found.report()``.
+
+    Args:
+        found: Over-constraints of a mechanism.
+        state: Which state of self-stress, from 0.
+        ax: matplotlib Axes to draw in; new ones unless given.
+
+    Returns:
+        matplotlib Axes.
+
+    Raises:
+        TypeError: ``found`` is not a Mobility.
+        ValueError: There is no such state.
+    """
+    if not isinstance(found, Mobility):
+        raise TypeError(f"Self-stress is drawn of fm.mobility(model), not of a {type(found).__name__}.")
+    if not 0 <= state < found.overconstraints:
+        raise ValueError(f"There is no state of self-stress {state}: there are {found.overconstraints}, from 0.")
+    model = found.model
+    ax = new_axes(model.labels.dimension, ax)
+    x = np.asarray(model.parameters.reference)
+    drawn = lines(model, x)
+    shares = found.stresses(state)
+    part: dict[str, float] = {}
+    text: dict[str, list[str]] = {}
+    for share in shares:
+        part[share.of] = max(part.get(share.of, 0.0), abs(share.share))
+        text.setdefault(share.of, []).append(f"{share.symbol} {share.share:.2g}")
+    mechanism_lines(ax, [line for line in drawn if line.element not in part])
+    taking = [line for line in drawn if line.element in part]
+    values = np.array([part[line.element] for line in taking])
+    style: dict[str, Any] = {"cmap": "plasma_r", "clim": (0.0, 1.0), "linewidth": 4.0, "zorder": 3}
+    coloured = polylines(ax, [line.points for line in taking], "self-stress", values, **style)
+    ax.figure.colorbar(coloured, ax=ax, label="largest stress resultant, relative [-]", shrink=0.8)
+    for line in taking:
+        own = text[line.element]
+        more = ", …" if len(own) > LABELS else ""
+        middle = line.points[len(line.points) // 2]
+        write(ax, middle, f" {line.element}: {', '.join(own[:LABELS])}{more}", ha="left")
+    draw_supports(ax, model, {name: x[index] for name, index in nodes_of(model).items()})
+    ax.set_title(_title(found, state))
+    frame(ax, np.concatenate([line.points for line in drawn]))
+    return ax
+
+
+def _title(found: Mobility, state: int) -> str:
+    release = found.release[state]
+    advice = "between rigid elements" if release is None else f"release e{release[1]} of '{release[0]}' to remove it"
+    return f"self-stress {state + 1} of {found.overconstraints}: {advice}"

@@ -1,0 +1,99 @@
+"""Stress and section resultants as colours."""
+
+from typing import Any
+
+import numpy as np
+
+from ..analysis.stress import SectionResultants, Stress
+from .canvas import frame, mechanism_lines, new_axes, polylines
+from .geometry import PLACES, lines
+from .state import displaced, state_of
+
+RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
+SURFACE = {"von Mises": "von_mises", "sigma_x": "sigma_x", "tau": "tau"}
+
+
+def stress(
+    found: Stress | SectionResultants,
+    shown: Any,
+    quantity: str | None = None,
+    *,
+    step: int | None = None,
+    scale: float = 1.0,
+    ax: Any = None,
+) -> Any:
+    """Colour every flexible element by its stress, or by a force or moment in its sections, with a scale.
+
+    The undeformed mechanism is drawn pale where something has moved. Of the points of a section's surface the one with
+    the largest stress counts, its sign kept; between the places that the stress was asked at, values are interpolated.
+
+    Args:
+        found: Stress or section resultants.
+        shown: What it is the stress of: Linearization, Model (drawn undeformed), or Path with ``step``.
+        quantity: "von Mises", "sigma_x" or "tau" of a Stress; "normal force", "shear force y", "shear force z",
+            "torque", "bending moment y" or "bending moment z" of both. Von Mises or bending moment y unless given.
+        step: Which step of a path; the last unless given.
+        scale: Factor of the displacements.
+        ax: matplotlib Axes to draw in; new ones unless given.
+
+    Returns:
+        matplotlib Axes; the figure has the scale beside it.
+
+    Raises:
+        TypeError: ``found`` is not a stress.
+        ValueError: No such quantity, or the elements are not those of the model.
+    """
+    values, label = _values(found, quantity)
+    model, x = state_of(shown, step=step)
+    x = displaced(model, x, scale)
+    drawn, still = lines(model, x), lines(model, np.asarray(model.parameters.reference))
+    if missing := set(found.names) - {line.element for line in drawn}:
+        raise ValueError(f"The stress is not of this model, which has no element '{min(missing)}'.")
+    ax = new_axes(model.labels.dimension, ax)
+    if not np.allclose(x, model.parameters.reference, rtol=0, atol=1e-12):
+        mechanism_lines(ax, still, ghost=True)
+    mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
+    rows = {name: row for row, name in enumerate(found.names)}
+    pieces, colours = [], []
+    for line in drawn:
+        if line.element in rows:
+            along = np.interp(PLACES, np.asarray(found.places), values[rows[line.element]])
+            pieces += list(np.stack([line.points[:-1], line.points[1:]], axis=1))
+            colours.append((along[:-1] + along[1:]) / 2)
+    signed = label.split(" [")[0] != "von Mises stress"
+    largest = float(np.max(np.abs(values))) or 1.0
+    coloured = polylines(
+        ax,
+        pieces,
+        label,
+        np.concatenate(colours),
+        linewidth=3.0,
+        cmap="coolwarm" if signed else "viridis",
+        clim=(-largest, largest) if signed else (0.0, largest),
+        zorder=3,
+    )
+    ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
+    frame(ax, np.concatenate([line.points for line in (*drawn, *still)]))
+    return ax
+
+
+def _values(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
+    """Value at each place of each element, (elements, places), and the label of its scale."""
+    if not isinstance(found, Stress | SectionResultants):
+        raise TypeError(
+            f"Stress colours are drawn of fm.stress(model) or fm.section_resultants(model), not of a"
+            f" {type(found).__name__}."
+        )
+    known = (*(SURFACE if isinstance(found, Stress) else ()), *RESULTANTS)
+    if quantity is None:
+        quantity = "von Mises" if isinstance(found, Stress) else "bending moment y"
+    if quantity not in known:
+        raise ValueError(f"Argument `quantity` must be one of {', '.join(known)}, but is '{quantity}'.")
+    if quantity in RESULTANTS:
+        number = RESULTANTS.index(quantity)
+        resultants = found.resultants if isinstance(found, Stress) else found
+        return np.asarray(resultants.values)[:, :, number], f"{quantity} [{'N' if number < 3 else 'N m'}]"
+    at_points = np.asarray(getattr(found, SURFACE[quantity]))
+    largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
+    name = {"von Mises": "von Mises stress", "sigma_x": "normal stress σx", "tau": "shear stress τ"}[quantity]
+    return np.take_along_axis(at_points, largest, axis=2)[:, :, 0] / 1e6, f"{name} [MPa]"

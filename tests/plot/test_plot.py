@@ -1,0 +1,461 @@
+"""What pictures show, by the numbers in them: coordinates, colours, labels, titles."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from typer.testing import CliRunner
+
+import flexmb as fm
+from flexmb import planar, plot, spatial
+from flexmb.cli import app
+from flexmb.elements.nodes import Angle, Point2, Point3
+from flexmb.io.answers import Answer
+from flexmb.mechanisms import mechanism_path
+from flexmb.plot.answer import image
+from flexmb.plot.geometry import lines
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+
+@pytest.fixture(autouse=True)
+def _figures_are_closed():
+    yield
+    plt.close("all")
+
+
+def undeformed(model):
+    return {line.element: line for line in lines(model, np.asarray(model.parameters.reference))}
+
+
+def at(model, state):
+    return {line.element: line for line in lines(model, np.asarray(state.x))}
+
+
+def collection(ax, label):
+    return next(c for c in ax.collections if c.get_label() == label)
+
+
+def labels_of(ax):
+    return {artist.get_label() for artist in (*ax.collections, *ax.lines) if not artist.get_label().startswith("_")}
+
+
+def texts_of(ax):
+    return {text.get_text().strip() for text in ax.texts if text.get_text()}
+
+
+def cantilever(element, *, force=(0.0, 0.0), moment=0.0):
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (LENGTH, 0))
+    b.add(element, "foot", "tip", name="leaf", section=leaf())
+    b.fix("foot")
+    if np.any(force):
+        b.force("tip", force)
+    if moment:
+        b.moment("tip", moment)
+    return b.build()
+
+
+@pytest.fixture(scope="module")
+def guide():
+    return planar_guide(force=(0, -1.0)).build()
+
+
+@pytest.fixture(scope="module")
+def rolled():
+    """A leaf spring bent to a quarter of a circle by a moment, one spectral beam."""
+    model = cantilever(planar.spectral_beam(4), moment=leaf().rigidity().EIy * np.pi / 2 / LENGTH)
+    return model, fm.equilibrium(model)
+
+
+# Lines.
+
+
+def test_beam_is_the_cubic_of_a_cantilever_with_a_force_at_its_tip():
+    model = cantilever(planar.beam, force=(0, 1e-4))
+    points = at(model, fm.equilibrium(model))["leaf"].points
+    # w = F x^2 (3 L - x)/(6 EI); nonlinear terms are of the order of the squared slope, 1e-9.
+    s = np.linspace(0, LENGTH, len(points))
+    exact = 1e-4 * s**2 * (3 * LENGTH - s) / (6 * leaf().rigidity().EIy)
+    np.testing.assert_allclose(points[:, 1], exact, atol=1e-7 * exact[-1])
+
+
+def test_spatial_beam_is_the_same_cubic():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0, LENGTH, 0))
+    b.add(spatial.beam, "foot", "tip", name="leaf", section=leaf(), y=(1, 0, 0))
+    b.fix("foot")
+    b.force("tip", (0, 0, 1e-4))
+    model = b.build()
+    points = at(model, fm.equilibrium(model))["leaf"].points
+    s = np.linspace(0, LENGTH, len(points))
+    exact = 1e-4 * s**2 * (3 * LENGTH - s) / (6 * leaf().rigidity().EIy)
+    np.testing.assert_allclose(points[:, 2], exact, atol=1e-7 * exact[-1])
+
+
+def test_spectral_beam_is_an_arc_under_a_moment(rolled):
+    model, found = rolled
+    points = at(model, found)["leaf"].points
+    # A quarter of a circle with its centre above the foot.
+    radius = LENGTH / (np.pi / 2)
+    np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1] - radius), radius, rtol=1e-9)
+    np.testing.assert_allclose(points[-1], [radius, radius], rtol=1e-8)
+
+
+def test_spatial_spectral_beam_ends_at_its_nodes():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0, 0, LENGTH))
+    b.add(spatial.spectral_beam(3), "foot", "tip", name="leaf", section=leaf(), y=(1, 0, 0), curvature=(0, 0, 4.0))
+    b.fix("foot")
+    b.force("tip", (0.01, 0.2, 0))
+    model = b.build()
+    found = fm.equilibrium(model)
+    points = at(model, found)["leaf"].points
+    np.testing.assert_allclose(points[[0, -1]], [[0, 0, 0], found.at("tip")], atol=1e-12)
+    # Undeformed it is the arc of its initial curvature.
+    arc = undeformed(model)["leaf"].points
+    chord = LENGTH / 2
+    sagitta = 1 / 4.0 - np.sqrt(1 / 4.0**2 - chord**2)
+    assert np.max(np.linalg.norm(arc[:, :2], axis=1)) == pytest.approx(sagitta, rel=1e-6)
+
+
+def test_kinds_of_elements_come_from_nodes_and_companions():
+    def law(e, ed, *, k):
+        return k * e
+
+    b = fm.Builder()
+    for name, place in {"a": (0, 0), "b": (1, 0), "c": (1, 1), "d": (2, 0)}.items():
+        b.node(name, place)
+    b.rotation("free")
+    b.add(planar.beam, "a", "b", name="flexible", section=leaf())
+    b.add(planar.beam, "b", "c", name="stiff")
+    b.add(planar.truss, "a", "c", name="truss", section=fm.Rigidity(EA=1.0))
+    b.add(planar.spring_damper(law), "c", "d", name="spring", k=1.0)
+    b.add(planar.hinge, "b.rotation", "free", name="pivot")
+    b.add(planar.rigid_beam, "b", "free", "d", name="arm")
+    b.add(planar.slider, "b", "d", name="slide", axis=(1, 0))
+    found = undeformed(b.build(check=False))
+    kinds = {name: line.kind for name, line in found.items()}
+    assert kinds == {
+        "flexible": "beam",
+        "stiff": "rigid",
+        "truss": "bar",
+        "spring": "spring",
+        "pivot": "hinge",
+        "arm": "rigid",
+        "slide": "joint",
+    }
+    np.testing.assert_allclose(found["pivot"].points, [[1, 0]])
+    np.testing.assert_allclose(found["spring"].points[[0, -1]], [[1, 1], [2, 0]])
+
+
+def test_an_element_of_ones_own_draws_by_its_points_and_rotations():
+    def hook(p: Point2, a: Angle, q: Point2, b: Angle, *, ref):
+        return (q - ref.q) - (p - ref.p)
+
+    def tripod(p: Point3, q: Point3, r: Point3, *, ref):
+        return (p - ref.p) + (q - ref.q) + (r - ref.r)
+
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (1, 0))
+    b.add(hook, "A", "B", name="hook")
+    model = b.build(check=False)
+    x = np.asarray(model.parameters.reference).copy()
+    x[model.labels.known("A.rotation")] = 0.3
+    (line,) = lines(model, x)
+    start = line.points[1] - line.points[0]
+    assert np.arctan2(start[1], start[0]) == pytest.approx(0.3, abs=0.01)
+    b = fm.Builder()
+    corners = [(0, 0, 0), (1, 0, 0), (1, 2, 0)]
+    for name, place in zip("pqr", corners, strict=True):
+        b.node(name, place)
+    b.add(tripod, "p", "q", "r", name="tripod")
+    points = undeformed(b.build(check=False))["tripod"].points
+    np.testing.assert_allclose(points[[0, 48, 96]], corners, atol=1e-12)
+
+
+def test_belt_goes_round_its_pulleys_and_gears_meet():
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.add(planar.belt, "a", "b", name="belt", radius_p=0.2, radius_q=0.4)
+    b.add(planar.gear, "a", "b", name="gear", ratio=3.0)
+    found = undeformed(b.build(check=False))
+    belt = found["belt"].points
+    np.testing.assert_allclose(np.linalg.norm(belt[:33], axis=1), 0.2, rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(belt[64:] - [1, 0], axis=1), 0.4, rtol=1e-9)
+    along = belt[64] - belt[32]
+    # A tangent stands upright on both radii.
+    np.testing.assert_allclose([along @ belt[32], along @ (belt[64] - [1, 0])], 0, atol=1e-12)
+    gear = found["gear"].points
+    np.testing.assert_allclose(np.linalg.norm(gear[:48], axis=1), 0.25, rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(gear[48:] - [1, 0], axis=1), 0.75, rtol=1e-9)
+
+
+# The mechanism.
+
+
+def test_mechanism_shows_supports_dofs_loads_and_names(guide):
+    ax = plot.mechanism(guide, names=True)
+    assert labels_of(ax) >= {"beam", "rigid", "mass", "clamped", "dof left1.x", "force left1"}
+    assert "undeformed" not in labels_of(ax)
+    assert texts_of(ax) >= {"left0", "left1", "right1", "left 1", "bar", "left1.x", "1 N"}
+    clamped = next(line for line in ax.lines if line.get_label() == "clamped")
+    np.testing.assert_allclose(clamped.get_xydata(), [[0, 0], [0.1, 0]])
+    arrow = collection(ax, "force left1")
+    assert (float(arrow.U[0]), float(arrow.V[0])) == pytest.approx((0, -0.015))
+    assert ax.get_xlabel() == "x [m]"
+    without = plot.mechanism(guide, supports=False, dofs=False, loads=False)
+    assert labels_of(without) == {"beam", "rigid", "mass"}
+    assert not texts_of(without)
+
+
+def test_deformed_shape_over_a_ghost_with_a_factor(rolled):
+    model, found = rolled
+    ax = plot.mechanism(model, at=found, ax=plt.figure().add_subplot())
+    ghost, beam = (collection(ax, label).get_segments()[0] for label in ("undeformed", "beam"))
+    np.testing.assert_allclose(ghost[-1], [LENGTH, 0], atol=1e-12)
+    np.testing.assert_allclose(beam[-1], found.at("tip"), atol=1e-12)
+    twice = collection(plot.mechanism(model, at=found, scale=0.5), "beam").get_segments()[0]
+    assert twice[-1, 1] < 0.6 * beam[-1, 1]
+    assert "↺ 0.6185 N m" in texts_of(ax)
+
+
+def test_moment_in_space_is_an_arrow_along_its_axis():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (LENGTH, 0, 0))
+    b.add(spatial.beam, "foot", "tip", section=leaf())
+    b.fix("foot")
+    b.moment("tip", (0, 0.3, 0.4))
+    ax = plot.mechanism(b.build())
+    assert "0.5 N m" in texts_of(ax)
+    shaft = np.asarray(collection(ax, "moment tip.rotation")._segments3d[0])
+    # matplotlib keeps an arrow from its head to its tail.
+    np.testing.assert_allclose(shaft[[-1, 0]], [[0.1, 0, 0], [0.1, 0.009, 0.012]], atol=1e-9)
+    assert ax.name == "3d"
+
+
+# Results.
+
+
+def test_modes_have_their_frequency_in_the_title(guide):
+    found = fm.modes(guide)
+    figure = plot.modes(found, amplitude=0.2)
+    (ax,) = figure.axes
+    assert ax.get_title() == f"mode 1: {float(found.frequencies[0]):.5g} Hz"
+    moved = np.concatenate([s for label in ("beam", "rigid") for s in collection(ax, label).get_segments()])
+    still = np.concatenate(collection(ax, "undeformed").get_segments())
+    # The stage sways by the amplitude times the extent; both leaf springs are cubics with their middle at half of it.
+    assert np.max(np.abs(moved[:, 0] - still[:, 0])) == pytest.approx(0.2 * LENGTH, rel=1e-3)
+    leaf_spring = collection(ax, "beam").get_segments()[0]
+    assert abs(leaf_spring[48, 0]) == pytest.approx(0.1 * LENGTH, rel=1e-3)
+
+
+def test_buckling_and_unstable_modes_say_so(guide):
+    assert plot.modes(fm.buckling(guide)).axes[0].get_title() == "buckling mode 1: λ = 78.75"
+    pressed = planar_guide(force=(0, -100.0)).build()
+    assert plot.modes(fm.modes(pressed)).axes[0].get_title().startswith("mode 1: unstable, ω² = -")
+
+
+def test_stress_has_the_colours_of_a_cantilever():
+    model = cantilever(planar.beam, force=(0, 0.01))
+    lin = fm.linearize(model)
+    ax = plot.stress(fm.stress(model, at=lin), lin)
+    drawn = collection(ax, "von Mises stress [MPa]")
+    clamp = 6 * 0.01 * LENGTH / (0.018 * 0.0005**2) / 1e6
+    assert drawn.get_clim() == pytest.approx((0, clamp), rel=1e-4)
+    # Linear along the leaf spring, from its clamp to nothing at the tip.
+    colours = np.asarray(drawn.get_array())
+    # Shear of 3 F/(2 A) adds to it at the tip, 0.003 MPa.
+    np.testing.assert_allclose(colours, clamp * (1 - (np.arange(96) + 0.5) / 96), atol=3e-3)
+    assert ax.figure.axes[1].get_ylabel() == "von Mises stress [MPa]"
+    signed = plot.stress(fm.section_resultants(model, at=lin), lin)
+    drawn = collection(signed, "bending moment y [N m]")
+    assert drawn.get_clim() == pytest.approx((-1e-3, 1e-3), rel=1e-4)
+    drawn = collection(plot.stress(fm.stress(model, at=lin), lin, "shear force z"), "shear force z [N]")
+    np.testing.assert_allclose(np.abs(np.asarray(drawn.get_array())), 0.01, rtol=1e-3)
+
+
+def test_self_stress_colours_who_takes_part_and_says_what_to_release():
+    found = fm.mobility(spatial_guide().build(check=False))
+    ax = plot.self_stress(found)
+    assert found.release[0] is not None
+    element, number = found.release[0]
+    assert ax.get_title() == f"self-stress 1 of 1: release e{number} of '{element}' to remove it"
+    drawn = collection(ax, "self-stress")
+    part = {s.of: 0.0 for s in found.stresses()}
+    for share in found.stresses():
+        part[share.of] = max(part[share.of], abs(share.share))
+    assert drawn.get_clim() == (0, 1)
+    np.testing.assert_allclose(np.sort(np.asarray(drawn.get_array())), np.sort(list(part.values())))
+    assert any(text.startswith("left 1: e5 -1") or text.startswith("left 1: e6 -1") for text in texts_of(ax))
+
+
+@pytest.fixture(scope="module")
+def snapping():
+    """A shallow truss pressed through: stable, unstable, stable."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("top", (1, 0.2))
+    b.add(planar.truss, "foot", "top", section=fm.Rigidity(EA=1000.0))
+    b.fix("foot")
+    b.fix("top", "x")
+    b.mass("top", 1.0)
+    b.force("top", (0, -5.0))
+    return fm.path(b.build())
+
+
+def test_path_is_dashed_where_it_is_unstable(snapping):
+    ax = plot.path(snapping)
+    stable, unstable = (next(x for x in ax.lines if x.get_label() == name) for name in ("stable", "unstable"))
+    assert (stable.get_linestyle(), unstable.get_linestyle()) == ("-", "--")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("top.y [m]", "load factor [-]")
+    limits = np.array([[p.x[3], p.load_factor] for p in snapping.critical_points if p.kind == "limit"])
+    drawn = next(x for x in ax.lines if x.get_label() == "limit point").get_xydata()
+    np.testing.assert_allclose(drawn, limits)
+    # The unstable part goes from one limit point to the other and nowhere beyond.
+    heights = unstable.get_xdata()[np.isfinite(unstable.get_xdata())]
+    np.testing.assert_allclose([heights.max(), heights.min()], np.sort(limits[:, 0])[::-1], rtol=1e-12)
+    shown = labels_of(plot.mechanism(snapping, step=0))
+    assert "supported" in shown
+    assert "clamped" not in shown
+    along = plot.frequencies(snapping, "top.y")
+    np.testing.assert_allclose(along.lines[0].get_ydata(), snapping.frequencies[:, 0])
+    assert np.min(along.lines[0].get_ydata()) < 0
+
+
+@pytest.fixture(scope="module")
+def swinging():
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("cart", (1, 0))
+    b.add(planar.truss, "wall", "cart", section=fm.Rigidity(EA=100.0))
+    b.fix("wall")
+    b.fix("cart", "y")
+    b.mass("cart", 4.0)
+    b.start("cart", "x", 0.01)
+    return fm.simulate(b.build(), np.linspace(0, 1, 11), rtol=1e-8)
+
+
+def test_time_history_energies_and_frequency_of_a_motion(swinging):
+    ax = plot.history(swinging, "cart.x")
+    # 100 N/m and 4 kg: 5 rad/s.
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), 1 + 0.01 * np.cos(5 * np.linspace(0, 1, 11)), atol=1e-7)
+    assert (ax.lines[0].get_label(), ax.get_xlabel()) == ("cart.x [m]", "time [s]")
+    ax = plot.history(swinging, velocity=True)
+    assert ax.lines[0].get_label() == "d/dt cart.x [m/s]"
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), -0.05 * np.sin(5 * np.linspace(0, 1, 11)), atol=1e-6)
+    energies = {line.get_label(): line.get_ydata() for line in plot.history(swinging, ["kinetic", "energy"]).lines}
+    np.testing.assert_allclose(energies["energy"], 0.005, rtol=1e-5)
+    hertz = plot.frequencies(swinging).lines[0].get_ydata()
+    np.testing.assert_allclose(hertz, 5 / (2 * np.pi), rtol=1e-6)
+    beam = collection(plot.mechanism(swinging, time=0.5), "bar").get_segments()[0]
+    assert beam[-1, 0] == pytest.approx(1 + 0.01 * np.cos(2.5), abs=1e-7)
+
+
+def test_bode_plot_has_its_resonance_and_only_outputs_that_respond():
+    model = planar_guide(ratio=0.005).build()
+    figure = plot.bode(model)
+    magnitudes = [ax for ax in figure.axes if ax.get_yscale() == "log"]
+    # Only the sways of both ends respond to first order.
+    assert len(magnitudes) == 2
+    hertz, size = (np.asarray(values) for values in magnitudes[0].lines[0].get_data())
+    assert hertz[np.argmax(size)] == pytest.approx(float(fm.frequencies(model)[0]), rel=1e-3)
+    assert size[0] == pytest.approx(1 / 945, rel=0.02)
+
+
+# Refusals.
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "words"),
+    [
+        (lambda m: plot.mechanism(3), TypeError, "not of a int"),
+        (lambda m: plot.mechanism(m, at=3), TypeError, "state of the model"),
+        (lambda m: plot.mechanism(m, step=1), ValueError, "goes with a Path"),
+        (lambda m: plot.mechanism(m, time=1.0), ValueError, "goes with a Motion"),
+        (lambda m: plot.mechanism(m, scale=np.nan), ValueError, "finite"),
+        (lambda m: plot.mechanism(m, ax=plt.figure().add_subplot(projection="3d")), ValueError, "2 dimensions"),
+        (lambda m: plot.modes(m), TypeError, "fm.modes"),
+        (lambda m: plot.modes(fm.modes(m), 7), ValueError, "no mode 7"),
+        (lambda m: plot.stress(m, m), TypeError, "fm.stress"),
+        (lambda m: plot.stress(fm.section_resultants(m), m, "von Mises"), ValueError, "must be one of"),
+        (lambda m: plot.self_stress(fm.mobility(m)), ValueError, "there are 0"),
+        (lambda m: plot.path(m), TypeError, "fm.path"),
+        (lambda m: plot.history(m), TypeError, "fm.simulate"),
+        (lambda m: plot.frequencies(m), TypeError, "Path or a Motion"),
+        (lambda m: plot.bode(m, "nothing"), ValueError, "no output 'nothing'"),
+        (lambda m: plot.bode(3), TypeError, "StateSpace"),
+    ],
+)
+def test_bad_calls(guide, call, kind, words):
+    with pytest.raises(kind, match=words):
+        call(guide)
+
+
+def test_coordinates_and_times_that_are_not_there(snapping, swinging):
+    with pytest.raises(KeyError, match=r"no coordinate 'top\.z' in this model; there is top\.x, top\.y"):
+        plot.path(snapping, "top.z")
+    with pytest.raises(ValueError, match="must be from 0 to 1 s, but is 2"):
+        plot.mechanism(swinging, time=2.0)
+    with pytest.raises(ValueError, match="different units"):
+        plot.history(swinging, ["cart.x", "energy"])
+    with pytest.raises(ValueError, match="below 11"):
+        plot.mechanism(swinging, step=11)
+
+
+# The command line.
+
+
+@pytest.mark.parametrize(
+    ("name", "mode", "suffix", "words"),
+    [
+        ("pf3dover", 0, "svg", "self-stress 1 of 1"),
+        ("pf1dtrx", 7, "svg", "mode 1: 10.658 Hz"),
+        ("pf1dtrx", 9, "png", None),
+    ],
+)
+def test_plot_on_the_command_line(tmp_path, name, mode, suffix, words):
+    target = tmp_path / f"picture.{suffix}"
+    # Text stays text in the file, so that it can be read here.
+    with mpl.rc_context({"svg.fonttype": "none"}):
+        result = CliRunner().invoke(app, ["run", str(mechanism_path(name)), "--mode", str(mode), "--plot", str(target)])
+    assert result.exit_code == 0, result.output
+    content = target.read_bytes()
+    assert words is None or words in content.decode()
+    assert suffix == "svg" or content.startswith(b"\x89PNG")
+
+
+def test_path_and_motion_are_drawn_beside_where_they_end(snapping, swinging):
+    for found, mode, words in ((snapping, 10, "load factor [-]"), (swinging, 1, "time [s]")):
+        answer = Answer({}, 0, found.model, found=found)
+        with mpl.rc_context({"svg.fonttype": "none"}):
+            text = image(answer, mode, "svg").decode()
+        assert words in text
+        assert "x [m]" in text
+        # The same answer gives the same file.
+        with mpl.rc_context({"svg.fonttype": "none"}):
+            assert image(answer, mode, "svg").decode() == text
+
+
+def test_demo_leaves_a_picture_and_says_where(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, ["demo", "pf1dtrx"])
+    assert result.exit_code == 0, result.output
+    assert f"picture: {tmp_path / 'pf1dtrx.png'}" in result.stdout
+    assert (tmp_path / "pf1dtrx.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("target", ["picture.pdf", "nowhere/picture.png"])
+def test_plot_refuses_before_anything_is_computed(tmp_path, monkeypatch, target):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, ["run", str(mechanism_path("pf1dtrx")), "--mode", "7", "--plot", target])
+    assert result.exit_code == 2
+    assert target in result.stderr
+    assert result.stderr.count("\n") == 1
