@@ -226,7 +226,7 @@ def _study(path: Path, json_path: str | None, save: Path | None, debug: bool, wo
     from .errors import AnalysisError, ModelError, SpacarError
     from .io.files import to_json, write_whole
 
-    _check_call("none", json_path, save, None)
+    _check_call("none", json_path, save, None, None)
     enable_x64()
     try:
         enable_cache()
