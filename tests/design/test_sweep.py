@@ -1,6 +1,5 @@
 """Sweeps: the same numbers as one by one, failures beside the others, files, checkpoints, executors."""
 
-import importlib.util
 from concurrent.futures import ThreadPoolExecutor
 
 import design_cases
@@ -140,15 +139,13 @@ def test_an_executor_gives_the_same(grid):
     np.testing.assert_allclose(found["first_frequency"], grid["first_frequency"], rtol=1e-12)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="extra `cluster` is not installed")
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_gives_the_same(grid):
-    from distributed import Client, LocalCluster
-
+    distributed = pytest.importorskip("distributed")
     # A worker is another process: functions are sent by value and compiled there.
     with (
-        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
-        Client(cluster) as client,
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
     ):
         found = fm.sweep(
             design_cases.unloaded_guide, first_frequency, grid.designs, chunk=4, executor=client.get_executor()
