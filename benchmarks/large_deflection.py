@@ -102,41 +102,10 @@ def peers(found, run):
     return ("exudyn",)
 
 
-def draw(found, timed):
-    """Chart of error against time.
-
-    Args:
-        found: Entries by name, with their error.
-        timed: Times by name.
-    """
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from record import RESULTS
-
-    families: dict[str, list[str]] = {}
-    for name in found:
-        families.setdefault(name.rsplit(": ", 1)[0], []).append(name)
-    figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
-    for (family, names), marker in zip(families.items(), "osD^", strict=False):
-        x, y = [1e3 * timed[name]["median"] for name in names], [found[name]["error"] for name in names]
-        axes.loglog(x, y, marker=marker, label=family)
-        for name, xi, yi in zip(names, x, y, strict=True):
-            size = name.rsplit(": ", 1)[1]
-            axes.annotate(size, (xi, yi), textcoords="offset points", xytext=(4, 4), fontsize=8)
-    axes.set_xlabel("time of one equilibrium, compiled [ms]")
-    axes.set_ylabel("error of the stroke [-]")
-    axes.set_title("Guide at 10 mm: elements a leaf spring, or the order of one", fontsize=11)
-    axes.grid(True, which="major", alpha=0.4)
-    axes.legend(fontsize=8)
-    figure.savefig(RESULTS / "large_deflection.png", dpi=120)
-
-
 def main() -> None:
     """Compute, time, print, save and draw."""
     import numpy as np
-    from record import PACKAGES, interleaved, save, show
+    from record import PACKAGES, chart, interleaved, save, show
 
     import flexmb as fm
     from flexmb import spatial
@@ -169,7 +138,8 @@ def main() -> None:
     errors = [found[f"SPACAR beams: {n}"]["error"] for n in BEAMS]
     np.testing.assert_allclose(np.divide(errors[2:-1], errors[3:]), 4, rtol=0.2)
     save("large_deflection", {"stroke": exact, "found": found, "times": timed}, PACKAGES + took_part)
-    draw(found, timed)
+    title = "Guide at 10 mm: elements a leaf spring, or the order of one"
+    chart("large_deflection", found, timed, title, "time of one equilibrium, compiled", "error of the stroke")
 
 
 if __name__ == "__main__":

@@ -92,37 +92,9 @@ def first_call(plane: bool, cache: str | None) -> float:
         cache: Folder of compiled code, or None.
     """
     code = FIRST.format(cache=f"fm.enable_cache({cache!r})" if cache else "", plane=plane)
-    environment = {**os.environ, "PYTHONPATH": str(HERE), "JAX_PLATFORMS": "cpu"}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")]), "JAX_PLATFORMS": "cpu"}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     return float(run.stdout)
-
-
-def draw(found, timed):
-    """Chart of error against time.
-
-    Args:
-        found: Entries by name, with their error.
-        timed: Times by name.
-    """
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from record import RESULTS
-
-    families: dict[str, list[str]] = {}
-    for name in found:
-        families.setdefault(name.rsplit(": ", 1)[0], []).append(name)
-    figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
-    for (family, names), marker in zip(families.items(), "osD^v<>", strict=False):
-        x, y = [timed[name]["median"] for name in names], [found[name]["error"] for name in names]
-        axes.loglog(x, y, marker=marker, label=family)
-    axes.set_xlabel("time of one second of motion, compiled [s]")
-    axes.set_ylabel("greatest error of the bar's position, over 1 mm [-]")
-    axes.set_title("Guide of steel released from 1 mm", fontsize=11)
-    axes.grid(True, which="major", alpha=0.4)
-    axes.legend(fontsize=8)
-    figure.savefig(RESULTS / "motion.png", dpi=120)
 
 
 def main() -> None:
@@ -131,7 +103,7 @@ def main() -> None:
     import jax
     import jax.numpy as jnp
     import numpy as np
-    from record import PACKAGES, interleaved, save, show
+    from record import PACKAGES, chart, interleaved, save, show
 
     import flexmb as fm
 
@@ -182,7 +154,8 @@ def main() -> None:
     timed |= interleaved({"jnp.linalg.eigh, 38 x 38": lambda: jax.block_until_ready(eigh(symmetric))}, RUNS, 100)
     show("One second of motion, compiled", timed)
     save("motion", {"first_call_s": first, "found": found, "times": timed}, (*PACKAGES, "diffrax"))
-    draw(found, timed)
+    title, error = "Guide of steel released from 1 mm", "greatest error of the bar's position, over 1 mm"
+    chart("motion", found, timed, title, "time of one second of motion", error)
 
 
 if __name__ == "__main__":

@@ -77,3 +77,40 @@ def show(title: str, times: dict[str, dict[str, float]]) -> None:
     print(title)
     for name, t in times.items():
         print(f"  {name:<44}{1e3 * t['median']:10.3f} ms   ({1e3 * t['min']:.3f} to {1e3 * t['max']:.3f})")
+
+
+def chart(
+    name: str, found: dict[str, dict], timed: dict[str, dict[str, float]], title: str, time: str, error: str
+) -> None:
+    """Draw error against time, one line for each family of variants.
+
+    Args:
+        name: File name without its ending.
+        found: Entries with their "error", by names "family: size".
+        timed: Times by the same names [s].
+        title: Heading.
+        time: Label of the times.
+        error: Label of the errors.
+    """
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    families: dict[str, list[str]] = {}
+    for variant in found:
+        families.setdefault(variant.rsplit(": ", 1)[0], []).append(variant)
+    figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
+    for (family, variants), marker in zip(families.items(), "osD^v<>", strict=False):
+        x, y = [1e3 * timed[v]["median"] for v in variants], [found[v]["error"] for v in variants]
+        axes.loglog(x, y, marker=marker, label=family)
+        for variant, xi, yi in zip(variants, x, y, strict=True):
+            size = variant.rsplit(": ", 1)[1]
+            axes.annotate(size, (xi, yi), textcoords="offset points", xytext=(4, 4), fontsize=8)
+    axes.set_xlabel(f"{time} [ms]")
+    axes.set_ylabel(f"{error} [-]")
+    axes.set_title(title, fontsize=11)
+    axes.grid(True, which="major", alpha=0.4)
+    axes.legend(fontsize=8)
+    RESULTS.mkdir(exist_ok=True)
+    figure.savefig(RESULTS / f"{name}.png", dpi=120)

@@ -1,11 +1,14 @@
 """Companions that several element types share: uncoupled springs and dampers, and laws of the user's own."""
 
+import functools
 import inspect
 from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
+
+from .element import Element
 
 
 def diagonal_stiffness(n: int) -> Callable[..., Any]:
@@ -79,3 +82,42 @@ def as_law(characteristic: Callable[..., Any]) -> Callable[..., Any]:
     ref = inspect.Parameter("ref", inspect.Parameter.KEYWORD_ONLY)
     setattr(law, "__signature__", inspect.Signature([*ends, ref, *own]))  # noqa: B010
     return law
+
+
+def spring_damper_of(
+    deformation: Callable[..., Any], check: Callable[..., list[str]] | None = None
+) -> Callable[..., Element]:
+    """Element types of one deformation whose stress is a law of the user's own.
+
+    Args:
+        deformation: Deformation function with one value, e1.
+        check: Companion ``check``, if any.
+
+    Returns:
+        Function from a law to an element type; the same law gives the same type.
+    """
+
+    @functools.cache
+    def spring_damper(law: Callable[..., Any]) -> Element:
+        """Spring, damper or actuator with a force or moment of one's own.
+
+        e1 change of the distance of two points [m], or rotation of body q relative to body p [rad], in space about the
+        property axis (global, undeformed state). Its stress resultant is the force that pulls the points together, or
+        the moment on body p. It holds nothing: the hinge beside it does.
+
+        Args:
+            law: ``f(e, ed, **properties) -> ()``, force [N] or moment [N m] of e1 and its rate. Its keyword-only
+                parameters are properties of the element. Define it once: each function is an element type of its own.
+
+        Returns:
+            Element type.
+
+        Raises:
+            TypeError: The law does not take a deformation and a rate.
+
+        Source:
+            The power is law times ed.
+        """
+        return Element(deformation, law=as_law(law), check=check)
+
+    return spring_damper

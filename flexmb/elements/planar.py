@@ -3,10 +3,6 @@
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
 """
 
-import functools
-from collections.abc import Callable
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -15,7 +11,7 @@ from jaxtyping import Array, Float
 from ..math.rotation import rotation_plane
 from . import beams, spectral, transmission
 from .element import ALL, Element
-from .laws import as_law, diagonal_damping, diagonal_stiffness
+from .laws import diagonal_damping, diagonal_stiffness, spring_damper_of
 from .nodes import Angle, Point2
 from .sections import Damping, Section
 
@@ -206,23 +202,7 @@ def _spring_damper(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
     return beams.truss(p, q, ref=ref)
 
 
-@functools.cache
-def spring_damper(law: Callable[..., Any]) -> Element:
-    """Spring, damper or actuator between two points, with a force of one's own.
-
-    e1 change of the distance [m]; its stress resultant is the force that pulls the points together.
-
-    Args:
-        law: ``f(e, ed, **properties) -> ()``, force [N] of e1 and its rate. Its keyword-only parameters are properties
-            of the element. Define it once: each function is an element type of its own.
-
-    Returns:
-        Element type.
-
-    Source:
-        The force's power is law times ed.
-    """
-    return Element(_spring_damper, law=as_law(law), check=beams.check_length)
+spring_damper = spring_damper_of(_spring_damper, beams.check_length)
 
 
 def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
@@ -230,22 +210,7 @@ def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1
     return _hinge(rot_p, rot_q, ref=ref)
 
 
-@functools.cache
-def rotary_spring_damper(law: Callable[..., Any]) -> Element:
-    """Spring, damper or motor between two bodies, with a moment of one's own.
-
-    e1 rotation of body q relative to body p [rad]; its stress resultant is the moment on body p.
-
-    Args:
-        law: ``f(e, ed, **properties) -> ()``, moment [N m] of e1 and its rate; see :func:`spring_damper`.
-
-    Returns:
-        Element type.
-
-    Source:
-        The moment's power is law times ed.
-    """
-    return Element(_rotary_spring_damper, law=as_law(law))
+rotary_spring_damper = spring_damper_of(_rotary_spring_damper)
 
 
 gear = transmission.gear

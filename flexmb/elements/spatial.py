@@ -3,10 +3,6 @@
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
 """
 
-import functools
-from collections.abc import Callable
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -15,7 +11,7 @@ from jaxtyping import Array, Float
 from ..math.rotation import initial_frame, lbar, turned
 from . import beams, joints, spectral
 from .element import Element
-from .laws import as_law
+from .laws import spring_damper_of
 from .nodes import Point3, Rotation3
 from .sections import Damping, Section
 
@@ -212,23 +208,7 @@ def _spring_damper(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
     return beams.truss(p, q, ref=ref)
 
 
-@functools.cache
-def spring_damper(law: Callable[..., Any]) -> Element:
-    """Spring, damper or actuator between two points, with a force of one's own.
-
-    e1 change of the distance [m]; its stress resultant is the force that pulls the points together.
-
-    Args:
-        law: ``f(e, ed, **properties) -> ()``, force [N] of e1 and its rate. Its keyword-only parameters are properties
-            of the element. Define it once: each function is an element type of its own.
-
-    Returns:
-        Element type.
-
-    Source:
-        The force's power is law times ed.
-    """
-    return Element(_spring_damper, law=as_law(law), check=beams.check_length)
+spring_damper = spring_damper_of(_spring_damper, beams.check_length)
 
 
 def _rotary_spring_damper(
@@ -238,24 +218,7 @@ def _rotary_spring_damper(
     return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]
 
 
-@functools.cache
-def rotary_spring_damper(law: Callable[..., Any]) -> Element:
-    """Spring, damper or motor about the axis of a hinge, with a moment of one's own.
-
-    e1 rotation of body q relative to body p about the axis [rad]; its stress resultant is the moment on body p about
-    the axis. It holds nothing: the hinge beside it does. Properties: axis (global, undeformed state), and those of the
-    law.
-
-    Args:
-        law: ``f(e, ed, **properties) -> ()``, moment [N m] of e1 and its rate; see :func:`spring_damper`.
-
-    Returns:
-        Element type.
-
-    Source:
-        The moment's power is law times ed.
-    """
-    return Element(_rotary_spring_damper, law=as_law(law), check=joints.check_axis)
+rotary_spring_damper = spring_damper_of(_rotary_spring_damper, joints.check_axis)
 
 
 def _nothing_at(p: Point3, *, ref) -> Float[Array, "0"]:

@@ -91,29 +91,6 @@ def test_four_bars_pass_their_singular_position(loops):
     assert np.max(np.abs(seen.e)) < 1e-9
 
 
-def test_heavy_top():
-    """REFERENCES C5: t = 0.5 and 1, Runge-Kutta of order 8."""
-    model = motions.body((0.234375, 0.46875, 0.234375), (0, 150, -4.61538), 15.0, (0, 1, 0), (0, 0, -9.81)).build()
-    found = fm.simulate(model, np.array([0, 0.5, 1.0]), solver=diffrax.Dopri8(), rtol=1e-10, atol=1e-10)
-    expected = [(-0.7024683, -0.0211652, -0.7114003), (0.1733440, 0.6400886, -0.7484908)]
-    np.testing.assert_allclose(found.at("centre")[1:], expected, atol=1e-6)
-    np.testing.assert_allclose(motions.body_rates(found)[1:, 1], 150, rtol=1e-8)
-    seen = found.observe()
-    # The reference counts the potential from the fixed point, where the centre of mass starts.
-    np.testing.assert_allclose(seen.energy, 5435.69679086, rtol=1e-8)
-
-
-def test_body_flips_about_its_middle_axis():
-    """REFERENCES D5: period of the middle rate, by elliptic functions."""
-    period = 57.4628488744
-    model = motions.body((1, 2, 3), (1e-3, 1, 0)).build()
-    times = np.array([0, period / 2, period])
-    found = fm.simulate(model, times, solver=diffrax.Dopri8(), rtol=1e-11, atol=1e-11)
-    rates = motions.body_rates(found)
-    np.testing.assert_allclose(rates[1], (1e-3, -1, 0), atol=2e-6)
-    np.testing.assert_allclose(rates[2], rates[0], atol=2e-6)
-
-
 def test_loads_as_functions_of_time():
     """A mass on a spring under a force that ramps up and stays: closed form, with the bend stepped onto."""
     b = fm.Builder()
