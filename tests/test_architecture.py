@@ -21,7 +21,8 @@ ROWS = [
     ("build",),
     ("statespace", "iosystem", "mechanisms"),
     ("io",),
-    ("design", "plot"),
+    ("design",),
+    ("plot",),
     ("cli",),
     ("__main__",),
 ]
