@@ -149,6 +149,8 @@ def test_condition_of_the_derivatives_of_an_equilibrium():
             b.fix(f"n{i}", *("xy" if i == 0 else "y"))
         b.add(planar.truss, "n0", "n1", section=fm.Rigidity(EA=first))
         b.add(planar.truss, "n1" if joined else "n0", "n2", section=fm.Rigidity(EA=second * (1 if joined else 2)))
+        b.dof("n1", "x")
+        b.dof("n2", "x")
         return fm.linearize(b.build()).condition
 
     assert chain(1.0, 1e6, joined=False) == pytest.approx(1.0)
