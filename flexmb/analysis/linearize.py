@@ -89,6 +89,12 @@ class Linearization(Record):
         """Names."""
         return self.model.labels
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
     """Equilibrium and linearisation in one; part of the compiled kernels.
