@@ -19,6 +19,7 @@ from ..model.model import Model
 from ..plot.geometry import PLACES, lines, masses, nodes_of
 from ..plot.marks import Mark, dofs, loads, supports
 from ..plot.modes import AMPLITUDE, factor_of, title_of
+from ..plot.self_stress import title_of as title_of_self_stress
 from ..plot.state import state_of
 from ..plot.stress import colours_of, values_of
 from .scene import (
@@ -215,7 +216,7 @@ def _of_self_stress(found: Mobility, stress: Any) -> View:
         for i, line in enumerate(drawn):
             values[state, i] = part.get(line.element, np.nan)
     colours = Colours("largest stress resultant, relative [-]", "plasma_r", 0.0, 1.0, values)
-    choices = tuple(f"self-stress {i + 1} of {found.overconstraints}" for i in range(found.overconstraints))
+    choices = tuple(title_of_self_stress(found, state) for state in range(found.overconstraints))
     return _with_lines(model, base, [], "self-stress", colours, loaded=base, choices=choices)
 
 

@@ -105,7 +105,10 @@ export class Overlay {
     });
     data.parts.forEach((part, i) => {
       if (!visible[i]) return;
-      const [x, y] = this.project(motion.points, part.start + (part.count >> 1));
+      const [before, after] = [Math.floor, Math.ceil].map((round) =>
+        this.project(motion.points, part.start + round((part.count - 1) / 2)),
+      );
+      const [x, y] = before.map((value, k) => (value + after[k]) / 2);
       this.text(part.name, x + 6, y + 6, css(colours.text, 0.65), "left", "italic 12px system-ui, sans-serif");
     });
   }

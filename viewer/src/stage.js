@@ -23,7 +23,7 @@ import { css } from "./theme.js";
 
 // A colour is shown as it is given where a face looks at the reader, so that it is the one of the scale.
 ColorManagement.enabled = false;
-const AMBIENT = 0.6;
+const AMBIENT = 0.7;
 const MARGIN = 1.25;
 
 /** Whether a processor draws in place of a graphics card: smooth edges then cost many times the rest. */
