@@ -15,18 +15,23 @@ const KINDS = ["beam", "bar", "rigid", "spring", "joint", "hinge"];
 const MARKS = ["supports", "masses", "loads", "dofs", "names", "ghost"];
 const byId = (id) => document.getElementById(id);
 
+/** Where the points get to: in the states, or at both ends of the swing of every mode. */
+function reached({ kind, base, states, amplitude }) {
+  if (kind !== "modes") return [states];
+  return [-amplitude[0], amplitude[0]].map((factor) => states.map((move, i) => base[i % base.length] + factor * move));
+}
+
 class Viewer {
   constructor(data) {
     this.data = data;
-    const reach = data.kind === "modes" ? [data.base] : [data.base, data.states];
-    const around = box([...reach, data.nodes.base]);
-    this.extent = around.extent;
+    const around = box([data.base, data.nodes.base, ...reached(data)]);
+    this.extent = box([data.base, data.nodes.base]).extent;
     this.motion = new Motion(data);
     this.plays = data.kind === "modes" || this.motion.rows > 1;
     this.stage = new Stage(byId("scene"), data, around);
-    this.sweep = new Sweep(data, around.extent);
+    this.sweep = new Sweep(data, this.extent);
     this.stage.scene.add(this.sweep.mesh);
-    this.overlay = new Overlay(byId("overlay"), data, around.extent);
+    this.overlay = new Overlay(byId("overlay"), data, this.extent);
     this.state = { choice: 0, amplitude: data.amplitude[0], position: data.kind === "modes" ? 0.25 : 1, speed: 1 };
     this.playing = false;
     this.framesPerSecond = 0;

@@ -1,11 +1,9 @@
-/** The three-dimensional picture: camera, light, elements and ghost. */
+/** The three-dimensional picture: camera, elements and ghost. */
 import {
-  AmbientLight,
   BufferAttribute,
   BufferGeometry,
   Color,
   ColorManagement,
-  DirectionalLight,
   LinearSRGBColorSpace,
   LineBasicMaterial,
   LineSegments,
@@ -21,9 +19,8 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { MANY } from "./sweep.js";
 import { css } from "./theme.js";
 
-// A colour is shown as it is given where a face looks at the reader, so that it is the one of the scale.
+// Colours are shown as they are given.
 ColorManagement.enabled = false;
-const AMBIENT = 0.7;
 const MARGIN = 1.25;
 
 /** Whether a processor draws in place of a graphics card: smooth edges then cost many times the rest. */
@@ -35,11 +32,26 @@ function isSoftware() {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
-/** Line segments between the points of every part. */
-function segments(data) {
+/** Whether the points of a part lie on the line between its ends. */
+function isStraight(base, { start, count }, close) {
+  const [first, last] = [start, start + count - 1].map((i) => base.subarray(3 * i, 3 * i + 3));
+  const along = first.map((value, k) => last[k] - value);
+  const square = along.reduce((sum, value) => sum + value * value, 0) || 1;
+  for (let i = start + 1; i < start + count - 1; i += 1) {
+    const from = first.map((value, k) => base[3 * i + k] - value);
+    const share = from.reduce((sum, value, k) => sum + value * along[k], 0) / square;
+    if (share < 0 || share > 1 || Math.hypot(...from.map((value, k) => value - share * along[k])) > close) return false;
+  }
+  return true;
+}
+
+/** Line segments along every part, one where it is straight. */
+function segments({ base, parts }, extent) {
   const index = [];
-  for (const { start, count } of data.parts) {
-    for (let i = start; i + 1 < start + count; i += 1) index.push(i, i + 1);
+  for (const part of parts) {
+    const end = part.start + part.count - 1;
+    const step = part.count > 1 && isStraight(base, part, 1e-3 * extent) ? end - part.start : 1;
+    for (let i = part.start; i < end; i += step) index.push(i, i + step);
   }
   return index;
 }
@@ -54,14 +66,9 @@ export class Stage {
     this.camera = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
     this.camera.up.set(0, this.planar ? 1 : 0, this.planar ? 0 : 1);
     this.scene = new Scene();
-    const sun = new DirectionalLight(0xffffff, (1 - AMBIENT) * Math.PI);
-    this.camera.add(sun, sun.target);
-    sun.position.set(0, 0, 1);
-    sun.target.position.set(0, 0, 0);
-    this.scene.add(this.camera, new AmbientLight(0xffffff, AMBIENT * Math.PI));
     this.ghost = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.ghost.geometry.setAttribute("position", new BufferAttribute(data.base, 3));
-    this.ghost.geometry.setIndex(segments(data));
+    this.ghost.geometry.setIndex(segments(data, around.extent));
     this.ghost.frustumCulled = false;
     this.scene.add(this.ghost);
     this.controls = new OrbitControls(this.camera, canvas);

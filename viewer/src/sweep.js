@@ -1,11 +1,25 @@
 /** All elements as one mesh: the outline of a section swept along each line. */
-import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshLambertMaterial } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, ShaderMaterial } from "three";
 
 // Radius of what has no section, and least half side of what has one, as share of the extent.
 const RADIUS = { beam: 0.003, bar: 0.002, rigid: 0.006, spring: 0.0015, joint: 0.0015 };
 const LEAST = 0.0015;
 // From so many elements on a section is drawn as the cross of its two middle planes, a third of the triangles.
 export const MANY = 500;
+
+// Light comes from the reader: a face that looks there has just the colour that it was given, that of the scale.
+const VERTEX = `
+  varying vec3 shown;
+  void main() {
+    float facing = abs(normalize(normalMatrix * normal).z);
+    shown = color * (0.65 + 0.35 * facing);
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }`;
+const FRAGMENT = `
+  varying vec3 shown;
+  void main() {
+    gl_FragColor = vec4(shown, 1.0);
+  }`;
 
 /**
  * What is swept along a line. Each vertex: where it lies over the half sides, along the width and the thickness, and its
@@ -87,7 +101,8 @@ export class Sweep {
       this.geometry.setAttribute(name, new BufferAttribute(array, 3, normalised).setUsage(DynamicDrawUsage));
     }
     this.pieces = this.parts.map((part) => (part.count > 1 ? triangles(part) : []));
-    const material = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide });
+    const shaders = { vertexShader: VERTEX, fragmentShader: FRAGMENT };
+    const material = new ShaderMaterial({ ...shaders, vertexColors: true, side: DoubleSide });
     this.mesh = new Mesh(this.geometry, material);
     this.mesh.frustumCulled = false;
   }
