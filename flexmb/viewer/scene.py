@@ -13,8 +13,9 @@ from ..plot.modes import AMPLITUDE, STEP
 from .sections import Shape, across_of, shapes_of
 
 # A line has as few points as leave it within this share of the mechanism's extent of the one with all of them, in every
-# state that is looked at, and its colours within this share of their range.
-CLOSE = 1e-3
+# state that is looked at; where there are many lines, within the second share. Its colours are within a share of their
+# range.
+CLOSE, CLOSE_OF_MANY, MANY = 3e-4, 1e-3, 500
 CLOSE_COLOUR = 1e-2
 LOOKED_AT = 9
 # Steps through the places of a line; the last leaves its ends alone.
@@ -237,7 +238,7 @@ def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[s
 def _kept(seen: list[list[np.ndarray]], values: np.ndarray | None) -> list[np.ndarray]:
     """Which points of every line are drawn; ``seen`` holds the lines in several states."""
     everything = np.concatenate(seen[0]) if seen[0] else np.zeros((0, 2))
-    close = CLOSE * extent_of(everything)
+    close = (CLOSE if len(seen[0]) < MANY else CLOSE_OF_MANY) * extent_of(everything)
     finite = None if values is None else values[np.isfinite(values)]
     colour_close = CLOSE_COLOUR * float(np.max(np.abs(finite))) if finite is not None and finite.size else np.inf
     keep = [np.arange(len(points)) for points in seen[0]]

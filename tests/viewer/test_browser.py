@@ -280,6 +280,20 @@ def test_a_motion_plays_its_states(browser, tmp_path):
     assert points(page)[-1, 0] == pytest.approx(1 + 3 * ((x[1] + x[2]) / 2 - 1), abs=1e-5)
 
 
+def test_a_notebook_shows_it_in_a_frame(browser, view, tmp_path):
+    (tmp_path / "notebook.html").write_text(f"<!doctype html><meta charset='utf-8'>{view._repr_html_()}")
+    browser.get_log("browser")
+    browser.get((tmp_path / "notebook.html").as_uri())
+    browser.switch_to.frame(0)
+    try:
+        until(browser, "Boolean(v && v.project)")
+        browser.execute_script("window.flexmb.seek(0.25)")
+        np.testing.assert_allclose(points(browser), swung(view, 0, view.amplitude, 0.25), atol=1e-6 * LENGTH)
+        assert not [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    finally:
+        browser.switch_to.default_content()
+
+
 def test_two_thousand_beams_are_played(browser, tmp_path):
     """That they play; how fast depends on who draws (README)."""
     b = fm.Builder()

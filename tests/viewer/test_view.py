@@ -95,13 +95,13 @@ def test_page_has_the_points_and_names_that_were_computed(guide, modes):
     for name, kind, start, count, _ in data["parts"]:
         own = base[start : start + count, :2]
         np.testing.assert_allclose(own[[0, -1]], at[name][[0, -1]], atol=1e-8)
-        # Between its points a line is within a thousandth of the extent, for both parts of its shape.
+        # Between its points a line is where it was computed but for a small part of the extent.
         steps = np.linspace(0, 1, count)
         drawn = np.stack([np.interp(PLACES, steps, own[:, k]) for k in (0, 1)], axis=1)
-        assert np.max(np.linalg.norm(drawn - at[name], axis=1)) < 2e-3 * LENGTH
+        assert np.max(np.linalg.norm(drawn - at[name], axis=1)) < 5e-4 * LENGTH
         assert kind == ("rigid" if name == "bar" else "beam")
         # A bar has two points, a leaf spring in sway some more.
-        assert count == 2 if name == "bar" else 4 <= count <= 17
+        assert count == 2 if name == "bar" else 4 <= count <= 33
     assert data["nodes"]["names"] == ["left0", "left1", "right0", "right1"]
     assert data["choices"] == [f"mode 1: {float(modes.frequencies[0]):.5g} Hz"]
     assert data["supports"] == {"clamped": [0, 2], "supported": [], "prescribed": []}

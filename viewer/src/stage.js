@@ -113,7 +113,7 @@ export class Stage {
   best() {
     if (this.planar) return [0, 0, 1];
     const [x, y] = this.around.size;
-    return x < 0.5 * y ? [1, -0.45, 0.45] : [0.45, -1, 0.45];
+    return x < 0.5 * y ? [1, -0.4, 0.55] : [0.4, -1, 0.55];
   }
 
   turn(sideways, upwards) {
