@@ -175,6 +175,7 @@ def test_parts_are_hidden_by_kind_and_by_name(page):
     assert ask(page, "v.visible") == [True, True, False]
     assert without == whole - 6
     page.find_element("id", "elements-title").click()
+    until(page, "document.getElementById('elements-list').childElementCount > 0")
     ticks = page.find_elements("css selector", "#elements-list label")
     assert [tick.text.strip() for tick in ticks] == ["left 1 (beam)", "right 1 (beam)", "bar (rigid)"]
     ticks[0].click()

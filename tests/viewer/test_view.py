@@ -259,7 +259,9 @@ def test_self_stress_has_the_colours_of_its_parts():
     for part in view.lines.parts:
         values = view.colours.values[0, part.start : part.start + part.count]
         np.testing.assert_allclose(values, largest.get(part.name, np.nan))
-    element, number = found.release[0]
+    released = found.release[0]
+    assert released is not None
+    element, number = released
     assert view.choices == (f"self-stress 1 of 1: release e{number} of '{element}' to remove it",)
 
 

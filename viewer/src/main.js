@@ -1,8 +1,11 @@
 /** The viewer of one result: reads the page's data, draws it, and answers the reader's hand and keyboard. */
 import { box, read } from "./data.js";
+import { listen } from "./input.js";
 import { Motion } from "./motion.js";
 import { Overlay } from "./overlay.js";
-import { describe, pick } from "./pick.js";
+import { byId, KINDS, MARKS } from "./page.js";
+import { fill } from "./panel.js";
+import { describe } from "./pick.js";
 import { picture } from "./picture.js";
 import { Stage } from "./stage.js";
 import { Sweep } from "./sweep.js";
@@ -11,9 +14,6 @@ import * as theme from "./theme.js";
 // What a mode takes to swing once, and what a path or motion takes from its beginning to its end [s].
 const PERIOD = 2;
 const DURATION = 6;
-const KINDS = ["beam", "bar", "rigid", "spring", "joint", "hinge"];
-const MARKS = ["supports", "masses", "loads", "dofs", "names", "ghost"];
-const byId = (id) => document.getElementById(id);
 
 /** Where the points get to: in the states, or at both ends of the swing of every mode. */
 function reached({ kind, base, states, amplitude }) {
@@ -42,8 +42,8 @@ class Viewer {
     this.shown.colours = Boolean(data.colours);
     this.hidden = new Set();
     this.chosen = null;
-    this.panel();
-    this.listen();
+    fill(this);
+    listen(this);
     this.recolour();
     this.visibility();
     this.stage.look(this.stage.best());
@@ -147,6 +147,7 @@ class Viewer {
     byId("choice").value = String(this.state.choice);
     this.update();
     if (this.data.kind === "self-stress") this.paint();
+    byId("scene").setAttribute("aria-label", `${this.data.title}. ${choices[this.state.choice]}`);
     this.say(choices[this.state.choice]);
   }
 
@@ -245,147 +246,9 @@ class Viewer {
     byId("position").setAttribute("aria-valuetext", text);
   }
 
-  // The panel.
-
-  panel() {
-    const { data } = this;
-    byId("title").textContent = data.title;
-    byId("choice-row").hidden = !data.choices.length;
-    data.choices.forEach((name, i) => byId("choice").append(new Option(name, String(i))));
-    byId("play-row").hidden = byId("speed-row").hidden = !this.plays;
-    const moves = data.kind === "modes" || this.motion.rows > 0;
-    byId("amplitude-row").hidden = !moves;
-    byId("amplitude-label").textContent = data.kind === "modes" ? "Amplitude" : "Displacement";
-    byId("amplitude").max = String(data.amplitude[1]);
-    byId("amplitude").step = String(data.amplitude[1] / 100);
-    const has = {
-      ...Object.fromEntries(KINDS.map((kind) => [kind, data.parts.some((part) => part.kind === kind)])),
-      supports: Object.values(data.supports).some((nodes) => nodes.length),
-      masses: data.masses.length > 0,
-      loads: data.marks.some((mark) => mark.kind !== "dof"),
-      dofs: data.marks.some((mark) => mark.kind === "dof"),
-      names: true,
-      ghost: moves,
-      colours: Boolean(data.colours),
-    };
-    for (const [what, exists] of Object.entries(has)) {
-      byId(`show-${what}`).checked = this.shown[what];
-      byId(`show-${what}`).closest("label").hidden = !exists;
-    }
-    if (data.colours) this.legend();
-    byId("scene").setAttribute("aria-label", `${data.title}. ${data.choices[0] ?? ""}`);
-    this.setAmplitude(data.amplitude[0]);
-    this.setSpeed(1);
-    byId("theme").setAttribute("aria-pressed", String(theme.isDark()));
-    byId("look").hidden = this.stage.planar;
-  }
-
-  legend() {
-    const { label, low, high, table } = this.data.colours;
-    const stops = table.map(([r, g, b]) => `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)})`);
-    byId("legend-bar").style.background = `linear-gradient(to top, ${stops.join(", ")})`;
-    byId("legend-label").textContent = label;
-    byId("legend-high").textContent = Number(high.toPrecision(4));
-    byId("legend-middle").textContent = Number(((high + low) / 2).toPrecision(4));
-    byId("legend-low").textContent = Number(low.toPrecision(4));
-  }
-
-  /** List of elements with a box each, made when it is first opened. */
-  list() {
-    const list = byId("elements-list");
-    if (list.childElementCount) return;
-    for (const part of this.data.parts) {
-      const label = document.createElement("label");
-      const tick = Object.assign(document.createElement("input"), { type: "checkbox", checked: true });
-      tick.addEventListener("change", () => this.hide(part.name, !tick.checked));
-      label.append(tick, ` ${part.name} (${part.kind})`);
-      list.append(label);
-    }
-  }
-
-  filter(text) {
-    const wanted = text.trim().toLowerCase();
-    for (const label of byId("elements-list").children) {
-      label.hidden = !label.textContent.toLowerCase().includes(wanted);
-    }
-  }
-
-  listen() {
-    const on = (id, event, action) => byId(id).addEventListener(event, action);
-    on("choice", "change", () => this.choose(Number(byId("choice").value)));
-    on("play", "click", () => this.play(!this.playing));
-    on("position", "input", () => this.seek(Number(byId("position").value)));
-    on("amplitude", "input", () => this.setAmplitude(Number(byId("amplitude").value)));
-    on("speed", "input", () => this.setSpeed(Number(byId("speed").value)));
-    on("theme", "click", () => this.toggleTheme());
-    on("fit", "click", () => this.look(this.stage.best()));
-    on("save", "click", () => this.save());
-    on("elements", "toggle", () => this.list());
-    on("filter", "input", () => this.filter(byId("filter").value));
-    for (const [id, direction] of Object.entries({ "look-x": [1, 0, 0], "look-y": [0, -1, 0], "look-z": [0, -1e-4, 1] })) {
-      on(id, "click", () => this.look(direction));
-    }
-    for (const what of [...KINDS, ...MARKS, "colours"]) {
-      on(`show-${what}`, "change", (event) => this.show(what, event.target.checked));
-    }
-    on("scene", "pointermove", (event) => this.hover(event));
-    on("scene", "pointerleave", () => this.point(null));
-    on("scene", "keydown", (event) => this.arrows(event));
-    document.addEventListener("keydown", (event) => this.key(event));
-    this.stage.controls.addEventListener("change", () => (this.dirty = true));
-    new ResizeObserver(() => {
-      this.stage.resize();
-      this.overlaySize();
-    }).observe(byId("stage"));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
-  }
-
   look(direction) {
     this.stage.look(direction);
     this.overlaySize();
-  }
-
-  hover(event) {
-    if (event.buttons || !this.project) return;
-    this.point(pick(event.offsetX, event.offsetY, this), event.offsetX, event.offsetY);
-  }
-
-  arrows(event) {
-    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    if (!step) return;
-    event.preventDefault();
-    if (event.shiftKey || this.stage.planar) this.stage.move(-0.05 * step[0], -0.05 * step[1]);
-    else this.stage.turn(0.1 * step[0], 0.1 * step[1]);
-    this.dirty = true;
-  }
-
-  key(event) {
-    const { target } = event;
-    if (event.ctrlKey || event.metaKey || event.altKey || target.matches("select, input[type=search]")) return;
-    // A button or box in focus answers the space bar itself.
-    if (event.key === " " && target.matches("button, input, summary")) return;
-    const toggles = { n: "names", g: "ghost", c: "colours", l: "loads", d: "dofs" };
-    const actions = {
-      " ": () => this.play(!this.playing),
-      m: () => this.choose(this.state.choice + 1),
-      M: () => this.choose(this.state.choice - 1),
-      ".": () => this.seek(Math.min(1, this.state.position + 0.02)),
-      ",": () => this.seek(Math.max(0, this.state.position - 0.02)),
-      "+": () => this.stage.zoom(1.2),
-      "-": () => this.stage.zoom(1 / 1.2),
-      f: () => this.look(this.stage.best()),
-      e: () => this.step(1),
-      E: () => this.step(-1),
-      Escape: () => this.point(null),
-      t: () => this.toggleTheme(),
-      s: () => this.save(),
-    };
-    const what = toggles[event.key];
-    const action = what ? () => this.show(what, !this.shown[what]) : actions[event.key];
-    if (!action || (what && byId(`show-${what}`).closest("label").hidden)) return;
-    event.preventDefault();
-    action();
-    this.dirty = true;
   }
 
   /** Leave the picture as a PNG file; the answer is its address, for those who want it otherwise. */
