@@ -60,7 +60,7 @@ class Colours(NamedTuple):
     values: Float[np.ndarray, "rows points"]
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class View:
     """A page, and the numbers in it.
 
@@ -93,6 +93,9 @@ class View:
     masses: tuple[str, ...]
     amplitude: float
     largest_amplitude: float
+
+    def __repr__(self) -> str:
+        return f"View({self.title})"
 
     def html(self) -> str:
         """The page: one HTML document that fetches nothing."""

@@ -269,14 +269,24 @@ def test_a_motion_plays_its_states(browser, tmp_path):
     b.fix("wall")
     b.fix("cart", "y")
     b.mass("cart", 4.0)
+    b.force("cart", (1.0, 0))
     b.start("cart", "x", 0.1)
-    motion = fm.simulate(b.build(), np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
-    page = opened(browser, fm.view(motion), tmp_path)
+    model = b.build()
+    motion = fm.simulate(model, np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
+    forces = [fm.section_resultants(model, load_factor=factor) for factor in (0.0, 1.0, 3.0, -4.0)]
+    page = opened(browser, fm.view(motion, forces, "normal force"), tmp_path)
     page.execute_script("window.flexmb.seek(0.2)")
     # Half way between 0.1 and 0.3 s, however the times are spaced.
     x = np.asarray(motion.at("cart"))[:, 0]
     assert points(page)[-1, 0] == pytest.approx((x[1] + x[2]) / 2, abs=1e-6)
     assert ask(page, "document.getElementById('position-text').textContent") == "0.2000 s"
+    # So are the colours: 2 N on a scale that ends at 4 N, then its lower end.
+    assert ask(page, "v.motion.values[0]") == pytest.approx(2.0, rel=1e-6)
+    red, _, blue = ask(page, "Array.from(v.sweep.colours.slice(0, 3))")
+    assert red > blue + 50
+    move(page, "position", 1)
+    assert ask(page, "Array.from(v.sweep.colours.slice(0, 3))") == pytest.approx([59, 76, 192], abs=1)
+    move(page, "position", 0.2)
     move(page, "amplitude", 3)
     assert points(page)[-1, 0] == pytest.approx(1 + 3 * ((x[1] + x[2]) / 2 - 1), abs=1e-5)
 

@@ -304,6 +304,8 @@ def test_notebook_gets_a_frame_with_the_whole_page(modes):
     frame = view._repr_html_()
     assert html.unescape(re.search(r'srcdoc="(.*?)"', frame, re.DOTALL).group(1)) == view.html()
     assert 'title="Modes: 3 elements, 4 nodes"' in frame
+    # Notebooks keep the text beside it: a short one.
+    assert repr(view) == "View(Modes: 3 elements, 4 nodes)"
 
 
 # Refusals.
