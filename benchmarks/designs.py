@@ -43,7 +43,7 @@ def guide(beams: int):
 
 def first(model):
     """First natural frequency [Hz]."""
-    return fm.frequencies(model)[0]
+    return fm.frequencies(model, count=1)[0]
 
 
 def timed(call) -> float:

@@ -41,6 +41,8 @@ _ROOMS = {
     "analysis.closed_loop": ("Sampled",),
     "mechanics.controlled_form": ("Feedback",),
     "mechanics.drive": ("Table",),
+    "solvers.energy_keeping": ("EnergyKeeping",),
+    "solvers.generalized_alpha": ("GeneralizedAlpha",),
     "solvers.rosenbrock": ("Rodas5P",),
     "analysis.stress": ("Location", "SectionResultants", "Stress", "section_resultants", "stress"),
     "analysis.compliance": ("compliance", "directional_compliance"),

@@ -14,6 +14,7 @@ from ..results import RESULTS
 from .designs import checked_bounds
 from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .problem import Problem, make_problem
+from .progress import reporting
 from .search import Run, search
 from .sensitivities import REVERSE_COST
 
@@ -156,7 +157,7 @@ def tune(
     seed: int = 0,
     tolerance: float = 1e-6,
     max_evaluations: int = 1000,
-    progress: Callable[[int, float, float], None] | None = None,
+    progress: Callable[[int, float, float], None] | bool = False,
     throw: bool = True,
 ) -> Tuned:
     """Find dimensions within bounds that meet targets and keep limits.
@@ -180,7 +181,8 @@ def tune(
         seed: Of their places.
         tolerance: Relative violation of an equality that is none. Limits are kept, from inside by as much.
         max_evaluations: Of the answers and their derivatives, for each start.
-        progress: Called with the number of evaluations, the objective and the violation.
+        progress: True for a line that shows them, or a function called with the number of evaluations, the objective
+            and the violation.
         throw: Raise where no feasible or no optimal design is found; otherwise the code is in ``result``.
 
     Returns:
@@ -224,9 +226,10 @@ def tune(
     )
     _check_dependence(problem, layout.labels, kernel, unit, at_start[1], seed)
     units = [unit, *_other_starts(starts - 1, len(unit), seed)]
-    runs = [
-        search(problem, kernel, of_unit, u, optimizer, tolerance, max_evaluations, progress=progress) for u in units
-    ]
+    with reporting(progress, "evaluations, objective, violation") as report:
+        runs = [
+            search(problem, kernel, of_unit, u, optimizer, tolerance, max_evaluations, progress=report) for u in units
+        ]
     best = min(runs, key=lambda run: (not run.answered, run.violation > 2 * tolerance and run.violation, run.objective))
     found = _found(best, runs, problem, scaling, of_answers, at_start[0], tolerance)
     if throw and found.result is not RESULTS.successful:

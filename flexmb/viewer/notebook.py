@@ -45,11 +45,11 @@ def card(shown: Any) -> str | None:
         f'<td style="text-align: left">{html.escape(text)}</td></tr>'
         for name, text in rows.items()
     )
-    picture = _picture(draw)
+    name = type(shown).__name__
+    image = "" if draw is None else f'<img alt="{name}" src="data:image/png;base64,{_picture(draw)}">'
     return (
         '<div style="display: flex; flex-wrap: wrap; gap: 1em; align-items: center">'
-        f"<table><caption>{type(shown).__name__}</caption>{cells}</table>"
-        f'<img alt="{type(shown).__name__}" src="data:image/png;base64,{picture}"></div>'
+        f"<table><caption>{name}</caption>{cells}</table>{image}</div>"
     )
 
 
@@ -151,39 +151,20 @@ def _of_motion(found: Motion) -> tuple[Rows, Callable[[], Any]]:
     return rows, lambda: plot.history(found).figure
 
 
-def _of_sweep(found: Sweep) -> tuple[Rows, Callable[[], Any]]:
+def _of_sweep(found: Sweep) -> tuple[Rows, Callable[[], Any] | None]:
     failures = ", ".join(f"{count} {name}" for name, count in found.failures().items())
     rows = {"designs": str(len(found.codes)), "failed": failures or "none"}
     for name, values in found.answers.items():
         finite = values[np.isfinite(values)]
         unit = found.units.get(name, "")
         rows[name] = f"{_number(finite.min())} to {_number(finite.max())} {unit}".strip() if finite.size else "none"
-    return rows, lambda: _scatter(found)
-
-
-def _scatter(found: Sweep) -> Any:
-    """The first answer over the first dimension that varies."""
-    import matplotlib.pyplot as plt
-
-    figure = plt.figure(figsize=(4.2, 3.2), layout="constrained")
-    ax = figure.add_subplot()
-    numbers = {name: values for name, values in found.designs.items() if values.ndim == 1}
-    varied = [name for name, values in numbers.items() if np.ptp(values) > 0] or list(numbers)
-    answer = next((name for name, values in found.answers.items() if values.ndim == 1), None)
-    if varied and answer is not None:
-        ax.plot(numbers[varied[0]], found.answers[answer], ".")
-        ax.set_xlabel(_with_unit(varied[0], found))
-        ax.set_ylabel(_with_unit(answer, found))
-        ax.grid(visible=True, alpha=0.3)
-    return figure
-
-
-def _with_unit(name: str, found: Sweep) -> str:
-    return f"{name} [{found.units[name]}]" if name in found.units else name
+    drawn = [n for n, values in found.answers.items() if values.ndim == 1 and np.any(np.isfinite(values))]
+    varied = [n for n, values in found.designs.items() if np.ndim(values) == 1 and np.ptp(values) > 0]
+    return rows, (lambda: plot.sweep(found, drawn[0], varied[:2]).figure) if drawn and varied else None
 
 
 # What has one axis where a result is that of one mechanism, and what tells about it.
-_TELL: dict[type, tuple[Callable[[Any], Any], Callable[[Any], tuple[Rows, Callable[[], Any]]]]] = {
+_TELL: dict[type, tuple[Callable[[Any], Any], Callable[[Any], tuple[Rows, Callable[[], Any] | None]]]] = {
     Model: (lambda model: model.parameters.reference, _of_model),
     Linearization: (lambda lin: lin.matrices.x, _of_linearization),
     Modes: (lambda found: found.eigenvalues, _of_modes),

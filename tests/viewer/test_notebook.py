@@ -1,6 +1,7 @@
 """What notebooks show: tables with the numbers that matter, small pictures."""
 
 import base64
+import dataclasses
 import html
 import io
 import re
@@ -12,7 +13,7 @@ from mechanisms import planar_guide
 from PIL import Image
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import RESULTS, planar
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +87,12 @@ def test_sweep():
         spring, {"f": lambda m: fm.frequencies(m)[0]}, fm.grid(stiffness=[100.0, 400.0]), units={"f": "Hz"}
     )
     assert shown(found) == {"designs": "2", "failed": "none", "f": "0.79577 to 1.5915 Hz"}
+    # Nothing to draw where all designs failed.
+    failed = dataclasses.replace(found, answers={"f": np.full(2, np.nan)}, codes=np.full(2, 2))
+    text = failed._repr_html_()
+    assert text is not None
+    assert "<img" not in text
+    assert f">2 {RESULTS(2).name}<" in text
 
 
 def test_buckling():
