@@ -40,7 +40,7 @@ def framed(view: View) -> str:
     """
     content = html.escape(document(view), quote=True)
     return (
-        f'<iframe srcdoc="{content}" title="{html.escape(view.title)}" allow="fullscreen"'
+        f'<iframe srcdoc="{content}" title="{html.escape(view.title)}"'
         f' style="width: 100%; height: {FRAME_HEIGHT}px; border: 0"></iframe>'
     )
 
