@@ -59,6 +59,7 @@ _ROOMS = {
     "io.spacar_light": ("LightResults", "Struct", "StructArray", "spacar_light", "spacar_light_model"),
     "math.compile": ("jit",),
     "setup": ("enable_cache", "enable_x64"),
+    "viewer.view": ("View", "view"),
     "": ("plot",),
 }
 _WHERE = {name: room for room, names in _ROOMS.items() for name in names}

@@ -98,6 +98,8 @@ from .solvers.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .solvers.rosenbrock import Rodas5P as Rodas5P
 from .statespace import state_matrices as state_matrices
 from .statespace import to_statespace as to_statespace
+from .viewer.view import View as View
+from .viewer.view import view as view
 
 __version__: str
 _WHERE: dict[str, str]

@@ -104,6 +104,12 @@ class Linearization(Record):
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
     """Equilibrium and linearisation in one; part of the compiled kernels.

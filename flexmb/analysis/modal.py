@@ -48,6 +48,12 @@ class Modes(Record):
     stable: bool
     lin: Linearization
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def shift_to_definite(
     k: Float[Array, "n n"], m: Float[Array, "n n"]

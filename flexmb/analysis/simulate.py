@@ -108,6 +108,12 @@ class Motion(Record):
         model = self.model
         return _observe(model, self.driven, self.t, self.x, self.xd, self.near, self.u)
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 class Observed(Record):
     """Quantities that follow from positions and velocities, at every time.

@@ -108,6 +108,12 @@ class Sweep:
         about = {"units": self.units, "axes": list(self.axes), "failures": self.failures()}
         save_arrays(path, {**arrays, "codes": self.codes.reshape(shape)}, about)
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def sweep(
     build: Build,
