@@ -114,6 +114,28 @@ def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None
         marks(ax, np.array(places), "hinge", marker="o", markersize=8, color=BLACK, markerfacecolor="white", zorder=4)
 
 
+def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, color: str) -> None:
+    """Half-transparent faces as one collection.
+
+    Args:
+        ax: Axes.
+        quads: Corners of the quadrilaterals of each element, (quads, 4, d) [m].
+        label: Label of the collection.
+        color: Colour.
+    """
+    from matplotlib.collections import PolyCollection
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    if not quads:
+        return
+    style = {"facecolor": color, "edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5}
+    corners = np.concatenate(quads)
+    if ax.name == "3d":
+        ax.add_collection3d(Poly3DCollection(corners, **style), autolim=False)
+    else:
+        ax.add_collection(PolyCollection(corners, **style), autolim=False)
+
+
 def marks(ax: Any, points: Float[np.ndarray, "n d"], label: str, **style: Any) -> None:
     """Markers without a line.
 

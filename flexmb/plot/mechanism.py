@@ -6,8 +6,9 @@ import numpy as np
 
 from ..model.model import Model
 from . import marks as marked
-from .canvas import ARROW, BLACK, GREEN, RED, arrow, frame, marks, mechanism_lines, new_axes, write
+from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, write
 from .geometry import extent_of, lines, masses, nodes_of
+from .sections import strips
 from .state import displaced, state_of
 
 
@@ -23,6 +24,7 @@ def mechanism(
     dofs: bool = True,
     loads: bool = True,
     names: bool = False,
+    sections: bool = True,
     ax: Any = None,
 ) -> Any:
     """Draw a mechanism, undeformed or where a result says that it is.
@@ -43,6 +45,8 @@ def mechanism(
         loads: Arrows of all nodal forces, incremental ones added, and moments, each with its size. The longest arrow is
             the largest.
         names: Names of nodes and elements.
+        sections: Beams as wide as their sections are in space, as thick as they are in the plane, where the section has
+            an outline: not for given rigidities.
         ax: matplotlib Axes to draw in, in space with ``projection="3d"``; new ones unless given.
 
     Returns:
@@ -64,6 +68,8 @@ def mechanism(
         seen += [line.points for line in still]
     drawn = lines(model, x)
     mechanism_lines(ax, drawn)
+    quads = strips(model, x, drawn) if sections else []
+    faces(ax, quads, "section", BLUE)
     points = {name: x[indices] for name, indices in nodes_of(model).items()}
     seen = np.concatenate([*seen, *(line.points for line in drawn), np.array(list(points.values()))])
     marks(ax, np.array([x[i] for i in masses(model)]), "mass", marker="o", markersize=7, color=BLACK, zorder=3)
@@ -77,7 +83,8 @@ def mechanism(
             write(ax, point, f" {name}", va="bottom")
         for line in drawn:
             write(ax, line.points[len(line.points) // 2], line.element, color="#777777", style="italic", ha="center")
-    frame(ax, np.concatenate([seen, *(end[None] for end in ends)]))
+    edges = [own.reshape(-1, own.shape[-1]) for own in quads]
+    frame(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
     return ax
 
 

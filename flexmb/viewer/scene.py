@@ -10,7 +10,7 @@ from jaxtyping import Float
 from ..model.model import Model
 from ..plot.geometry import PLACES, Line, extent_of, lines, nodes_of, places_of_zigzag
 from ..plot.modes import AMPLITUDE, STEP
-from .sections import Shape, across_of, shapes_of
+from ..plot.sections import Shape, across_of, shapes_of
 
 # A line has as few points as leave it within this share of the mechanism's extent of the one with all of them, in every
 # state that is looked at; where there are many lines, within the second share. Its colours are within a share of their

@@ -14,6 +14,7 @@ from flexmb.io.answers import Answer
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.answer import image
 from flexmb.plot.geometry import lines
+from flexmb.plot.sections import strips
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -211,7 +212,7 @@ def test_mechanism_shows_supports_dofs_loads_and_names(guide):
     assert (float(arrow.U[0]), float(arrow.V[0])) == pytest.approx((0, -0.015))
     assert ax.get_xlabel() == "x [m]"
     without = plot.mechanism(guide, supports=False, dofs=False, loads=False)
-    assert labels_of(without) == {"beam", "rigid", "mass"}
+    assert labels_of(without) == {"beam", "rigid", "mass", "section"}
     assert not texts_of(without)
 
 
@@ -459,3 +460,27 @@ def test_plot_refuses_before_anything_is_computed(tmp_path, monkeypatch, target)
     assert result.exit_code == 2
     assert target in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_sections_are_drawn_as_wide_as_they_are():
+    """In space the width along local y, turned with a tip that turns by 60 degrees; in the plane the thickness."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (LENGTH, 0, 0))
+    b.add(spatial.beam, "foot", "tip", section=fm.Rectangle(0.02, 0.001, leaf().material), y=(0, 1, 0))
+    b.fix("foot")
+    model = b.build()
+    x = np.array(model.parameters.reference)
+    x[model.labels.known("tip.rotation")] = np.cos(np.pi / 6), np.sin(np.pi / 6), 0, 0
+    ax = plot.mechanism(model, at=fm.configuration(model), dofs=False)
+    quads = strips(model, x, lines(model, x))[0]
+    np.testing.assert_allclose(quads[0, 0] - quads[0, 3], (0, 0.02, 0), atol=1e-12)
+    turned = quads[-1, 1] - quads[-1, 2]
+    np.testing.assert_allclose(turned, 0.02 * np.array([0, 0.5, np.sqrt(3) / 2]), atol=1e-12)
+    drawn = collection(ax, "section")
+    assert len(drawn.get_facecolor()) >= 1
+    assert "section" not in labels_of(plot.mechanism(model, sections=False))
+    flat = cantilever(planar.beam)
+    drawn = collection(plot.mechanism(flat), "section")
+    heights = [np.ptp(path.vertices[:, 1]) for path in drawn.get_paths()]
+    np.testing.assert_allclose(heights, leaf().thickness)

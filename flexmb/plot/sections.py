@@ -11,7 +11,7 @@ from ..math.compile import jit
 from ..math.rotation import initial_frame
 from ..model.model import Model
 from ..model.topology import Block
-from ..plot.geometry import Line, names_of, parts_of, turns_of
+from .geometry import Line, names_of, parts_of, turns_of
 
 
 class Shape(NamedTuple):
@@ -145,3 +145,36 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """As ``np.cross`` of vectors in space, in a quarter of its time."""
     return a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]]
+
+
+# Of the places of a line, every so many is a corner of a strip.
+STRIDE = 6
+
+
+def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> list[Float[np.ndarray, "quads 4 d"]]:
+    """What is seen of the sections: in space their widths, in the plane their thicknesses or diameters.
+
+    Args:
+        model: Mechanism.
+        x: Nodal coordinates, (n_x,).
+        drawn: Its lines at these coordinates.
+
+    Returns:
+        Quadrilaterals of each element whose section has an outline, (quads, 4, d) [m].
+    """
+    shapes = shapes_of(model)
+    across = across_of(model, x, drawn, shapes)
+    found = []
+    for line in drawn:
+        shape = shapes.get(line.element)
+        if shape is None or (model.labels.dimension == 3 and line.element not in across):
+            continue
+        points = line.points[::STRIDE]
+        if model.labels.dimension == 3:
+            side = shape.width / 2 * across[line.element][::STRIDE]
+        else:
+            tangents = _unit(np.gradient(line.points, axis=0))[::STRIDE]
+            side = shape.thickness / 2 * np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
+        left, right = points + side, points - side
+        found.append(np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1))
+    return found
