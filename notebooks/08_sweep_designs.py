@@ -109,7 +109,7 @@ figure, ax = plt.subplots(layout="constrained")
 horizontal, vertical = 1e3 * sweep.axes["length"], 1e3 * sweep.axes["thickness"]
 lines = ax.contour(horizontal, vertical, frequency, levels=[2, 5, 10, 20, 50], colors="C0")
 ax.clabel(lines, fmt="%g Hz")
-lines = ax.contour(horizontal, vertical, buckling, levels=[20, 60, 200, 600], colors="C3", linestyles="--")
+lines = ax.contour(horizontal, vertical, buckling, levels=[20, 60, 200], colors="C3", linestyles="--")
 ax.clabel(lines, fmt="%g N")
 ax.set_xlabel("length [mm]")
 ax.set_ylabel("thickness [mm]")
