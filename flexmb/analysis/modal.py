@@ -131,7 +131,11 @@ def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
 
 @jit
 def _frequencies(topology: Topology, parameters: Parameters):
-    found = matrices(topology, parameters, LoadFactors(1.0, 0.0))
+    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)))
+
+
+@jit
+def _frequencies_at(found: Matrices):
     values, _, _, result = spectrum(found.K, found.M0)
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
@@ -152,11 +156,11 @@ def refuse_unsymmetric(symmetric: bool) -> None:
         )
 
 
-def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
+def frequencies(model: Model | Linearization, *, throw: bool = True) -> Float[Array, "n_q"]:
     """Natural frequencies about the static equilibrium under the constant loads.
 
     Args:
-        model: Mechanism; differentiable in ``model.parameters``.
+        model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
         throw: Raise where the equilibrium or the eigenproblem fails.
 
     Returns:
@@ -168,8 +172,12 @@ def frequencies(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    refuse_unsymmetric(not lacks_potential(model.topology))
-    values, result = _frequencies(model.topology, model.parameters)
+    if isinstance(model, Linearization):
+        refuse_unsymmetric(model.matrices.symmetric)
+        values, result = _frequencies_at(model.matrices)
+    else:
+        refuse_unsymmetric(not lacks_potential(model.topology))
+        values, result = _frequencies(model.topology, model.parameters)
     check(result, throw)
     return values
 
