@@ -33,7 +33,7 @@ steel = fm.Material(E=210e9, G=80e9, rho=7850)
 apart, mass, stroke, plates = 0.1, 0.5, 10e-3, 3e-3
 
 
-def guide(length, thickness, width, reinforced, *, order=3, beams=1, increment=False):
+def guide(length, thickness, width, reinforced, *, order=3, stroke=stroke):
     leaf = fm.Rectangle(width, thickness, steel)
     middle = fm.Rectangle(width, plates, steel)
     heights = length * jnp.stack([jnp.zeros(()), (1 - reinforced) / 2, (1 + reinforced) / 2, jnp.ones(())])
@@ -41,24 +41,18 @@ def guide(length, thickness, width, reinforced, *, order=3, beams=1, increment=F
     b.node("S", (apart / 2, length))
     for side, x in (("left", 0.0), ("right", apart)):
         b.node(f"{side} 0", (x, 0.0))
-        count = 0
-        for part in range(3):
-            for i in range(beams):
-                at = heights[part] + (heights[part + 1] - heights[part]) * (i + 1) / beams
-                b.node(f"{side} {count + 1}", (x, at))
-                element, section = (planar.beam, middle) if part == 1 else (planar.spectral_beam(order), leaf)
-                b.add(
-                    element, f"{side} {count}", f"{side} {count + 1}", name=f"{side} part {count + 1}", section=section
-                )
-                count += 1
+        for part in (1, 2, 3):
+            b.node(f"{side} {part}", (x, heights[part]))
+            element, section = (planar.beam, middle) if part == 2 else (planar.spectral_beam(order), leaf)
+            b.add(element, f"{side} {part - 1}", f"{side} {part}", name=f"{side} part {part}", section=section)
         b.fix(f"{side} 0")
-        b.add(planar.beam, "S", f"{side} {count}", name=f"stage {side}")  # no section: rigid
+        b.add(planar.beam, "S", f"{side} 3", name=f"stage {side}")  # no section: rigid
     b.mass("S", mass, inertia=mass * apart**2 / 12)
-    b.prescribe("S", "x", stroke, increment=increment)
+    b.prescribe("S", "x", stroke)
     return b.build()
 
 
-start = {"length": 0.1, "thickness": 0.4e-3, "width": 0.04, "reinforced": 0.5}
+start = {"length": 0.12, "thickness": 0.4e-3, "width": 0.06, "reinforced": 0.5}
 shown = fm.linearize(guide(**start))
 ax = fm.plot.stress(fm.stress(shown.model, at=shown), shown)
 
@@ -97,7 +91,9 @@ print({name: f"{value:.4g}" for name, value in before.items()})
 # %% [markdown]
 # ## The search
 #
-# Drive stiffness 1000 N/m, stress at most 300 MPa, first parasitic frequency at full stroke at least 200 Hz.
+# Drive stiffness 1000 N/m, stress at most 300 MPa, first parasitic frequency at full stroke at least 200 Hz. The start
+# fills the space that there is and has about the wanted drive stiffness, with half of each leaf spring reinforced. A
+# violation of a thousandth is none (`tolerance`), which is closer than such things are made.
 
 # %%
 limits = {"stress": (None, 300e6), "parasitic": (200.0, None)}
@@ -114,21 +110,20 @@ found = fm.tune(
     maximize="support",
     equal={"drive": 1000.0},
     limits=limits,
-    tolerance=1e-4,
+    tolerance=1e-3,
 )
 print(found)
 
 # %% [markdown]
-# The design takes the whole length and width that it may have, and reinforces so much that the ends carry the stress
-# they may. What is won over the stroke, and where the stress is:
+# Length and width stay at their bounds, the space there is. Thinner leaf springs, reinforced over more of their length,
+# carry at their ends the stress they may. What is won over the stroke, and where the stress is:
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
-factors = np.linspace(0, 1, 11)
+strokes = np.linspace(0, stroke, 9)
 for label, dimensions in (("start", start), ("found", found.dimensions)):
-    model = guide(**dimensions, increment=True)
-    values = [float(support(fm.linearize(model, increment=s))) for s in factors]
-    axes[0].plot(1e3 * stroke * factors, 1e-6 * np.array(values), label=label)
+    values = [float(support(fm.linearize(guide(**dimensions, stroke=s)))) for s in strokes]
+    axes[0].plot(1e3 * strokes, 1e-6 * np.array(values), label=label)
 axes[0].set_xlabel("stroke [mm]")
 axes[0].set_ylabel("support stiffness [N/μm]")
 axes[0].set_ylim(bottom=0)
@@ -140,12 +135,12 @@ ax = fm.plot.stress(fm.stress(lin.model, points=9, at=lin), lin, ax=axes[1])
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *A finer model* of the found design: every flexible end two spectral beams of order 5, every middle two cubic beams.
-# And for the drive stiffness a closed form of small strokes: a leaf spring whose middle is rigid over a share $p$ of
-# its length has $12EI/(l^3(1-p^3))$.
+# *A finer model* of the found design: every flexible end a spectral beam of order 5 instead of 3. And for the drive
+# stiffness a closed form of small strokes: a leaf spring whose middle is rigid over a share $p$ of its length has
+# $12EI/(l^3(1-p^3))$.
 
 # %%
-fine = fm.linearize(guide(**found.dimensions, order=5, beams=2))
+fine = fm.linearize(guide(**found.dimensions, order=5))
 checked = {name: float(f(fine)) for name, f in answers.items()}
 for name, value in checked.items():
     print(f"{name}: {found.answers[name]:.6g} found, {value:.6g} finer, {before[name]:.6g} at the start")
@@ -158,6 +153,6 @@ for name, value in checked.items():
     assert abs(value / found.answers[name] - 1) < 0.01, name
 assert checked["stress"] < 300e6 * 1.01
 assert checked["parasitic"] > 200.0
-assert abs(checked["drive"] / 1000 - 1) < 1e-3
+assert abs(checked["drive"] / 1000 - 1) < 2e-3
 assert abs(closed / 1000 - 1) < 0.05
-assert checked["support"] > 5 * before["support"]
+assert checked["support"] > 2 * before["support"]

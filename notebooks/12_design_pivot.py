@@ -121,6 +121,7 @@ found = fm.tune(
     minimize="shift",
     limits={"stress": (None, 320e6), "radial stiffness": (0.45e6, None)},
     scales={"ratio": "linear", "half": "linear"},
+    tolerance=1e-4,
 )
 print(found)
 print(f"half angle {np.degrees(found.dimensions['half']):.2f}°")
