@@ -92,7 +92,11 @@ def first_call(plane: bool, cache: str | None) -> float:
         cache: Folder of compiled code, or None.
     """
     code = FIRST.format(cache=f"fm.enable_cache({cache!r})" if cache else "", plane=plane)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")]), "JAX_PLATFORMS": "cpu"}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")]),
+        "JAX_PLATFORMS": "cpu",
+    }
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     return float(run.stdout)
 
