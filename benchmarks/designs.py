@@ -1,28 +1,30 @@
-"""Cost of a gradient by six dimensions and of a thousand designs of the spatial guide, compile apart."""
+"""Cost of one design of the spatial guide: its first frequency, the gradient by six dimensions, a thousand designs.
 
-import json
-import os
-import platform
+``python benchmarks/designs.py`` prints the table that README quotes, writes results/designs.json and draws
+results/designs.png; with the extra ``peers`` Exudyn stands beside it. Compile times are apart.
+"""
+
 import sys
 import time
 from pathlib import Path
 
-import jax
-import jax.numpy as jnp
-import numpy as np
-
-import flexmb as fm
-from flexmb import spatial
-from flexmb.build.carry import carried
-from flexmb.design.evaluate import build_once
-from flexmb.design.sweep import _kernel
-
+HERE = Path(__file__).parent
 POINT = {"length": 0.1, "width": 0.018, "thickness": 5e-4, "distance": 0.1, "stage": 0.2, "E": 210e9}
-REPEATS = 15
+BEAMS = (2, 4, 8)
+EXUDYN_BEAMS = (2, 4, 8, 16)
+DESIGNS = 1000
+# Relative step of Exudyn's differences; smaller ones are noise.
+STEP = 1e-3
 
 
 def guide(beams: int):
-    """Builder of the guide with 2 leaf springs of some beams each, all deformations free."""
+    """Function from dimensions to the guide with two leaf springs of some beams each, all deformations free.
+
+    Args:
+        beams: A leaf spring.
+    """
+    import flexmb as fm
+    from flexmb import spatial
 
     def build(length, width, thickness, distance, stage, E):
         leaf = fm.Rectangle(width, thickness, fm.Material(E=E, G=80e9, rho=7850.0))
@@ -42,64 +44,152 @@ def guide(beams: int):
 
 
 def first(model):
-    """First natural frequency [Hz]."""
-    return fm.frequencies(model)[0]
+    """First natural frequency [Hz].
+
+    Args:
+        model: Mechanism.
+    """
+    import flexmb as fm
+
+    return fm.frequencies(model, count=1)[0]
 
 
-def timed(call) -> float:
-    """Seconds of one call, finished."""
-    start = time.perf_counter()
+def once(call) -> float:
+    """Seconds of a first call, compiling included.
+
+    Args:
+        call: What to call.
+    """
+    import jax
+
+    begin = time.perf_counter()
     jax.block_until_ready(call())
-    return time.perf_counter() - start
+    return time.perf_counter() - begin
 
 
-def measure(beams: int) -> dict:
-    """Ratio of gradient to value, interleaved; agreement with central differences; a thousand designs."""
-    build = guide(beams)
+def ours(beams: int, found: dict, run: dict) -> None:
+    """Add our functions to time, and what they found: frequency, gradient against differences, compile times.
+
+    Args:
+        beams: A leaf spring.
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+    """
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+
+    import flexmb as fm
+    from flexmb.build.carry import carried
+    from flexmb.design.evaluate import build_once
+    from flexmb.design.sweep import _kernel
+
+    build, at = guide(beams), jnp.array(list(POINT.values()))
     models = build_once(build, POINT)
-    at = jnp.array(list(POINT.values()))
 
     def value(flat):
         with carried(models):
             return first(build(**dict(zip(POINT, flat, strict=True))))
 
     plain, both = fm.jit(value), fm.jit(jax.value_and_grad(value))
-    compile_plain, compile_both = timed(lambda: plain(at)), timed(lambda: both(at))
-    runs = np.array([(timed(lambda: plain(at)), timed(lambda: both(at))) for _ in range(REPEATS)])
-    slopes = np.asarray(both(at)[1] * at)
-    differences = []
-    for i in range(len(at)):
-        step = np.zeros(len(at))
-        step[i] = 1e-5
-        differences.append(float(plain(at * (1 + step)) - plain(at * (1 - step))) / 2e-5)
-    error = np.max(np.abs(slopes - differences)) / np.max(np.abs(slopes))
-    rng = np.random.default_rng(0)
-    designs = {name: v * rng.uniform(0.8, 1.2, 1000) for name, v in POINT.items()}
+    draw = np.random.default_rng(0)
+    designs = {name: v * draw.uniform(0.8, 1.2, DESIGNS) for name, v in POINT.items()}
     kernel = _kernel(build, {"first": first}, True, 1)
-    compile_sweep = timed(lambda: kernel(designs, 1000)[0]["first"])
-    sweeps = [timed(lambda: kernel(designs, 1000)[0]["first"]) for _ in range(5)]
-    medians = np.median(runs, axis=0)
-    return {
-        "beams": beams,
-        "value_ms": 1e3 * medians[0],
-        "value_and_gradient_ms": 1e3 * medians[1],
-        "gradient_over_value": float(np.median((runs[:, 1] - runs[:, 0]) / runs[:, 0])),
-        "error_against_differences": float(error),
-        "thousand_designs_s": float(np.median(sweeps)),
-        "compile_s": [compile_plain, compile_both, compile_sweep],
-    }
+    compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(designs, DESIGNS)[0])]
+    slopes, differences = np.asarray(both(at)[1] * at), []
+    for i in range(len(at)):
+        step = np.eye(len(at))[i] * 1e-5
+        differences.append(float(plain(at * (1 + step)) - plain(at * (1 - step))) / 2e-5)
+    error = float(np.max(np.abs(slopes - differences)) / np.max(np.abs(slopes)))
+    assert error < 1e-6, error
+    assert not np.any(kernel(designs, DESIGNS)[1])
+    frequency = float(plain(at))
+    entry = {"frequency": frequency, "slopes": (slopes / frequency).tolist()}
+    entry |= {"gradient_error": error, "compile_s": compiled}
+    found[f"flexmb, one design: {beams}"] = entry
+    run[f"flexmb, one design: {beams}"] = lambda: plain(at).block_until_ready()
+    run[f"flexmb, one design and its gradient: {beams}"] = lambda: jax.block_until_ready(both(at))
+    run[f"flexmb, each of a thousand: {beams}"] = lambda: kernel(designs, DESIGNS)
+
+
+def peers(found: dict, run: dict, gradient) -> tuple[str, ...]:
+    """Add Exudyn, where it is installed: a design built anew, and the gradient by central differences.
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+        gradient: Ours with 8 beams, d ln f/d ln dimension.
+
+    Returns:
+        Names of the packages that took part.
+    """
+    import numpy as np
+    import peer_exudyn
+
+    import flexmb as fm
+
+    if not peer_exudyn.installed():
+        print("Exudyn is not installed and is left out: pip install -e '.[peers]' brings it.")
+        return ()
+
+    def frequency(elements, point):
+        leaf = fm.Rectangle(
+            point["width"], point["thickness"], fm.Material(E=point["E"], G=80e9, rho=7850.0), shear=True
+        )
+        own = leaf.rigidity(), point["length"], point["distance"], point["stage"]
+        return peer_exudyn.first_frequency(*own, elements)
+
+    def slopes(elements):
+        steps = [{**POINT, name: POINT[name] * (1 + s)} for name in POINT for s in (STEP, -STEP)]
+        values = np.log([frequency(elements, point) for point in steps]).reshape(-1, 2)
+        return (values[:, 0] - values[:, 1]) / (2 * STEP)
+
+    for n in EXUDYN_BEAMS:
+        off = float(np.max(np.abs(slopes(n) - gradient)) / np.max(np.abs(gradient)))
+        found[f"Exudyn, one design: {n}"] = {"frequency": frequency(n, POINT), "gradient_error": off}
+        run[f"Exudyn, one design: {n}"] = lambda n=n: frequency(n, POINT)
+        run[f"Exudyn, gradient by differences: {n}"] = lambda n=n: slopes(n)
+    return ("exudyn",)
+
+
+def main() -> None:
+    """Compute, time, print, save and draw."""
+    import numpy as np
+    from record import PACKAGES, chart, interleaved, save, show
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    fm.enable_cache()
+    found: dict[str, dict] = {}
+    run: dict = {}
+    for beams in BEAMS:
+        ours(beams, found, run)
+    exact = float(first(guide(32)(**POINT)))
+    took_part = peers(found, run, np.array(found[f"flexmb, one design: {BEAMS[-1]}"]["slopes"]))
+    times = interleaved(run)
+    for name, t in times.items():
+        if "thousand" in name:
+            times[name] = {key: value / DESIGNS for key, value in t.items()}
+    show("First frequency of the guide, a design", times)
+    for name, entry in found.items():
+        entry["error"] = abs(entry["frequency"] / exact - 1)
+        errors = f"error {entry['error']:.1e}, of the gradient {entry['gradient_error']:.1e}"
+        print(f"{name:<32}{entry['frequency']:11.6f} Hz, {errors}")
+    for beams in BEAMS:
+        one, both = (times[f"flexmb, one design{more}: {beams}"]["median"] for more in ("", " and its gradient"))
+        print(f"{beams} beams: the gradient costs {both / one - 1:.2f} designs")
+    save("designs", {"frequency": exact, "found": found, "times": times}, PACKAGES + took_part)
+    errors = {name: {"error": found[_design(name)]["error"]} for name in times}
+    title, label = "First frequency of the guide; beams a leaf spring", "error of the frequency"
+    chart("designs", errors, times, title, "time of a design, compiled", label)
+
+
+def _design(name: str) -> str:
+    """Entry of the same discretisation."""
+    return f"{name.split(',')[0]}, one design: {name.rsplit(': ', 1)[1]}"
 
 
 if __name__ == "__main__":
-    fm.enable_x64()
-    fm.enable_cache()
-    about = {
-        "python": sys.version.split()[0],
-        "jax": jax.__version__,
-        "cpu": platform.processor(),
-        "cores": os.cpu_count(),
-    }
-    found = {**about, "date": time.strftime("%Y-%m-%d"), "runs": [measure(beams) for beams in (2, 8)]}
-    text = json.dumps(found, indent=1)
-    (Path(__file__).parent / "results" / "designs.json").write_text(text + "\n")
-    print(text)
+    sys.path.insert(0, str(HERE))
+    main()

@@ -30,7 +30,15 @@ def _exudyn():
     return exudyn
 
 
-def guide(rigidity, length: float, distance: float, force: float, elements: int, node: str = NODES[0]):
+def guide(
+    rigidity,
+    length: float,
+    distance: float,
+    force: float,
+    elements: int,
+    node: str = NODES[0],
+    masses: tuple[float, float] = (1.0, 0.0),
+):
     """Two leaf springs upright, joined by a rigid stage: feet clamped, pushed along the drive direction.
 
     Drawn with the leaf springs along x and the drive along z, so that the frames of the nodes are those of the space
@@ -43,6 +51,7 @@ def guide(rigidity, length: float, distance: float, force: float, elements: int,
         force: On the stage, along the drive direction [N].
         elements: A leaf spring.
         node: Class of its nodes, which says how they turn.
+        masses: Of both ends of the stage [kg].
 
     Returns:
         The container, which keeps the rest alive; the assembled system; the number of the loaded node.
@@ -77,8 +86,11 @@ def guide(rigidity, length: float, distance: float, force: float, elements: int,
         place = system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localPosition=[0.0, 0.0, z]))
         system.AddObject(item.GenericJoint(markerNumbers=[place, foot], constrainedAxes=locked))
         tops.append(chain[-1])
-    # The stage is a body on the first top, so that one joint is enough; statics asks nothing of its inertia.
-    stage = system.AddObject(item.ObjectRigidBody(mass=1.0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=tops[0]))
+    # The stage is a body on the first top, so that one joint is enough.
+    points = [1e-12, 1e-12, 1e-12, 0, 0, 0]
+    stage = system.AddObject(item.ObjectRigidBody(mass=masses[0], inertia=points, nodeNumber=tops[0]))
+    if masses[1]:
+        system.AddObject(item.ObjectRigidBody(mass=masses[1], inertia=points, nodeNumber=tops[1]))
     end = system.AddMarker(item.MarkerBodyRigid(bodyNumber=stage, localPosition=[0.0, 0.0, distance]))
     top = system.AddMarker(item.MarkerNodeRigid(nodeNumber=tops[1]))
     system.AddObject(item.GenericJoint(markerNumbers=[end, top], constrainedAxes=locked))
@@ -162,3 +174,20 @@ def fastest(rigidity, length: float, distance: float, force: float, elements: in
     good = [entry for entry in tried if abs(entry[2] / strict[2] - 1) < 1e-5]
     _, _, stroke, words, solve = min(good, key=lambda entry: entry[0])
     return {"solve": solve, "stroke": stroke, "settings": words}
+
+
+def first_frequency(rigidity, length: float, distance: float, stage: float, elements: int) -> float:
+    """First natural frequency of the unloaded guide, built anew [Hz].
+
+    Args:
+        rigidity: Section.
+        length: Of a leaf spring [m].
+        distance: Between the leaf springs [m].
+        stage: Its mass, half of it at either end [kg].
+        elements: A leaf spring.
+    """
+    masses = (stage / 2, stage / 2)
+    _, system, _ = built = guide(rigidity, length, distance, 0.0, elements, "NodeRigidBodyRotVecLG", masses)
+    values, _ = system.ComputeODE2Eigenvalues(numberOfEigenvalues=1, convert2Frequencies=True)
+    del built
+    return float(values[0])

@@ -41,6 +41,8 @@ _ROOMS = {
     "analysis.closed_loop": ("Sampled",),
     "mechanics.controlled_form": ("Feedback",),
     "mechanics.drive": ("Table",),
+    "solvers.energy_keeping": ("EnergyKeeping",),
+    "solvers.generalized_alpha": ("GeneralizedAlpha",),
     "solvers.rosenbrock": ("Rodas5P",),
     "analysis.stress": ("Location", "SectionResultants", "Stress", "section_resultants", "stress"),
     "analysis.compliance": ("compliance", "directional_compliance"),
@@ -57,6 +59,7 @@ _ROOMS = {
     "io.spacar_light": ("LightResults", "Struct", "StructArray", "spacar_light", "spacar_light_model"),
     "math.compile": ("jit",),
     "setup": ("enable_cache", "enable_x64"),
+    "viewer.view": ("View", "view"),
     "": ("plot",),
 }
 _WHERE = {name: room for room, names in _ROOMS.items() for name in names}

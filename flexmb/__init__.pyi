@@ -93,9 +93,13 @@ from .model.model import Model as Model
 from .results import RESULTS as RESULTS
 from .setup import enable_cache as enable_cache
 from .setup import enable_x64 as enable_x64
+from .solvers.energy_keeping import EnergyKeeping as EnergyKeeping
+from .solvers.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .solvers.rosenbrock import Rodas5P as Rodas5P
 from .statespace import state_matrices as state_matrices
 from .statespace import to_statespace as to_statespace
+from .viewer.view import View as View
+from .viewer.view import view as view
 
 __version__: str
 _WHERE: dict[str, str]

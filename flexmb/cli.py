@@ -18,7 +18,9 @@ Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JS
 Save = Annotated[Path | None, typer.Option("--save", help="Save the answer as .npz or .mat.")]
 Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run here.")]
 Release = Annotated[str, typer.Option("--release", help="auto: release over-constraints.")]
-Plot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg.")]
+Plot = Annotated[
+    Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg, or as .html to turn and play.")
+]
 MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, help="Steps of a path (mode 10) at most.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
@@ -56,8 +58,8 @@ def _check_call(release: str, json_path: str | None, save: Path | None, log: Pat
         _refuse(f"flexmb: --release takes auto or none, not '{release}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
         _refuse(f"flexmb: --save writes .npz or .mat, not '{save}'.")
-    if plot is not None and plot.suffix not in (".png", ".svg"):
-        _refuse(f"flexmb: --plot writes .png or .svg, not '{plot}'.")
+    if plot is not None and plot.suffix not in (".png", ".svg", ".html"):
+        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{plot}'.")
     for path in (json_path if json_path != "-" else None, save, log, plot):
         if path is not None and not Path(path).absolute().parent.is_dir():
             _refuse(f"flexmb: the folder of '{path}' does not exist.")
@@ -128,9 +130,15 @@ def _run(
 def _draw(found: Any, number: int, path: Path) -> None:
     """Draw an answer in a file; where there is none, the mechanism."""
     from .io.files import write_whole
-    from .plot.answer import image
 
-    write_whole(path, image(found, number, path.suffix[1:]))
+    if path.suffix == ".html":
+        from .viewer.answer import page
+
+        write_whole(path, page(found))
+    else:
+        from .plot.answer import image
+
+        write_whole(path, image(found, number, path.suffix[1:]))
 
 
 def _guarded(debug: bool, *arguments: Any) -> None:

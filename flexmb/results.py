@@ -87,6 +87,11 @@ class RESULTS(enum.IntEnum):
         "The motion did not reach its end within the allowed number of steps. Allow more (max_steps), ask for less"
         " accuracy (rtol), or use a solver for stiff motion; the results up to there are kept.",
     )
+    step_too_large = (
+        12,
+        "With steps of this size the motion runs away, or the equations of a step are not solved. Take a smaller dt0,"
+        " or the default solver, which finds its steps itself; the results up to there are kept.",
+    )
     not_valid = (
         20,
         "No model could be built from these dimensions: build it from them alone to see what is wrong.",

@@ -23,7 +23,7 @@ METHODS = {
 WITHOUT_EQUATION = {"save_motion", "enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
 WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model"}
 # Pictures show what has been computed.
-WITHOUT_EQUATION |= set(PLOTS)
+WITHOUT_EQUATION |= {*PLOTS, "view"}
 
 
 def section(text: str, title: str) -> str:

@@ -40,6 +40,12 @@ class Buckling(Record):
     shapes: Float[Array, "n_x n"]
     lin: Linearization
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def geometric_stiffness_of_increment(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]

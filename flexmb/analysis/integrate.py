@@ -47,15 +47,18 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     from ..solvers.term import MotionTerm
 
     rtol, atol = settings["rtol"], settings["atol"]
-    controller = settings["controller"]
-    if controller is None:
+    controller, solver = settings["controller"], settings["solver"]
+    adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
+    if controller is None and not adapts:
+        controller = diffrax.ConstantStepSize()
+    elif controller is None:
         controller = diffrax.PIDController(
             rtol=rtol, atol=atol, pcoeff=0.1, icoeff=0.3, dtmin=SMALLEST_STEP * (t1 - t0), force_dtmin=False
         )
-    solver = settings["solver"]
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
-    if settings["jumps"] is not None:
+    failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
+    if settings["jumps"] is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
         controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
     dt0 = settings["dt0"]
     if dt0 is None:
@@ -79,13 +82,13 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     )
     states: Any = solution.ys
     ok = diffrax.RESULTS
-    result = jnp.where(solution.result == ok.successful, RESULTS.successful, RESULTS.step_too_small)
+    result = jnp.where(solution.result == ok.successful, RESULTS.successful, failed)
     result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
     if settings["event"] is not None:
         result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
     else:
         wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
-        result = jnp.where(wrong, RESULTS.step_too_small, result)
+        result = jnp.where(wrong, failed, result)
     result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
     return states, solution.stats["num_steps"], result
 

@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..math.compile import jit
@@ -88,6 +89,26 @@ class Linearization(Record):
     def labels(self) -> Labels:
         """Names."""
         return self.model.labels
+
+    @property
+    def condition(self) -> float:
+        """Condition number of the stiffness, each degree of freedom in a unit of its own that makes its stiffness one.
+
+        The derivatives of the equilibrium, and of all that follows from it, are solutions with this matrix: they lose
+        as many digits as it has. Infinite where the stiffness is singular.
+
+        Source:
+            Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
+        """
+        k = np.asarray(self.matrices.K)
+        scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
+        return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
+
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
 
 
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:

@@ -1,12 +1,14 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
+import functools
+
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..math.compile import jit
-from ..math.linear import diagonal_of, is_positive_definite, pencil
+from ..math.linear import diagonal_of, is_positive_definite, leading, pencil
 from ..math.record import Record
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model
@@ -46,6 +48,12 @@ class Modes(Record):
     stable: bool
     lin: Linearization
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def shift_to_definite(
     k: Float[Array, "n n"], m: Float[Array, "n n"]
@@ -82,7 +90,7 @@ def shift_to_definite(
 
 
 def spectrum(
-    k: Float[Array, "n n"], m: Float[Array, "n n"]
+    k: Float[Array, "n n"], m: Float[Array, "n n"], count: int | None = None
 ) -> tuple[Float[Array, "n"], Float[Array, "n n"], Bool[Array, ""], Int[Array, ""]]:
     """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, from the stiffness side.
 
@@ -92,6 +100,7 @@ def spectrum(
     Args:
         k: Symmetric stiffness, of any definiteness, (n, n).
         m: Symmetric mass, positive semidefinite, (n, n).
+        count: How many of the lowest; all unless given.
 
     Returns:
         omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
@@ -101,9 +110,12 @@ def spectrum(
         FORMULATION.md 7.
     """
     shift, stable, found = shift_to_definite(k, m)
-    mu, w = pencil(m, k + shift * m)
-    mu, w = mu[::-1], w[:, ::-1]
     n = k.shape[0]
+    if count is None or count >= n:
+        mu, w = pencil(m, k + shift * m)
+        mu, w = mu[::-1], w[:, ::-1]
+    else:
+        mu, w = leading(m, k + shift * m, count)
     massive = mu > 100 * n * jnp.finfo(float).eps * jnp.max(mu, initial=0.0)
     positive = jnp.where(massive, mu, 1.0)
     values = jnp.where(massive, 1 / positive - shift, jnp.inf)
@@ -129,14 +141,24 @@ def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
     return jnp.where(usual, jnp.sign(eigenvalues) * root, eigenvalues)
 
 
-@jit
-def _frequencies(topology: Topology, parameters: Parameters):
-    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)))
+@functools.cache
+def _lowest(count: int | None):
+    """Compiled function of topology and parameters to so many frequencies and their code."""
+    return jit(functools.partial(_frequencies, count=count))
 
 
-@jit
-def _frequencies_at(found: Matrices):
-    values, _, _, result = spectrum(found.K, found.M0)
+@functools.cache
+def _lowest_at(count: int | None):
+    """The same of matrices that are known."""
+    return jit(functools.partial(_frequencies_at, count=count))
+
+
+def _frequencies(topology: Topology, parameters: Parameters, count: int | None):
+    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count)
+
+
+def _frequencies_at(found: Matrices, count: int | None):
+    values, _, _, result = spectrum(found.K, found.M0, count)
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
 
@@ -156,28 +178,32 @@ def refuse_unsymmetric(symmetric: bool) -> None:
         )
 
 
-def frequencies(model: Model | Linearization, *, throw: bool = True) -> Float[Array, "n_q"]:
+def frequencies(model: Model | Linearization, *, count: int | None = None, throw: bool = True) -> Float[Array, "n"]:
     """Natural frequencies about the static equilibrium under the constant loads.
 
     Args:
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
+        count: How many of the lowest; all unless given. With many degrees of freedom a few are found much quicker.
         throw: Raise where the equilibrium or the eigenproblem fails.
 
     Returns:
-        (n_q,) [Hz], ascending; negative where the motion grows, infinite for motions without mass.
+        (n_q,) or (count,) [Hz], ascending; negative where the motion grows, infinite for motions without mass.
 
     Raises:
+        ValueError: ``count`` is not positive.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
 
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
+    if count is not None and count < 1:
+        raise ValueError(f"Argument `count` must be at least 1, not {count}.")
     if isinstance(model, Linearization):
         refuse_unsymmetric(model.matrices.symmetric)
-        values, result = _frequencies_at(model.matrices)
+        values, result = _lowest_at(count)(model.matrices)
     else:
         refuse_unsymmetric(not lacks_potential(model.topology))
-        values, result = _frequencies(model.topology, model.parameters)
+        values, result = _lowest(count)(model.topology, model.parameters)
     check(result, throw)
     return values
 

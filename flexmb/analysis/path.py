@@ -85,6 +85,12 @@ class Path(Record):
         """
         return Linearization(jax.tree.map(lambda a: a[step], self.matrices), self.model)
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 class _Found(NamedTuple):
     """What is told about a state on the path."""

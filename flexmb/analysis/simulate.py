@@ -108,6 +108,12 @@ class Motion(Record):
         model = self.model
         return _observe(model, self.driven, self.t, self.x, self.xd, self.near, self.u)
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 class Observed(Record):
     """Quantities that follow from positions and velocities, at every time.
@@ -225,9 +231,10 @@ def simulate(
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
         rtol: Relative tolerance of displacements, of one step.
         atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given.
-        solver: Solver of diffrax, or one of ours; ``Rodas5P()``, for stiff motion, unless given.
-        controller: Step size controller of diffrax; a PIDController with rtol and atol unless given.
-        dt0: First step [s].
+        solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
+            ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
+        controller: Step size controller of diffrax; a PIDController with rtol and atol, or fixed steps, unless given.
+        dt0: First step, or the step of a solver of fixed steps [s].
         adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
         event: Event of diffrax that ends the motion; later times are then given as not finite.
         max_steps: Most steps to take.
@@ -237,15 +244,17 @@ def simulate(
         Motion.
 
     Raises:
-        ValueError: times not ascending.
+        ValueError: times not ascending, or a solver of fixed steps without ``dt0``.
         ModelError: Unknown name, or what cannot be driven.
-        AnalysisError: singular_mass, step_too_small or motion_unfinished.
+        AnalysisError: singular_mass, step_too_small, step_too_large or motion_unfinished.
 
     Source:
         FORMULATION.md 5 and 9.
     """
     import diffrax
 
+    from ..solvers.energy_keeping import EnergyKeeping
+    from ..solvers.generalized_alpha import GeneralizedAlpha
     from ..solvers.projected import Projected
     from ..solvers.rosenbrock import Rodas5P, Rosenbrock
 
@@ -261,7 +270,15 @@ def simulate(
         kinks.append(jnp.asarray(jumps, float))
     x0, xd0 = _initial(model, initial)
     chosen = Rodas5P(jumps=bool(kinks)) if solver is None else solver
-    used = chosen if isinstance(chosen, Rosenbrock) else Projected(chosen)
+    if isinstance(chosen, EnergyKeeping) and (form == "reduced" or control is not None):
+        raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
+    if not isinstance(chosen, diffrax.AbstractAdaptiveSolver) and controller is None:
+        name = type(chosen).__name__
+        if dt0 is None:
+            raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
+        if kinks:
+            raise ValueError(f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`.")
+    used = chosen if isinstance(chosen, (Rosenbrock, GeneralizedAlpha, EnergyKeeping)) else Projected(chosen)
     settings = {
         "form": form,
         "feedback": None if control is None else as_feedback(model, control, reference),

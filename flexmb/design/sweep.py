@@ -22,6 +22,7 @@ from ..results import RESULTS
 from .designs import Designs
 from .evaluate import Answers, Build, build_once, check_dimensions, evaluate, evaluate_concretely, named_answers
 from .labelled import pandas, xarray
+from .progress import reporting
 
 # A state without derivative is an answer all the same.
 ANSWERED = (RESULTS.successful, RESULTS.critical_state)
@@ -107,6 +108,12 @@ class Sweep:
         about = {"units": self.units, "axes": list(self.axes), "failures": self.failures()}
         save_arrays(path, {**arrays, "codes": self.codes.reshape(shape)}, about)
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def sweep(
     build: Build,
@@ -118,7 +125,7 @@ def sweep(
     together: int = 1,
     executor: Executor | None = None,
     checkpoint: str | os.PathLike | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool = False,
     units: Mapping[str, str] | None = None,
 ) -> Sweep:
     """Answers of many designs.
@@ -140,7 +147,7 @@ def sweep(
             ``dask.distributed.Client(..).get_executor()``; chunks are its tasks, and each worker compiles for itself.
         checkpoint: A .npz file that is written after every chunk; an unfinished sweep of the same designs goes on from
             it.
-        progress: Called with the number of designs done and of all.
+        progress: True for a bar, or a function called with the number of designs done and of all.
         units: Units by name, for the labels.
 
     Returns:
@@ -167,12 +174,13 @@ def sweep(
     todo = [start for start in starts if start not in done]
     task = (build, functions, compiled, int(together))
     parts = [_part(designs, start, chunk) for start in todo]
-    for index, (values, codes) in _run(task, parts, executor):
-        done[todo[index]] = (values, codes)
-        if checkpoint is not None:
-            _write(checkpoint, key, done)
-        if progress is not None:
-            progress(min(sum(len(codes) for _, codes in done.values()), count), count)
+    with reporting(progress, "designs", count) as report:
+        for index, (values, codes) in _run(task, parts, executor):
+            done[todo[index]] = (values, codes)
+            if checkpoint is not None:
+                _write(checkpoint, key, done)
+            if report is not None:
+                report(min(sum(len(codes) for _, codes in done.values()), count), count)
     return _joined(designs, functions, [done[start] for start in starts], dict(units or {}))
 
 

@@ -13,7 +13,9 @@ from ..math.compile import jit
 from ..results import RESULTS
 from .designs import checked_bounds
 from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
+from .lockstep import in_lockstep
 from .problem import Problem, make_problem
+from .progress import reporting
 from .search import Run, search
 from .sensitivities import REVERSE_COST
 
@@ -153,10 +155,11 @@ def tune(
     scales: Mapping[str, Literal["log", "linear"]] | None = None,
     optimizer: Any = None,
     starts: int = 1,
+    together: int = 1,
     seed: int = 0,
     tolerance: float = 1e-6,
     max_evaluations: int = 1000,
-    progress: Callable[[int, float, float], None] | None = None,
+    progress: Callable[[int, float, float], None] | bool = False,
     throw: bool = True,
 ) -> Tuned:
     """Find dimensions within bounds that meet targets and keep limits.
@@ -177,10 +180,13 @@ def tune(
             least-squares solver of optimistix. By default scipy's L-BFGS-B, and its trust-region reflective method for
             targets alone, which hold bounds exactly.
         starts: Number of starts: the given one, and others spread over the bounds; the best design is returned.
+        together: Starts that are searched from at the same time, their designs computed in one call by ``jax.vmap``:
+            quicker for small models (large ones only on a GPU: many LAPACK calls at once may hang on a CPU).
         seed: Of their places.
         tolerance: Relative violation of an equality that is none. Limits are kept, from inside by as much.
         max_evaluations: Of the answers and their derivatives, for each start.
-        progress: Called with the number of evaluations, the objective and the violation.
+        progress: True for a line that shows them, or a function called with the number of evaluations, the objective
+            and the violation.
         throw: Raise where no feasible or no optimal design is found; otherwise the code is in ``result``.
 
     Returns:
@@ -199,8 +205,10 @@ def tune(
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
-    if starts < 1 or max_evaluations < 1 or not tolerance > 0:
-        raise ValueError("Arguments `starts` and `max_evaluations` must be at least 1, and `tolerance` positive.")
+    if min(starts, together, max_evaluations) < 1 or not tolerance > 0:
+        raise ValueError(
+            "Arguments `starts`, `together` and `max_evaluations` must be at least 1, and `tolerance` positive."
+        )
     function, of_answers = flat_function(build, functions, layout, build_once(build, dimensions))
 
     def of_unit(unit):
@@ -208,7 +216,7 @@ def tune(
 
     named = {name for name in (minimize, maximize, *(targets or {}), *(limits or {}), *(equal or {})) if name}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
-    kernel = _kernel(of_unit, len(first), np.flatnonzero(asked), len(asked))
+    kernel = _Kernel(of_unit, len(first), np.flatnonzero(asked), len(asked))
     unit = scaling.to_unit(first)
     at_start = kernel(unit)
     _check_start(of_answers, at_start)
@@ -224,9 +232,16 @@ def tune(
     )
     _check_dependence(problem, layout.labels, kernel, unit, at_start[1], seed)
     units = [unit, *_other_starts(starts - 1, len(unit), seed)]
-    runs = [
-        search(problem, kernel, of_unit, u, optimizer, tolerance, max_evaluations, progress=progress) for u in units
-    ]
+    with reporting(progress, "evaluations, objective, violation") as report:
+
+        def from_start(kernel, unit):
+            return search(problem, kernel, of_unit, unit, optimizer, tolerance, max_evaluations, progress=report)
+
+        size = min(together, starts)
+        if size > 1:
+            runs = in_lockstep(from_start, units, kernel.many, size)
+        else:
+            runs = [from_start(kernel, unit) for unit in units]
     best = min(runs, key=lambda run: (not run.answered, run.violation > 2 * tolerance and run.violation, run.objective))
     found = _found(best, runs, problem, scaling, of_answers, at_start[0], tolerance)
     if throw and found.result is not RESULTS.successful:
@@ -234,23 +249,33 @@ def tune(
     return found
 
 
-def _kernel(of_unit, n: int, asked: np.ndarray, m: int):
+class _Kernel:
     """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays."""
-    differentiate: Any = jax.jacfwd if n <= REVERSE_COST * len(asked) else jax.jacrev
 
-    def twice(unit):
-        values, code = of_unit(unit)
-        return values[asked], (values, code)
+    def __init__(self, of_unit, n: int, asked: np.ndarray, m: int):
+        differentiate: Any = jax.jacfwd if n <= REVERSE_COST * len(asked) else jax.jacrev
 
-    compiled = jit(differentiate(twice, has_aux=True))
+        def twice(unit):
+            values, code = of_unit(unit)
+            return values[asked], (values, code)
 
-    def kernel(unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        own, (values, code) = compiled(jnp.asarray(unit))
-        slopes = np.zeros((m, n))
-        slopes[asked] = own
-        return np.asarray(values), slopes, int(code)
+        self.asked, self.shape = asked, (m, n)
+        self.function = differentiate(twice, has_aux=True)
+        self.one, self.several = jit(self.function), jit(jax.vmap(self.function))
 
-    return kernel
+    def __call__(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+        own, (values, code) = self.one(jnp.asarray(unit))
+        return np.asarray(values), self._whole(own), int(code)
+
+    def many(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The same of several designs, (designs, n), in one call."""
+        own, (values, codes) = self.several(jnp.asarray(units))
+        return np.asarray(values), self._whole(own), np.asarray(codes)
+
+    def _whole(self, own) -> np.ndarray:
+        slopes = np.zeros((*own.shape[:-2], *self.shape))
+        slopes[..., self.asked, :] = own
+        return slopes
 
 
 def _check_start(of_answers: Layout, at_start) -> None:

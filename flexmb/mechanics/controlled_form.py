@@ -260,6 +260,15 @@ class ControlledForm(Record):
         rate: Any = self.feedback.rate
         return self._joined(z, rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
+    def gap(self, t, state: MotionState):
+        """As the mechanism's.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.form.gap(t, self._split(state)[0])
+
     def rate_of_memory(self, t, state: MotionState, z):
         """As the mechanism.
 

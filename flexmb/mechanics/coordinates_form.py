@@ -249,14 +249,39 @@ class CoordinatesForm(Record):
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
 
-    def _scaled(self, matrix):
+    def gap(self, t, state: MotionState):
+        """Held deformations less what they are held at, (m,) [m, rad].
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        return deformations(self.topology, self.parameters, at.x, self.near(state.memory))[self.held] - at.e
+
+    def scaled(self, matrix):
+        """Rows and columns of the coordinates that move, over their sizes, (n, n).
+
+        Args:
+            matrix: (n_x, n_x).
+        """
         return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
 
-    def _columns(self, matrix):
+    def columns(self, matrix):
+        """Rows of the held deformations and columns of what moves, over their sizes, (m, n).
+
+        Args:
+            matrix: (n_e, n_x).
+        """
         return matrix[self.held][:, self.free] * self.sizes
 
-    def _system(self, mass, rows):
-        """Matrix of the unknowns, from mass and constraints over the sizes of what moves, kept regular."""
+    def system(self, mass, rows):
+        """Matrix of accelerations and multipliers, kept regular where constraints are redundant, (n + m, n + m).
+
+        Args:
+            mass: Over the sizes of what moves, (n, n).
+            rows: Derivatives of the held deformations, (m, n).
+        """
         corner = -REDUNDANT * jnp.diag(rows**2 @ self.mobility)
         return jnp.block([[mass, rows.T], [rows, corner]]) if self.held.shape[0] else mass
 
@@ -294,12 +319,12 @@ class CoordinatesForm(Record):
             strained = strained + damping @ by_x.ed
             c = c + by_x.e.T @ (keep * damped)
         k = k + by_x.e.T @ (keep * strained)
-        by_u = jnp.concatenate([self._scaled(k), self._columns(by_x.edd)])
-        by_w = jnp.concatenate([self._scaled(c), 2 * self._columns(by_x.ed)])
+        by_u = jnp.concatenate([self.scaled(k), self.columns(by_x.edd)])
+        by_w = jnp.concatenate([self.scaled(c), 2 * self.columns(by_x.ed)])
         by_t = None
         if self.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
-        return Tangent(by_u, by_w, self._system(self._scaled(by_x.mass), self._columns(by_x.e)), by_t)
+        return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
 
     def acceleration(self, t, state: MotionState):
         """Accelerations and multipliers.
@@ -327,12 +352,12 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, jnp.zeros(n))
         stress, near = self.stress_of(t, none), self.near(state.memory)
         acting, jacobian, mass = acting_matrices(self.elements, at.x, at.v, at.a, self.falling, near, stress)
-        scaled, rows = self._scaled(mass), self._columns(jacobian)
+        scaled, rows = self.scaled(mass), self.columns(jacobian)
         heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
         regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
         force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
         residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
-        factors = factorise(self._system(scaled, rows))
+        factors = factorise(self.system(scaled, rows))
         z = factors.solve(-residual)
         # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
         left = jnp.concatenate([scaled @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
@@ -374,7 +399,7 @@ class CoordinatesForm(Record):
                 e, jacobian = deformed(self.elements, at.x, near)
                 excess = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
                 right = jnp.concatenate([jnp.zeros((self.size, 2)), excess])
-                change = factorise(self._system(heavy, self._columns(jacobian))).solve(right)
+                change = factorise(self.system(heavy, self.columns(jacobian))).solve(right)
                 return moving[0] - change[: self.size, 0], moving[1] - change[: self.size, 1]
 
             # The second time removes what the first left, which is of second order.

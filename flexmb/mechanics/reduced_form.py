@@ -150,6 +150,15 @@ class ReducedForm(Record):
         mass = self.sizes[:, None] * mass * self.sizes
         return factorise(mass).solve(-at.residual * self.sizes), is_positive_definite(mass) & at.regular
 
+    def gap(self, t, state: MotionState):
+        """Constraints with multipliers: none, (0,).
+
+        Args:
+            t: Not used.
+            state: Not used.
+        """
+        return jnp.zeros(0)
+
     def rate_of_memory(self, t, state: MotionState, z):
         """How coordinates and deformations change.
 

@@ -56,6 +56,10 @@ class Equations(Protocol):
         """Z that makes R vanish."""
         ...
 
+    def gap(self, t, state: MotionState) -> Float[Array, "m"]:
+        """How far the constraints of the multipliers are from being kept."""
+        ...
+
     def rate_of_memory(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
         """How the memory changes."""
         ...

@@ -150,6 +150,12 @@ class Model(Record):
             lines += [f"{name:<16}" + ", ".join(parts) for name, parts in grouped.items()]
         return "\n".join(lines)
 
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
 
 def _list(indices) -> list[int]:
     return np.asarray(indices).tolist()

@@ -10,4 +10,7 @@ from .mechanism import mechanism as mechanism
 from .modes import modes as modes
 from .path import path as path
 from .self_stress import self_stress as self_stress
+from .sensitivities import sensitivities as sensitivities
 from .stress import stress as stress
+from .sweep import sweep as sweep
+from .tuning import tuning as tuning

@@ -107,13 +107,13 @@ def lines(
     roles, paired = model.roles()[1], places_of_rotations(model)
     reference = np.asarray(model.parameters.reference)
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        names = _names(model, block)
+        names = names_of(model, block)
         if "deformation" not in block.companions or not names:
             continue
         curves = _curves(block, properties, reference, x, places)
-        for i, name in enumerate(names):
+        for i, (name, deformations) in enumerate(zip(names, np.asarray(block.e).tolist(), strict=True)):
             own = companions[name]
-            fixed = all(roles[k] is Role.FIXED for k in np.asarray(block.e[i]).tolist())
+            fixed = all(roles[k] is Role.FIXED for k in deformations)
             kind = _kind(block, own, fixed)
             points = _meeting(model, block, i, x, paired) if kind == "hinge" else curves[i]
             if kind == "spring" and not straight:
@@ -154,17 +154,31 @@ def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"], teeth: int = 5)
     across[k] = 1.0
     across = across - (across @ along) * along / max(along @ along, 1e-300)
     across *= 0.08 * np.linalg.norm(along) / np.linalg.norm(across)
-    places = np.concatenate([[0.0], np.linspace(0.2, 0.8, 2 * teeth + 1), [1.0]])
+    places = places_of_zigzag(teeth)
     # 0, 1, 0, -1, 0, ...
     sides = np.concatenate([[0.0], np.sin(np.pi / 2 * np.arange(2 * teeth + 1)), [0.0]])
     return p + places[:, None] * along + sides[:, None] * across
 
 
-def _names(model: Model, block: Block) -> list[str]:
-    """Names of a block's elements; none for what has no deformations or is a unit norm."""
+def places_of_zigzag(teeth: int = 5) -> Float[np.ndarray, "n"]:
+    """Where the corners of a :func:`zigzag` lie between its ends, from 0 to 1, (n,) [-].
+
+    Args:
+        teeth: Number of teeth to either side.
+    """
+    return np.concatenate([[0.0], np.linspace(0.2, 0.8, 2 * teeth + 1), [1.0]])
+
+
+def names_of(model: Model, block: Block) -> list[str]:
+    """Names of a block's elements; none for what has no deformations or is a unit norm.
+
+    Args:
+        model: Mechanism.
+        block: One of its blocks.
+    """
     if block.e.shape[1] == 0:
         return []
-    entries = [model.labels.e[k] for k in np.asarray(block.e[:, 0]).tolist()]
+    entries = [model.labels.e[k] for k in np.asarray(block.e)[:, 0].tolist()]
     return [] if entries[0].kind == "norm" else [entry.of for entry in entries]
 
 
@@ -172,7 +186,7 @@ def _companions(model: Model) -> dict[str, set[str]]:
     """Companions of each element, whose blocks may be several."""
     found: dict[str, set[str]] = {}
     for block in model.topology.blocks:
-        for name in _names(model, block):
+        for name in names_of(model, block):
             found.setdefault(name, set()).update(block.companions)
     return found
 
@@ -200,14 +214,14 @@ def _curves(block: Block, properties: dict[str, Any], reference, x, places) -> F
         if named is not None:
             own = {name: value for name, value in named.items() if name not in options}
             return np.asarray(_shapes(block, own, jnp.asarray(ref), jnp.asarray(at), jnp.asarray(places)))
-    points = _parts(kinds, block.splits, at, "position")
+    points = parts_of(kinds, block.splits, at, "position")
     if not points:
         return np.zeros((len(index), 0, 0))
-    turns, before = (_parts(kinds, block.splits, values, "rotation") for values in (at, ref))
+    turns, before = (parts_of(kinds, block.splits, values, "rotation") for values in (at, ref))
     if len(points) == len(turns) == 2:
-        start, end = _parts(kinds, block.splits, ref, "position")
+        start, end = parts_of(kinds, block.splits, ref, "position")
         axis = end - start
-        slopes = [np.einsum("eij,ej->ei", _turn(now, then), axis) for now, then in zip(turns, before, strict=True)]
+        slopes = [np.einsum("eij,ej->ei", turns_of(now, then), axis) for now, then in zip(turns, before, strict=True)]
         return cubic(points[0], slopes[0], points[1], slopes[1], places)
     return _polyline(np.stack(points, axis=1), places)
 
@@ -222,14 +236,32 @@ def _shapes(block: Block, properties: dict[str, Any], ref, x, places) -> Float[A
     return jax.vmap(along)(x, ref, properties)
 
 
-def _parts(kinds: list[NodeKind], splits, values, part: str) -> list[np.ndarray]:
-    """Coordinates of the nodes of one kind, each (elements, size)."""
+def parts_of(kinds: list[NodeKind], splits, values, part: str) -> list[np.ndarray]:
+    """Coordinates of the nodes of one kind.
+
+    Args:
+        kinds: Node kinds of an element, in order.
+        splits: Where the coordinates of one node end and the next begin.
+        values: Coordinates of each element, (elements, coordinates).
+        part: "position" or "rotation".
+
+    Returns:
+        For each such node, (elements, size).
+    """
     pieces = np.split(values, splits, axis=1)
     return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
 
 
-def _turn(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:
-    """Rotation matrices since the undeformed state."""
+def turns_of(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:
+    """Rotation matrices since the undeformed state.
+
+    Args:
+        now: Angles (elements, 1) [rad] or Euler parameters (elements, 4) [-].
+        before: The same in the undeformed state.
+
+    Returns:
+        (elements, d, d) [-].
+    """
     if now.shape[1] == 1:
         c, s = np.cos(now - before)[:, 0], np.sin(now - before)[:, 0]
         return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=1)
@@ -274,7 +306,7 @@ def _polyline(corners: Float[np.ndarray, "elements n d"], places) -> Float[np.nd
 
 def _meeting(model: Model, block: Block, row: int, x, paired) -> Float[np.ndarray, "n d"]:
     """The one point of all bodies that an element without points joins, or one of the first body's; (0, d) if none."""
-    index, starts = np.asarray(block.x[row]), [0, *block.splits]
+    index, starts = np.asarray(block.x)[row], [0, *block.splits]
     points = [paired.get(model.labels.x[index[k]].of, []) for k in starts]
     points = [own for own in points if own]
     if not points:

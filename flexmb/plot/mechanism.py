@@ -1,17 +1,13 @@
 """The mechanism itself: elements, supports, degrees of freedom, loads and names."""
 
-import dataclasses
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from ..math.rotation import LBAR
-from ..mechanics.loads import LoadFactors, nodal_forces
 from ..model.model import Model
-from ..model.roles import Role
+from . import marks as marked
 from .canvas import ARROW, BLACK, GREEN, RED, arrow, frame, marks, mechanism_lines, new_axes, write
-from .geometry import extent_of, lines, masses, nodes_of, places_of_rotations
+from .geometry import extent_of, lines, masses, nodes_of
 from .state import displaced, state_of
 
 
@@ -93,93 +89,38 @@ def draw_supports(ax: Any, model: Model, points: dict[str, np.ndarray]) -> None:
         model: Mechanism.
         points: Where each node is, (d,) [m].
     """
-    roles = model.roles()[0]
-    held: dict[str, set[Role]] = {name: {roles[i] for i in index} for name, index in nodes_of(model).items()}
-    turns = {name: {roles[i] for i in index} for name, index in nodes_of(model, "rotation").items()}
-    paired = places_of_rotations(model)
-    clamped = {point for name, own in turns.items() if own == {Role.FIXED} for point in paired.get(name, [])[:1]}
-    fixed = {name for name, own in held.items() if Role.FIXED in own} | clamped
-    moved = {name for name, own in held.items() if Role.PRESCRIBED in own}
-    moved |= {point for name, own in turns.items() if Role.PRESCRIBED in own for point in paired.get(name, [])[:1]}
-    for label, chosen, marker in (
-        ("clamped", fixed & clamped, "s"),
-        ("supported", fixed - clamped, "^"),
-        ("prescribed", moved, "D"),
-    ):
-        at = np.array([points[name] for name in points if name in chosen])
-        marks(ax, at, label, marker=marker, markersize=9, color=BLACK, markerfacecolor="none", zorder=4)
-
-
-def _place(model: Model, name: str, points: dict[str, np.ndarray]) -> np.ndarray | None:
-    """Where a node or a rotation is drawn."""
-    if name in points:
-        return points[name]
-    own = places_of_rotations(model).get(name, [])
-    return points[own[0]] if own else None
+    for (kind, names), marker in zip(marked.supports(model).items(), "s^D", strict=True):
+        at = np.array([points[name] for name in names])
+        marks(ax, at, kind, marker=marker, markersize=9, color=BLACK, markerfacecolor="none", zorder=4)
 
 
 def _dofs(ax: Any, model: Model, points: dict[str, np.ndarray], size: float) -> list[np.ndarray]:
     """An arrow for each degree of freedom that is a position, its name for one that is a rotation."""
     ends = []
-    for index in np.asarray(model.topology.x.dof).tolist():
-        entry = model.labels.x[index]
-        start = _place(model, entry.of, points)
-        if start is None or entry.kind == "internal":
-            continue
-        vector = np.zeros(len(start))
-        if entry.kind == "position":
-            vector[entry.component - 1] = size
-            arrow(ax, start, vector, f"dof {entry}", GREEN)
-        write(ax, start + 1.1 * vector, str(entry), color=GREEN, va="top")
+    for dof in marked.dofs(model):
+        start, vector = points[dof.node], np.zeros(model.labels.dimension)
+        if dof.vector is not None:
+            vector = size * dof.vector
+            arrow(ax, start, vector, f"dof {dof.name}", GREEN)
+        write(ax, start + 1.1 * vector, dof.text, color=GREEN, va="top")
         ends.append(start + vector)
     return ends
 
 
 def _loads(ax: Any, model: Model, x: np.ndarray, points: dict[str, np.ndarray], size: float) -> list[np.ndarray]:
     """Arrows of nodal forces, scaled to the largest; moments as arrows along their axis, or written in the plane."""
-    forces = _forces(model, x)
-    vectors = {n: forces[i] for n, i in nodes_of(model).items() if np.any(forces[i])}
-    largest = max((np.linalg.norm(v) for v in vectors.values()), default=1.0)
+    found = marked.loads(model, x)
+    largest = max((np.linalg.norm(m.vector) for m in found if m.kind == "force" and m.vector is not None), default=1.0)
     ends = []
-    for name, force in vectors.items():
-        value = float(np.linalg.norm(force))
-        # The arrow ends at the node; a force that pulls away from the mechanism begins there.
-        shown = size * force / largest
-        arrow(ax, points[name], shown, f"force {name}", RED)
-        write(ax, points[name] + 1.1 * shown, f"{value:.4g} N", color=RED, ha="center")
-        ends.append(points[name] + shown)
-    for name, moment in _moments(model, x, forces).items():
-        start = _place(model, name, points)
-        if start is None:
+    for load in found:
+        start = points[load.node]
+        if load.vector is None:
+            write(ax, start, load.text, color=RED, ha="left", va="bottom")
             continue
-        if len(moment) == 1:
-            sense = "↺" if moment[0] > 0 else "↻"
-            write(ax, start, f"{sense} {abs(moment[0]):.4g} N m", color=RED, ha="left", va="bottom")
-        else:
-            value = float(np.linalg.norm(moment))
-            along = size * moment / value
-            arrow(ax, start, along, f"moment {name}", RED)
-            arrow(ax, start, 0.8 * along, f"moment {name}", RED)
-            write(ax, start + 1.1 * along, f"{value:.4g} N m", color=RED, ha="center")
-            ends.append(start + along)
+        moment = load.kind == "moment"
+        along = size * load.vector / (np.linalg.norm(load.vector) if moment else largest)
+        for length in (1.0, 0.8) if moment else (1.0,):
+            arrow(ax, start, length * along, f"{load.kind} {load.name}", RED)
+        write(ax, start + 1.1 * along, load.text, color=RED, ha="center")
+        ends.append(start + along)
     return ends
-
-
-def _forces(model: Model, x: np.ndarray) -> np.ndarray:
-    """Nodal forces of all loads but gravity, (n_x,)."""
-    p = model.parameters
-    light = [None if own is None else dataclasses.replace(own, gravity=None) for own in (p.loads, p.increment)]
-    parameters = dataclasses.replace(p, loads=light[0], increment=light[1])
-    return np.asarray(nodal_forces(model.topology, parameters, LoadFactors(1.0, 1.0), jnp.asarray(x)))
-
-
-def _moments(model: Model, x: np.ndarray, forces: np.ndarray) -> dict[str, np.ndarray]:
-    """Moments by name of the rotation: (1,) in the plane, (3,) about global axes in space [N m]."""
-    found = {}
-    for name, index in nodes_of(model, "rotation").items():
-        own = forces[index]
-        # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I.
-        moment = own if len(index) == 1 else np.einsum("ijk,k,j->i", LBAR, x[index], own) / 2
-        if np.linalg.norm(moment) > 0:
-            found[name] = moment
-    return found

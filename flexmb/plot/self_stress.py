@@ -56,12 +56,18 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
         middle = line.points[len(line.points) // 2]
         write(ax, middle, f" {line.element}: {', '.join(own[:LABELS])}{more}", ha="left")
     draw_supports(ax, model, {name: x[index] for name, index in nodes_of(model).items()})
-    ax.set_title(_title(found, state))
+    ax.set_title(title_of(found, state))
     frame(ax, np.concatenate([line.points for line in drawn]))
     return ax
 
 
-def _title(found: Mobility, state: int) -> str:
+def title_of(found: Mobility, state: int) -> str:
+    """Number of a state of self-stress, and what to release.
+
+    Args:
+        found: Over-constraints of a mechanism.
+        state: Which state, from 0.
+    """
     release = found.release[state]
     advice = "between rigid elements" if release is None else f"release e{release[1]} of '{release[0]}' to remove it"
     return f"self-stress {state + 1} of {found.overconstraints}: {advice}"

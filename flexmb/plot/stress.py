@@ -43,7 +43,7 @@ def stress(
         TypeError: ``found`` is not a stress.
         ValueError: No such quantity, or the elements are not those of the model.
     """
-    values, label = _values(found, quantity)
+    values, label = values_of(found, quantity)
     model, x = state_of(shown, step=step)
     x = displaced(model, x, scale)
     drawn, still = lines(model, x), lines(model, np.asarray(model.parameters.reference))
@@ -60,16 +60,15 @@ def stress(
             along = np.interp(PLACES, np.asarray(found.places), values[rows[line.element]])
             pieces += list(np.stack([line.points[:-1], line.points[1:]], axis=1))
             colours.append((along[:-1] + along[1:]) / 2)
-    signed = label.split(" [")[0] != "von Mises stress"
-    largest = float(np.max(np.abs(values))) or 1.0
+    colours_name, low, high = colours_of(values, label)
     coloured = polylines(
         ax,
         pieces,
         label,
         np.concatenate(colours),
         linewidth=3.0,
-        cmap="coolwarm" if signed else "viridis",
-        clim=(-largest, largest) if signed else (0.0, largest),
+        cmap=colours_name,
+        clim=(low, high),
         zorder=3,
     )
     ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
@@ -77,8 +76,16 @@ def stress(
     return ax
 
 
-def _values(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
-    """Value at each place of each element, (elements, places), and the label of its scale."""
+def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
+    """Value at each place of each element, and the label of its scale.
+
+    Args:
+        found: Stress or section resultants.
+        quantity: As for :func:`stress`.
+
+    Returns:
+        (elements, places) [MPa, N, N m], of the eight points of a surface the largest with its sign; label with unit.
+    """
     if not isinstance(found, Stress | SectionResultants):
         raise TypeError(
             f"Stress colours are drawn of fm.stress(model) or fm.section_resultants(model), not of a"
@@ -97,3 +104,14 @@ def _values(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
     name = {"von Mises": "von Mises stress", "sigma_x": "normal stress σx", "tau": "shear stress τ"}[quantity]
     return np.take_along_axis(at_points, largest, axis=2)[:, :, 0] / 1e6, f"{name} [MPa]"
+
+
+def colours_of(values: np.ndarray, label: str) -> tuple[str, float, float]:
+    """Name of the colours for values, and the values at their ends: from zero, or to both sides of it.
+
+    Args:
+        values: Any shape.
+        label: Label of their scale.
+    """
+    largest = float(np.max(np.abs(values))) or 1.0
+    return ("viridis", 0.0, largest) if label.startswith("von Mises") else ("coolwarm", -largest, largest)

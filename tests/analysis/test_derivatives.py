@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.model.parameters import Parameters
 
 T = mechanisms.THICKNESS
@@ -150,3 +151,23 @@ def test_equal_modes_have_finite_derivatives():
     # The sum over the pair is smooth, and each guide contributes its own derivative.
     one = fm.jit(jax.grad(lambda t: both(jnp.array([t, 2 * T]))[0]))(T)
     np.testing.assert_allclose(jnp.sum(jacobian, axis=0), [one, one], rtol=1e-8)
+
+
+def test_condition_of_the_derivatives_of_an_equilibrium():
+    """Springs of 1 and 10^6 N/m each on its own are no trouble; the stiff one behind the soft one is."""
+
+    def chain(first, second, joined):
+        b = fm.Builder()
+        for i in range(3):
+            b.node(f"n{i}", (float(i), 0.0))
+            b.fix(f"n{i}", *("xy" if i == 0 else "y"))
+        b.add(planar.truss, "n0", "n1", section=fm.Rigidity(EA=first))
+        b.add(planar.truss, "n1" if joined else "n0", "n2", section=fm.Rigidity(EA=second * (1 if joined else 2)))
+        b.dof("n1", "x")
+        b.dof("n2", "x")
+        return fm.linearize(b.build()).condition
+
+    assert chain(1.0, 1e6, joined=False) == pytest.approx(1.0)
+    # K = (k1 + k2, -k2; -k2, k2), off the diagonal -1/sqrt(1 + k1/k2) once scaled: eigenvalues 1 +- that.
+    s = 1 / np.sqrt(1 + 1e-6)
+    assert chain(1.0, 1e6, joined=True) == pytest.approx((1 + s) / (1 - s), rel=1e-6)

@@ -165,3 +165,13 @@ def test_compliance_of_the_planar_guide():
     matrix = fm.compliance(model, "left1")
     np.testing.assert_allclose(matrix, [[1 / 945, 0, 0], [0, 0, 0], [0, 0, 0]], atol=1e-12)
     assert jnp.all(jnp.isfinite(matrix))
+
+
+def test_the_lowest_frequencies_alone():
+    """As among all of them, of some forty degrees of freedom."""
+    model = mechanisms.spatial_guide(beams=4, released=(1, 2, 3, 4, 5, 6), dofs=False).build()
+    found = fm.frequencies(model)
+    assert len(found) > 30
+    np.testing.assert_allclose(fm.frequencies(model, count=3), found[:3], rtol=1e-9)
+    with pytest.raises(ValueError, match="count"):
+        fm.frequencies(model, count=0)

@@ -166,3 +166,11 @@ def _twice():
     b = fm.Builder()
     b.node("a", (0, 0))
     b.node("a", (0, 0))
+
+
+def test_a_bar_says_how_far_a_sweep_is(capsys):
+    fm.sweep(lambda a: a, lambda a: 2 * a, fm.grid(a=np.arange(1.0, 6.0)), compiled=False, chunk=2, progress=True)
+    printed = capsys.readouterr()
+    assert "designs" in printed.err
+    assert "5/5" in printed.err
+    assert printed.out == ""

@@ -68,6 +68,19 @@ def test_limits_are_kept_and_named():
     assert again.runs.shape == (3, 2)
     # From every start the same optimum.
     np.testing.assert_allclose(again.runs[:, 0], found.objective, rtol=1e-5)
+    at_once = fm.tune(
+        guide,
+        answers,
+        {"thickness": 1.5e-3},
+        BOUNDS,
+        minimize="mass",
+        limits={"frequency": (20.0, None)},
+        starts=3,
+        together=2,
+    )
+    # Two at a time and one after them, each as alone.
+    np.testing.assert_allclose(at_once.runs, again.runs, rtol=1e-9, atol=1e-12)
+    assert at_once.evaluations == again.evaluations
     light = fm.tune(guide, answers, {"thickness": 1.5e-3}, BOUNDS, minimize="mass")
     assert light.active == ("thickness is at its lower bound 0.0001",)
 

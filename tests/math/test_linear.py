@@ -12,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import flexmb as fm
-from flexmb.math.linear import cholesky, factorise, is_positive_definite, pencil
+from flexmb.math.linear import cholesky, factorise, is_positive_definite, leading, pencil
 
 EPS = np.finfo(float).eps
 N = 5
@@ -263,3 +263,45 @@ def test_vectors_of_a_repeated_pair_keep_their_norm_and_their_plane(seed, b, da,
     difference = (beside(step) - beside(-step)) / (2 * step)
     # Truncation (40 step)^2, round-off 100 eps/step.
     np.testing.assert_allclose(projector((a, b), (da, db)), difference, rtol=1e-5, atol=1e-5)
+
+
+def separated(n=40, seed=5):
+    """Symmetric A and positive definite B whose eigenvalues fall off as those of a mechanism do."""
+    rng = np.random.default_rng(seed)
+    mix = rng.standard_normal((n, n))
+    a, b = rng.standard_normal((n, n)), rng.standard_normal((n, n))
+    return mix @ np.diag(1.0 / np.arange(1, n + 1) ** 4) @ mix.T, mix @ mix.T + 0.1 * np.eye(n), a + a.T, b + b.T
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_leading_pairs_and_their_derivatives(count):
+    """Against LAPACK by scipy, and against central differences, first and second."""
+    a, b, da, db = separated()
+    mu, w = leading(jnp.asarray(a), jnp.asarray(b), count)
+    values, vectors = scipy.linalg.eigh(a, b)
+    np.testing.assert_allclose(mu, values[::-1][:count], rtol=1e-12)
+    signs = np.sign(np.sum(np.asarray(w) * (b @ vectors[:, ::-1][:, :count]), axis=0))
+    # Eleven digits are asked for of the vectors' residual; the gap to the next is at least a tenth here.
+    np.testing.assert_allclose(w * signs, vectors[:, ::-1][:, :count], atol=1e-9)
+
+    def value(s):
+        return leading(a + s * da * 1e-3, b + s * db * 1e-3, count)[0]
+
+    def exact(s):
+        return scipy.linalg.eigvalsh(a + s * da * 1e-3, b + s * db * 1e-3)[::-1][:count]
+
+    # Differences: of second order, and round-off 1e-15/step.
+    first = (exact(1e-3) - exact(-1e-3)) / 2e-3
+    second = (exact(1e-2) - 2 * exact(0.0) + exact(-1e-2)) / 1e-4
+    np.testing.assert_allclose(jax.jacfwd(value)(0.0), first, rtol=1e-5)
+    np.testing.assert_allclose(jax.jacrev(value)(0.0), first, rtol=1e-5)
+    np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(value))(0.0), second, rtol=1e-3)
+
+
+def test_leading_pairs_that_do_not_separate():
+    """More equal eigenvalues than are iterated together: all are computed."""
+    b = np.diag(np.linspace(1.0, 2.0, 60))
+    mu, w = leading(jnp.asarray(b + 1e-3 * np.diag(np.arange(60.0) / 60)), jnp.asarray(b), 2)
+    expected = scipy.linalg.eigvalsh(b + 1e-3 * np.diag(np.arange(60.0) / 60), b)[::-1][:2]
+    np.testing.assert_allclose(mu, expected, rtol=1e-14)
+    np.testing.assert_allclose(w.T @ b @ w, np.eye(2), atol=1e-12)

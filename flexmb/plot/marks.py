@@ -1,0 +1,128 @@
+"""What is marked on a mechanism: supports, degrees of freedom and loads, at the nodes they belong to."""
+
+import dataclasses
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from ..math.rotation import LBAR
+from ..mechanics.loads import LoadFactors, nodal_forces
+from ..model.model import Model
+from ..model.roles import Role
+from .geometry import nodes_of, places_of_rotations
+
+SUPPORTS = ("clamped", "supported", "prescribed")
+
+
+class Mark(NamedTuple):
+    """A degree of freedom or a load.
+
+    Attributes:
+        kind: "dof", "force" or "moment".
+        name: Of the coordinate, or of the node that carries the load.
+        node: Where it is drawn.
+        vector: Its direction, of a load with its size, (d,) [-, N, N m]; None where it has none in the picture: a
+            degree of freedom that is a rotation, a moment in the plane.
+        text: What is written beside it.
+    """
+
+    kind: str
+    name: str
+    node: str
+    vector: Float[np.ndarray, "d"] | None
+    text: str
+
+
+def supports(model: Model) -> dict[str, list[str]]:
+    """Nodes where something is fixed or prescribed, each under every one of :data:`SUPPORTS` that it is.
+
+    Args:
+        model: Mechanism.
+
+    Returns:
+        Names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported"; "prescribed".
+    """
+    roles = model.roles()[0]
+    held: dict[str, set[Role]] = {name: {roles[i] for i in index} for name, index in nodes_of(model).items()}
+    turns = {name: {roles[i] for i in index} for name, index in nodes_of(model, "rotation").items()}
+    paired = places_of_rotations(model)
+    clamped = {point for name, own in turns.items() if own == {Role.FIXED} for point in paired.get(name, [])[:1]}
+    fixed = {name for name, own in held.items() if Role.FIXED in own} | clamped
+    moved = {name for name, own in held.items() if Role.PRESCRIBED in own}
+    moved |= {point for name, own in turns.items() if Role.PRESCRIBED in own for point in paired.get(name, [])[:1]}
+    chosen = zip(SUPPORTS, (fixed & clamped, fixed - clamped, moved), strict=True)
+    return {kind: [name for name in held if name in own] for kind, own in chosen}
+
+
+def dofs(model: Model) -> list[Mark]:
+    """Degrees of freedom that are coordinates of nodes: a unit vector for each position.
+
+    Args:
+        model: Mechanism.
+    """
+    places, found = _Places(model), []
+    for index in np.asarray(model.topology.x.dof).tolist():
+        entry = model.labels.x[index]
+        node = places.of(entry.of)
+        if node is None or entry.kind == "internal":
+            continue
+        vector = np.eye(model.labels.dimension)[entry.component - 1] if entry.kind == "position" else None
+        found.append(Mark("dof", str(entry), node, vector, str(entry)))
+    return found
+
+
+def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
+    """Nodal forces and moments of all loads but gravity, incremental ones added.
+
+    Args:
+        model: Mechanism.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+    """
+    forces, places = _forces(model, x), _Places(model)
+    found = [
+        Mark("force", name, name, forces[i], f"{np.linalg.norm(forces[i]):.4g} N")
+        for name, i in nodes_of(model).items()
+        if np.any(forces[i])
+    ]
+    for name, moment in _moments(model, x, forces).items():
+        node = places.of(name)
+        if node is None:
+            continue
+        size = f"{np.linalg.norm(moment):.4g} N m"
+        if len(moment) == 1:
+            found.append(Mark("moment", name, node, None, f"{'↺' if moment[0] > 0 else '↻'} {size}"))
+        else:
+            found.append(Mark("moment", name, node, moment, size))
+    return found
+
+
+class _Places:
+    """The node where a node or a rotation is drawn."""
+
+    def __init__(self, model: Model):
+        self.points, self.paired = nodes_of(model), places_of_rotations(model)
+
+    def of(self, name: str) -> str | None:
+        return name if name in self.points else next(iter(self.paired.get(name, [])), None)
+
+
+def _forces(model: Model, x: np.ndarray) -> np.ndarray:
+    """Nodal forces of all loads but gravity, (n_x,)."""
+    p = model.parameters
+    light = [None if own is None else dataclasses.replace(own, gravity=None) for own in (p.loads, p.increment)]
+    parameters = dataclasses.replace(p, loads=light[0], increment=light[1])
+    return np.asarray(nodal_forces(model.topology, parameters, LoadFactors(1.0, 1.0), jnp.asarray(x)))
+
+
+def _moments(model: Model, x: np.ndarray, forces: np.ndarray) -> dict[str, np.ndarray]:
+    """Moments by name of the rotation: (1,) in the plane, (3,) about global axes in space [N m]."""
+    found = {}
+    for name, index in nodes_of(model, "rotation").items():
+        own = forces[index]
+        # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I.
+        moment = own if len(index) == 1 else np.einsum("ijk,k,j->i", LBAR, x[index], own) / 2
+        if np.linalg.norm(moment) > 0:
+            found[name] = moment
+    return found

@@ -1,0 +1,49 @@
+"""Which dimension matters for which answer."""
+
+from typing import Any
+
+import numpy as np
+
+from ..design.sensitivities import Sensitivities, Tolerances
+from .canvas import plain_axes
+
+
+def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
+    """Bars of what a percent of each dimension makes of each answer, or of its share in an answer's variance.
+
+    Args:
+        found: Of ``fm.sensitivities``, or of ``fm.tolerances``.
+        ax: matplotlib Axes to draw in; new ones unless given.
+
+    Returns:
+        matplotlib Axes: one group a dimension, the one that matters most on top, and one colour an answer.
+
+    Raises:
+        TypeError: ``found`` is neither.
+    """
+    if isinstance(found, Sensitivities):
+        bars, label = np.asarray(found.table), "percent of the answer for one percent of the dimension"
+    elif isinstance(found, Tolerances):
+        bars, label = 100 * np.asarray(found.shares), "share of the answer's variance [%]"
+    else:
+        raise TypeError(
+            f"Argument `found` must be of fm.sensitivities(..) or fm.tolerances(..), but is a {type(found).__name__}."
+        )
+    ax = plain_axes(ax)
+    finite = np.where(np.isfinite(bars), bars, 0.0)
+    order = np.argsort(np.max(np.abs(finite), axis=0))
+    height = 0.8 / len(found.answers)
+    for i, answer in enumerate(found.answers):
+        # From top to bottom in the order of the answers.
+        at = np.arange(len(order)) + (len(found.answers) / 2 - i - 0.5) * height
+        drawn = ax.barh(at, finite[i, order], height=height, label=answer)
+        ax.bar_label(
+            drawn, [f"{v:.3g}" if np.isfinite(v) else "no value" for v in bars[i, order]], fontsize=7, padding=2
+        )
+    ax.set_yticks(np.arange(len(order)), [found.dimensions[k] for k in order])
+    ax.axvline(0.0, color="#777777", linewidth=1.0)
+    ax.margins(x=0.15)
+    ax.set_xlabel(label)
+    ax.grid(visible=True, axis="x", alpha=0.3)
+    ax.legend(fontsize=8)
+    return ax

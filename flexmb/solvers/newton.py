@@ -1,0 +1,60 @@
+"""Equations of one time step, solved by a Newton method that keeps its factors as long as they serve."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..math.linear import factorise
+
+# Factors serve as long as each iteration brings down the change by this.
+SERVES = 0.2
+# Displacements over their sizes change by less than this once a step is solved; what stalls at round-off below the
+# second number counts as solved too.
+CHANGE = 1e-14
+ROUND_OFF = 1e-10
+MOST = 40
+
+
+def solve_step(residual, matrix, first, start, positions: int, lever) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
+    """Unknowns of a step.
+
+    Args:
+        residual: Function of the unknowns, (r,) to (r,).
+        matrix: Its derivative as a function of the unknowns, near enough for Newton's method, (r,) to (r, r).
+        first: The same at the first guess, (r, r).
+        start: First guess, (r,).
+        positions: How many of the unknowns, the first, are accelerations.
+        lever: What these are multiplied by in the positions [s^2].
+
+    Returns:
+        Unknowns, (r,), and whether the equations are solved. Derivatives are those of the solution.
+
+    Source:
+        Newton's method; implicit function theorem.
+    """
+
+    def solve(f, start):
+        def unsolved(carry):
+            _, _, change, before, count = carry
+            stalled = (change < ROUND_OFF) & (change > 0.5 * before)
+            return (change > CHANGE) & ~stalled & ~jnp.isnan(change) & (count < MOST)
+
+        def once(carry):
+            z, factors, change, before, count = carry
+            again = (count > 1) & (change > SERVES * before)
+            factors = jax.lax.cond(again, lambda: factorise(matrix(z)), lambda: factors)
+            step = factors.solve(f(z))
+            now = lever * jnp.max(jnp.abs(step[:positions]), initial=0.0)
+            return z - step, factors, now, change, count + 1
+
+        factors = factorise(jax.lax.stop_gradient(first))
+        z, _, change, _, _ = jax.lax.while_loop(unsolved, once, (start, factors, jnp.inf, jnp.inf, 0))
+        return z, change
+
+    def tangent(g, right):
+        # What keeps redundant constraints solvable does so here too.
+        corner = jax.lax.stop_gradient(first).at[:positions].set(0.0).at[:, :positions].set(0.0)
+        return factorise(jax.jacfwd(g)(jnp.zeros_like(right)) + corner).solve(right)
+
+    z, change = jax.lax.custom_root(residual, start, solve, tangent, has_aux=True)
+    return z, change <= ROUND_OFF

@@ -1,0 +1,20 @@
+"""The page of an answer of the command line."""
+
+from typing import Any
+
+from .view import view
+
+
+def page(answer: Any) -> bytes:
+    """Modes, path, motion or self-stress of an answer; its equilibrium or mechanism where it has no other.
+
+    Args:
+        answer: Answer of :func:`flexmb.io.answers.answer`.
+
+    Returns:
+        Content of the file.
+    """
+    found = answer.found
+    empty = found is None or (hasattr(found, "shapes") and not found.shapes.shape[1])
+    shown = (answer.model if answer.lin is None else answer.lin) if empty else found
+    return view(shown).html().encode()

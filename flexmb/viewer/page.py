@@ -1,0 +1,94 @@
+"""The page: everything that the viewer needs in one HTML document."""
+
+import base64
+import html
+import json
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from .view import View
+
+# Colours between the ends of a scale; the page interpolates.
+LEVELS = 64
+# Height of the frame in a notebook [px].
+FRAME_HEIGHT = 520
+
+
+def document(view: View) -> str:
+    """The page of a view.
+
+    Args:
+        view: What is shown.
+    """
+    folder = files("flexmb.viewer")
+    page, script = (folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "viewer.js"))
+    # Inside a script element only "</" and "<!--" would end or change it; JSON may write "<" as an escape.
+    data = json.dumps(_data(view), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    # The data may hold any text, so each piece is put into the page once, none of them searched again.
+    before, rest = page.replace("{{title}}", html.escape(view.title)).split("{{data}}")
+    between, after = rest.split("{{script}}")
+    return "".join([before, data, between, script, after])
+
+
+def framed(view: View) -> str:
+    """The page in a frame, for notebooks.
+
+    Args:
+        view: What is shown.
+    """
+    content = html.escape(document(view), quote=True)
+    return (
+        f'<iframe srcdoc="{content}" title="{html.escape(view.title)}"'
+        f' style="width: 100%; height: {FRAME_HEIGHT}px; border: 0"></iframe>'
+    )
+
+
+def _data(view: View) -> dict[str, Any]:
+    """What the page reads, arrays as base64 of 32-bit floats."""
+    lines, nodes = view.lines, view.nodes
+    index = {name: i for i, name in enumerate(nodes.names)}
+    ribbons = bool(np.any(lines.across))
+    return {
+        "title": view.title,
+        "kind": view.kind,
+        "dimension": view.dimension,
+        "choices": view.choices,
+        "along": _floats(view.along),
+        "amplitude": [view.amplitude, view.largest_amplitude],
+        "parts": [[part.name, part.kind, part.start, part.count, part.shape] for part in lines.parts],
+        "base": _floats(lines.base),
+        "states": _floats(lines.states),
+        "across": _floats(lines.across) if ribbons else None,
+        "acrossStates": _floats(lines.across_states) if ribbons else None,
+        "nodes": {"names": nodes.names, "base": _floats(nodes.base), "states": _floats(nodes.states)},
+        "colours": None if view.colours is None else _colours(view),
+        "marks": [_mark(mark, index) for mark in view.marks],
+        "supports": {kind: [index[name] for name in names] for kind, names in view.supports.items()},
+        "masses": [index[name] for name in view.masses],
+    }
+
+
+def _colours(view: View) -> dict[str, Any]:
+    from matplotlib import colormaps
+
+    own = view.colours
+    assert own is not None
+    table = colormaps[own.scale](np.linspace(0, 1, LEVELS))[:, :3]
+    return {
+        "label": own.label,
+        "low": own.low,
+        "high": own.high,
+        "table": np.round(table, 4).tolist(),
+        "values": _floats(own.values),
+    }
+
+
+def _mark(mark: Any, index: dict[str, int]) -> dict[str, Any]:
+    vector = None if mark.vector is None else [*mark.vector.tolist(), 0.0][:3]
+    return {"kind": mark.kind, "node": index[mark.node], "vector": vector, "text": mark.text}
+
+
+def _floats(array: Any) -> str:
+    return base64.b64encode(np.ascontiguousarray(array, "<f4").tobytes()).decode()

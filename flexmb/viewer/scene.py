@@ -1,0 +1,265 @@
+"""What the viewer shows, as arrays: every element a line of points, in the base state and in those it moves through."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from ..model.model import Model
+from ..plot.geometry import PLACES, Line, extent_of, lines, nodes_of, places_of_zigzag
+from ..plot.modes import AMPLITUDE, STEP
+from .sections import Shape, across_of, shapes_of
+
+# A line has as few points as leave it within this share of the mechanism's extent of the one with all of them, in every
+# state that is looked at; where there are many lines, within the second share. Its colours are within a share of their
+# range.
+CLOSE, CLOSE_OF_MANY, MANY = 3e-4, 1e-3, 500
+CLOSE_COLOUR = 1e-2
+LOOKED_AT = 9
+# Steps through the places of a line; the last leaves its ends alone.
+STRIDES = (1, 3, 6, 12, 24, 48, 96)
+# A path or motion is thinned to so many states, and to as many as keep their coordinates below this number.
+MOST_STATES = 500
+MOST_NUMBERS = 3_000_000
+
+
+@dataclasses.dataclass(frozen=True)
+class Part:
+    """One element as it is drawn.
+
+    Attributes:
+        name: Name of the element.
+        kind: As of :class:`flexmb.plot.geometry.Line`.
+        start: Its first point.
+        count: Number of its points.
+        shape: Its cross-section; None where the model does not say.
+    """
+
+    name: str
+    kind: str
+    start: int
+    count: int
+    shape: Shape | None
+
+
+class Lines(NamedTuple):
+    """Lines of all elements.
+
+    Attributes:
+        parts: Elements in the order of the model.
+        places: Where each point is along its element, from 0 to 1, (points,) [-].
+        base: Points in the base state, (points, 3) [m].
+        states: Points in the other states, or for modes their displacement, (states, points, 3) [m].
+        across: Direction of the section's width in the base state, zero where it has none, (points, 3) [-].
+        across_states: The same in the states, or its change, (states, points, 3) [-].
+    """
+
+    parts: tuple[Part, ...]
+    places: Float[np.ndarray, "points"]
+    base: Float[np.ndarray, "points 3"]
+    states: Float[np.ndarray, "states points 3"]
+    across: Float[np.ndarray, "points 3"]
+    across_states: Float[np.ndarray, "states points 3"]
+
+
+class Nodes(NamedTuple):
+    """Nodes of the mechanism.
+
+    Attributes:
+        names: Their names.
+        base: Where they are in the base state, (nodes, 3) [m].
+        states: In the states, or for modes their displacement, (states, nodes, 3) [m].
+    """
+
+    names: tuple[str, ...]
+    base: Float[np.ndarray, "nodes 3"]
+    states: Float[np.ndarray, "states nodes 3"]
+
+
+def nodes_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray]) -> Nodes:
+    """Nodes in the base state and in others.
+
+    Args:
+        model: Mechanism.
+        base: Nodal coordinates, (n_x,).
+        states: Nodal coordinates of the others, or changes of them, each (n_x,).
+    """
+    found = nodes_of(model)
+    index = np.array(list(found.values()), int).reshape(len(found), model.labels.dimension)
+    return Nodes(tuple(found), in_space(base[index]), in_space(_stacked([x[index] for x in states], index.shape)))
+
+
+def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
+    """Lines of a model in its base state and in others.
+
+    Args:
+        model: Mechanism.
+        base: Nodal coordinates of the base state, (n_x,).
+        states: Those of the others, each (n_x,).
+        values: What colours the elements, (sets, elements drawn, places), NaN where nothing does; or None.
+    """
+    shapes = shapes_of(model)
+    still, seen = lines(model, base), []
+    for x in [base, *(states[i] for i in thinned(len(states), LOOKED_AT))]:
+        own = lines(model, x)
+        seen.append(_with_edges(own, across_of(model, x, own, shapes), shapes))
+    keep = _kept(seen, values)
+    drawn, across = _drawn(model, base, shapes, keep)
+    moved = [_drawn(model, x, shapes, keep) for x in states]
+    stacked = [_stacked([pair[i] for pair in moved], drawn.shape) for i in (0, 1)]
+    return Lines(_parts(still, keep, shapes), _places(still, keep), drawn, stacked[0], across, stacked[1])
+
+
+def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
+    """Lines of a model about a state, and their displacements in modes.
+
+    Args:
+        model: Mechanism.
+        base: Nodal coordinates of the state, (n_x,).
+        moves: Change of the coordinates in each mode, (n_x,), to which the displacement is linear.
+        values: As for :func:`lines_at`.
+    """
+    shapes, still = shapes_of(model), lines(model, base)
+    found = [_displacement(model, base, move, shapes) for move in moves]
+    across = across_of(model, base, still, shapes)
+    seen = [_with_edges(still, across, shapes)]
+    for moved, turned in found:
+        bent = [line._replace(points=line.points + AMPLITUDE * own) for line, own in zip(still, moved, strict=True)]
+        turn = {line.element: own for line, own in zip(still, turned, strict=True)}
+        sides = {name: own + AMPLITUDE * turn[name] for name, own in across.items()}
+        seen.append(_with_edges(bent, sides, shapes))
+    keep = _kept(seen, values)
+    points, across = _drawn(model, base, shapes, keep)
+    stacked = [_stacked([_chosen(pair[i], keep) for pair in found], points.shape) for i in (0, 1)]
+    return Lines(_parts(still, keep, shapes), _places(still, keep), points, stacked[0], across, stacked[1])
+
+
+def kept_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets points"]:
+    """Colours of the points that are drawn.
+
+    Args:
+        found: Lines.
+        values: As for :func:`lines_at`.
+    """
+    rows = np.repeat(np.arange(len(found.parts)), [part.count for part in found.parts])
+    return values[:, rows, np.rint(found.places * (len(PLACES) - 1)).astype(int)]
+
+
+def in_space(points: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n 3"]:
+    """Points with a third coordinate, zero in the plane.
+
+    Args:
+        points: (*n, 2) or (*n, 3) [m].
+    """
+    return np.concatenate([points, np.zeros((*points.shape[:-1], 3 - points.shape[-1]))], axis=-1)
+
+
+def most_states(found: Lines) -> int:
+    """How many states of a path or motion are shown.
+
+    Args:
+        found: Its lines.
+    """
+    return max(2, min(MOST_STATES, MOST_NUMBERS // max(found.base.size, 1)))
+
+
+def thinned(count: int, most: int) -> np.ndarray:
+    """Which of many states are taken: evenly chosen ones, the first and the last among them.
+
+    Args:
+        count: How many there are.
+        most: How many are taken at most.
+    """
+    return np.unique(np.rint(np.linspace(0, count - 1, min(count, most))).astype(int))
+
+
+def _displacement(model: Model, base: np.ndarray, move: np.ndarray, shapes: dict[str, Shape]):
+    """Displacement of every place of every line by a mode, and the change of what lies across it."""
+    step = STEP / (np.max(np.abs(move), initial=0.0) or 1.0)
+    states = [base + sign * step * move for sign in (-1, 1)]
+    ends = [lines(model, x, straight=True) for x in states]
+    across = [across_of(model, x, own, shapes) for x, own in zip(states, ends, strict=True)]
+    rate = 1 / (2 * step)
+    moved, turned = [], []
+    for before, after in zip(*ends, strict=True):
+        own = rate * (after.points - before.points)
+        if after.kind == "spring":
+            s = places_of_zigzag()[:, None]
+            own = (1 - s) * own[0] + s * own[-1]
+        moved.append(own)
+        name = after.element
+        turned.append(rate * (across[1][name] - across[0][name]) if name in across[1] else np.zeros((len(own), 3)))
+    return moved, turned
+
+
+def _drawn(model: Model, x: np.ndarray, shapes: dict[str, Shape], keep) -> tuple[np.ndarray, np.ndarray]:
+    """Points of all lines that are kept, and what lies across them."""
+    drawn = lines(model, x)
+    across = across_of(model, x, drawn, shapes)
+    sides = [across.get(line.element, np.zeros((len(line.points), 3))) for line in drawn]
+    return _chosen([line.points for line in drawn], keep), _chosen(sides, keep)
+
+
+def _parts(drawn: list[Line], keep: list[np.ndarray], shapes: dict[str, Shape]) -> tuple[Part, ...]:
+    counts = [len(k) for k in keep]
+    starts = np.cumsum([0, *counts])[:-1].tolist()
+    return tuple(
+        Part(line.element, line.kind, start, count, shapes.get(line.element))
+        for line, start, count in zip(drawn, starts, counts, strict=True)
+    )
+
+
+def _places(drawn: list[Line], keep: list[np.ndarray]) -> np.ndarray:
+    along = [k / max(len(line.points) - 1, 1) for line, k in zip(drawn, keep, strict=True)]
+    return np.concatenate(along) if along else np.zeros(0)
+
+
+def _chosen(curves: list[np.ndarray], keep: list[np.ndarray]) -> np.ndarray:
+    """Kept points of all lines, one line after the other, (points, 3)."""
+    pieces = [own[k] for own, k in zip(curves, keep, strict=True)]
+    return in_space(np.concatenate(pieces) if pieces else np.zeros((0, 3)))
+
+
+def _stacked(pieces: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+    return in_space(np.stack(pieces)) if pieces else np.zeros((0, *shape))
+
+
+def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[str, Shape]) -> list[np.ndarray]:
+    """Points of every line beside those of an edge of its section, so that twist counts too, each (places, 2 d)."""
+    edges = [
+        line.points + shapes[line.element].width / 2 * across[line.element] if line.element in across else line.points
+        for line in drawn
+    ]
+    return [np.concatenate([line.points, edge], axis=1) for line, edge in zip(drawn, edges, strict=True)]
+
+
+def _kept(seen: list[list[np.ndarray]], values: np.ndarray | None) -> list[np.ndarray]:
+    """Which points of every line are drawn; ``seen`` holds the lines in several states."""
+    everything = np.concatenate(seen[0]) if seen[0] else np.zeros((0, 2))
+    close = (CLOSE if len(seen[0]) < MANY else CLOSE_OF_MANY) * extent_of(everything)
+    finite = None if values is None else values[np.isfinite(values)]
+    colour_close = CLOSE_COLOUR * float(np.max(np.abs(finite))) if finite is not None and finite.size else np.inf
+    keep = [np.arange(len(points)) for points in seen[0]]
+    curves = [i for i, points in enumerate(seen[0]) if len(points) == len(PLACES)]
+    if not curves:
+        return keep
+    over = np.stack([np.stack([drawn[i] for i in curves]) for drawn in seen])
+    colours = None if values is None else np.nan_to_num(values[:, curves])[..., None]
+    for stride in STRIDES:
+        good = np.max(_error(over, stride), axis=0) <= close
+        if colours is not None:
+            good &= np.max(_error(colours, stride), axis=0) <= colour_close
+        for i in np.flatnonzero(good):
+            keep[curves[i]] = np.arange(0, len(PLACES), stride)
+    return keep
+
+
+def _error(curves: Float[np.ndarray, "states n places d"], stride: int) -> Float[np.ndarray, "states n"]:
+    """How far curves are from the polylines through every so many of their points."""
+    count = curves.shape[2]
+    first = np.minimum(np.arange(count) // stride * stride, count - 1 - stride)
+    part = ((np.arange(count) - first) / stride)[:, None]
+    straight = (1 - part) * curves[:, :, first] + part * curves[:, :, first + stride]
+    return np.max(np.linalg.norm(straight - curves, axis=-1), axis=-1)

@@ -1,0 +1,147 @@
+"""Cross-sections as they are drawn: their sides, and where their width points along an element."""
+
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
+from ..math.compile import jit
+from ..math.rotation import initial_frame
+from ..model.model import Model
+from ..model.topology import Block
+from ..plot.geometry import Line, names_of, parts_of, turns_of
+
+
+class Shape(NamedTuple):
+    """Outline of a cross-section.
+
+    Attributes:
+        width: Side along local y, or diameter [m].
+        thickness: Side along local z, or diameter [m].
+        round: Whether it is a circle.
+    """
+
+    width: float
+    thickness: float
+    round: bool
+
+
+def shapes_of(model: Model) -> dict[str, Shape]:
+    """Outlines of the elements whose section has one.
+
+    Args:
+        model: Mechanism.
+
+    Returns:
+        By name of the element.
+    """
+    found: dict[str, Shape] = {}
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        names = names_of(model, block)
+        section = properties.get("section")
+        if not names or section is None:
+            continue
+        stacks = section if isinstance(section, tuple) else (section,)
+        outlines = [outline for stack in stacks for outline in _outlines(stack)]
+        found.update({name: own for name, own in zip(names, outlines, strict=True) if own is not None})
+    return found
+
+
+def _outlines(stack: Section) -> list[Shape | None]:
+    """Outlines of stacked sections of one kind."""
+    if isinstance(stack, Rectangle | HollowRectangle):
+        sides = zip(np.asarray(stack.width).tolist(), np.asarray(stack.thickness).tolist(), strict=True)
+        return [Shape(width, thickness, False) for width, thickness in sides]
+    if isinstance(stack, Circle | Tube):
+        return [Shape(diameter, diameter, True) for diameter in np.asarray(stack.diameter).tolist()]
+    return [None] * len(jax.tree.leaves(stack)[0])
+
+
+def across_of(
+    model: Model, x: np.ndarray, drawn: list[Line], shapes: dict[str, Shape]
+) -> dict[str, Float[np.ndarray, "places 3"]]:
+    """Direction of the width of every rectangular section in space, at the places of its line.
+
+    At both ends it turns with the nodes; in between it goes along with the line without twist, and the twist that is
+    left between the ends is spread evenly.
+
+    Args:
+        model: Mechanism.
+        x: Nodal coordinates, (n_x,).
+        drawn: Its lines at these coordinates.
+        shapes: Outlines of sections.
+
+    Returns:
+        Unit vectors, by name of the element, each (places, 3) [-].
+    """
+    if model.labels.dimension == 2:
+        return {}
+    points = {line.element: line.points for line in drawn}
+    found: dict[str, np.ndarray] = {}
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        kinds = list(block.element.nodes.values())
+        parts = [kind.part for kind in kinds]
+        names = names_of(model, block)
+        wanted = [i for i, name in enumerate(names) if name in shapes and not shapes[name].round]
+        ends_only = parts.count("position") == parts.count("rotation") == 2
+        if not wanted or not ends_only or "deformation" not in block.companions:
+            continue
+        axes, sides = _ends(block, properties, x, np.asarray(model.parameters.reference), wanted)
+        along = np.stack([points[names[i]] for i in wanted])
+        found.update(zip((names[i] for i in wanted), _carried(along, axes, sides), strict=True))
+    return found
+
+
+def _ends(block: Block, properties: dict[str, Any], x, reference, wanted: list[int]):
+    """Local x and y axes at both ends of some elements, each (ends, elements, 3)."""
+    index = np.asarray(block.x)[wanted]
+    kinds = list(block.element.nodes.values())
+    p, q = parts_of(kinds, block.splits, reference[index], "position")
+    y = properties.get("y")
+    frames = np.asarray(_frames(p, q, None if y is None else np.asarray(y)[wanted]))
+    now, before = (parts_of(kinds, block.splits, values[index], "rotation") for values in (x, reference))
+    turned = np.stack([turns_of(*pair) @ frames for pair in zip(now, before, strict=True)])
+    return turned[..., 0], turned[..., 1]
+
+
+@jit
+def _frames(p, q, y) -> Float[Array, "n 3 3"]:
+    return jax.vmap(initial_frame, (0, 0, None if y is None else 0))(p, q, y)
+
+
+def _carried(points: Float[np.ndarray, "n places 3"], axes, sides) -> Float[np.ndarray, "n places 3"]:
+    """Sides of the sections along lines, from those at the ends, (ends, n, 3)."""
+    tangents = np.gradient(points, axis=1, edge_order=2)
+    tangents = _unit(tangents)
+    # An arc is tilted at its ends, in its plane, from the axis that its ends turn with.
+    first, last = (_bent(axes[i], tangents[:, at], sides[i]) for i, at in ((0, 0), (1, -1)))
+    carried = [first]
+    for i in range(1, points.shape[1]):
+        carried.append(_bent(tangents[:, i - 1], tangents[:, i], carried[-1]))
+    sides_along = np.stack(carried, axis=1)
+    end = tangents[:, -1]
+    sine = np.einsum("ni,ni->n", _cross(carried[-1], last), end)
+    twist = np.arctan2(sine, np.einsum("ni,ni->n", carried[-1], last))
+    angle = twist[:, None] * np.linspace(0.0, 1.0, points.shape[1])
+    others = _cross(tangents, sides_along)
+    return _unit(np.cos(angle)[..., None] * sides_along + np.sin(angle)[..., None] * others)
+
+
+def _bent(start, end, vectors) -> Float[np.ndarray, "n 3"]:
+    """Vectors turned by the smallest rotation that takes one unit vector to another, made normal to the latter."""
+    axis, cosine = _cross(start, end), np.einsum("ni,ni->n", start, end)[:, None]
+    along = np.einsum("ni,ni->n", axis, vectors)[:, None] * axis
+    turned = cosine * vectors + _cross(axis, vectors) + along / np.maximum(1 + cosine, 1e-9)
+    return _unit(turned - np.einsum("ni,ni->n", turned, end)[:, None] * end)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(size > 0, size, 1.0)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """As ``np.cross`` of vectors in space, in a quarter of its time."""
+    return a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]]

@@ -1,0 +1,112 @@
+"""Pictures of sweeps, searches and sensitivities, by the numbers in them."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import plot
+from flexmb.design.sensitivities import Sensitivities, Tolerances
+from flexmb.design.tune import Tuned
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+
+@pytest.fixture(autouse=True)
+def _figures_are_closed():
+    yield
+    plt.close("all")
+
+
+def swept(designs, fails=()):
+    """f = a b^2 of every design."""
+    f = np.asarray(designs["a"]) * np.asarray(designs.get("b", 1.0)) ** 2 * np.asarray(designs.get("c", 1.0))
+    f[list(fails)] = np.nan
+    codes = np.isnan(f).astype(int)
+    return fm.Sweep(designs, {"f": f, "g": np.stack([f, f], axis=1)}, codes, {"f": "Hz", "a": "m"})
+
+
+def test_a_map_of_a_grid():
+    found = swept(fm.grid(a=[1.0, 2.0, 3.0], b=[1.0, 3.0], c=[1.0, 10.0, 100.0]), fails=[1])
+    ax = plot.sweep(found, "f", ["a", "b"])
+    mesh = ax.collections[0]
+    # The third axis is held at its middle value.
+    np.testing.assert_allclose(mesh.get_array(), [[np.nan, 20, 30], [90, 180, 270]], equal_nan=True)
+    assert ax.get_title() == "c = 10"
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("a [m]", "b")
+    np.testing.assert_allclose(ax.lines[-1].get_xydata(), [[1.0, 1.0]])
+    assert ax.figure.axes[1].get_ylabel() == "f [Hz]"
+
+
+def test_a_curve():
+    found = swept(fm.grid(a=[3.0, 4.0, 5.0]), fails=[1])
+    ax = plot.sweep(found, "f")
+    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[3, 3], [4, np.nan], [5, 5]], equal_nan=True)
+    np.testing.assert_allclose(ax.lines[1].get_xydata(), [[4, 3]])
+    assert ax.get_ylabel() == "f [Hz]"
+
+
+def test_points_of_other_designs():
+    found = swept(fm.latin_hypercube(12, seed=3, a=(1.0, 2.0), b=(1.0, 3.0)))
+    ax = plot.sweep(found, "f", ("b", "a"))
+    drawn = ax.collections[0]
+    np.testing.assert_allclose(drawn.get_offsets(), np.stack([found["b"], found["a"]], axis=1))
+    np.testing.assert_allclose(drawn.get_array(), found["f"])
+
+
+@pytest.mark.parametrize(
+    ("answer", "over", "expected"),
+    [("h", None, KeyError), ("g", None, ValueError), ("f", "d", KeyError), ("f", ["a", "b", "c"], ValueError)],
+)
+def test_sweeps_that_cannot_be_drawn(answer, over, expected):
+    found = swept(fm.grid(a=[1.0, 2.0], b=[1.0, 3.0], c=[1.0, 10.0]))
+    with pytest.raises(expected):
+        plot.sweep(found, answer, over)
+
+
+def test_the_run_of_a_search():
+    history = {
+        "a": np.array([2.0, 1.0, 1.5]),
+        "b": np.array([[1.0, 4.0], [2.0, 2.0], [3.0, 1.0]]),
+        "f": np.array([10.0, 30.0, 20.0]),
+        "objective": np.array([1.0, 0.5, 0.7]),
+        "violation": np.array([0.1, 0.0, 1e-9]),
+    }
+    a, b = 1.0, np.array([2.0, 2.0])
+    ended = (fm.RESULTS.successful, "the end", (), 0.5, 0.0, history, np.zeros((1, 2)))
+    figure = plot.tuning(Tuned({"a": a, "b": b}, {"f": 30.0}, {"f": 10.0}, *ended))
+    objective, violation, dimensions, answers = figure.axes
+    np.testing.assert_allclose(objective.lines[0].get_xydata(), [[1, 1], [2, 0.5], [3, 0.7]])
+    np.testing.assert_allclose(violation.lines[0].get_xydata(), [[1, 0.1], [3, 1e-9]])
+    lines = {line.get_label(): line.get_ydata() for line in dimensions.lines[:3]}
+    np.testing.assert_allclose(lines["a"], [1, 0.5, 0.75])
+    np.testing.assert_allclose(lines["b[1]"], [1, 0.5, 0.25])
+    np.testing.assert_allclose(answers.lines[0].get_ydata(), [1, 3, 2])
+    # The second evaluation is the one returned.
+    np.testing.assert_allclose(objective.lines[1].get_xdata(), [2, 2])
+
+
+def bars(ax):
+    return {group.get_label(): [bar.get_width() for bar in group.patches] for group in ax.containers[::1]}
+
+
+def test_bars_of_sensitivities():
+    table = np.array([[1.0, -2.0], [0.5, np.nan]])
+    found = Sensitivities(
+        ("f", "k"), ("t", "l"), np.ones(2), np.ones(2), table, table, None, "forward", fm.RESULTS.successful
+    )
+    ax = plot.sensitivities(found)
+    # The dimension that matters most stands on top, which is last.
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["t", "l"]
+    assert {name: widths for name, widths in bars(ax).items() if name in "fk"} == {"f": [1, -2], "k": [0.5, 0]}
+    assert "no value" in {text.get_text() for text in ax.texts}
+    shares = np.array([[0.25, 0.75]])
+    ax = plot.sensitivities(Tolerances(("f",), ("t", "l"), np.ones(1), np.ones(1), shares, None, None, None, None))
+    assert bars(ax)["f"] == [25, 75]
+
+
+@pytest.mark.parametrize("draw", [plot.sensitivities, plot.tuning, lambda found: plot.sweep(found, "f")])
+def test_what_is_not_a_result_is_refused(draw):
+    with pytest.raises(TypeError, match="found"):
+        draw(3)
