@@ -147,8 +147,17 @@ def _lowest(count: int | None):
     return jit(functools.partial(_frequencies, count=count))
 
 
+@functools.cache
+def _lowest_at(count: int | None):
+    """The same of matrices that are known."""
+    return jit(functools.partial(_frequencies_at, count=count))
+
+
 def _frequencies(topology: Topology, parameters: Parameters, count: int | None):
-    found = matrices(topology, parameters, LoadFactors(1.0, 0.0))
+    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count)
+
+
+def _frequencies_at(found: Matrices, count: int | None):
     values, _, _, result = spectrum(found.K, found.M0, count)
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
@@ -169,11 +178,11 @@ def refuse_unsymmetric(symmetric: bool) -> None:
         )
 
 
-def frequencies(model: Model, *, count: int | None = None, throw: bool = True) -> Float[Array, "n"]:
+def frequencies(model: Model | Linearization, *, count: int | None = None, throw: bool = True) -> Float[Array, "n"]:
     """Natural frequencies about the static equilibrium under the constant loads.
 
     Args:
-        model: Mechanism; differentiable in ``model.parameters``.
+        model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
         count: How many of the lowest; all unless given. With many degrees of freedom a few are found much quicker.
         throw: Raise where the equilibrium or the eigenproblem fails.
 
@@ -187,10 +196,14 @@ def frequencies(model: Model, *, count: int | None = None, throw: bool = True) -
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    refuse_unsymmetric(not lacks_potential(model.topology))
     if count is not None and count < 1:
         raise ValueError(f"Argument `count` must be at least 1, not {count}.")
-    values, result = _lowest(count)(model.topology, model.parameters)
+    if isinstance(model, Linearization):
+        refuse_unsymmetric(model.matrices.symmetric)
+        values, result = _lowest_at(count)(model.matrices)
+    else:
+        refuse_unsymmetric(not lacks_potential(model.topology))
+        values, result = _lowest(count)(model.topology, model.parameters)
     check(result, throw)
     return values
 

@@ -26,7 +26,7 @@ class Moving(Record):
         function: ``(x_el, *kept_el) -> (e_el, s_el)``, with the deformations at the last accepted state after x_el
             where angles are counted; e_el or s_el is None where there is none.
         x: Index of each element's coordinates, (elements, coordinates).
-        e: Index of each element's deformations, (elements, deformations).
+        e: Index of each element's deformations, (elements, deformations); none where e_el is None.
         kept: What the function needs to know of each element.
         mass: H of each element, (elements, k, k), or None.
         counts: Whether angles are counted.
@@ -84,7 +84,9 @@ def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving,
         early, late = split(both, varying, first)
         kept = jax.vmap(early)(ref, known, heavy)
         mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, heavy)
-        found.append(Moving(late, block.x, block.e, kept, mass, counts))
+        # Another block computes the deformations of elements whose companions differ.
+        own = block.e if deformation is not None else block.e[:, :0]
+        found.append(Moving(late, block.x, own, kept, mass, counts))
     return tuple(found)
 
 

@@ -54,6 +54,20 @@ def test_frequency_and_its_derivative_are_the_closed_form():
     )
 
 
+def test_frequency_about_a_linearisation_is_the_closed_form():
+    """Under 20 N of the 78.75 N (t/T)^3 at which the guide buckles, that share of its stiffness is lost."""
+
+    def loaded(t):
+        model = mechanisms.planar_guide(t, force=(0, -1.0)).build()
+        return fm.frequencies(fm.linearize(model, load_factor=20.0))[0]
+
+    def expected(t):
+        return closed_form(t) * jnp.sqrt(1 - 20 / 78.75 * (T / t) ** 3)
+
+    assert loaded(T) == pytest.approx(float(expected(T)), rel=1e-9)
+    assert fm.jit(jax.grad(loaded))(T) == pytest.approx(float(jax.grad(expected)(T)), rel=1e-8)
+
+
 @pytest.mark.parametrize(
     "answer", [frequency, buckling_load, loaded_frequency, entry_of_a, drive_compliance, deflection]
 )

@@ -11,6 +11,7 @@ import motions
 import numpy as np
 import pytest
 from jax.tree_util import Partial
+from mechanisms import planar_guide
 from scipy.integrate import solve_ivp
 from scipy.io import loadmat
 
@@ -206,6 +207,21 @@ def test_released_guide_against_an_explicit_integration(guide):
     tight = fm.simulate(model, times, initial=bent, rtol=1e-9, atol=1e-11, solver=diffrax.Dopri8())
     np.testing.assert_allclose(found.at("left2"), tight.at("left2"), atol=1e-8)
     assert int(found.steps) < int(tight.steps)
+
+
+def test_damped_beams_beside_a_rigid_one_swing_as_one_mass_on_a_damped_spring():
+    """The rigid bar has no damping, so that damping and deformations of the beams are not of the same block."""
+    b = planar_guide(ratio=0.05)
+    b.start("left1", "x", 1e-4)
+    model = b.build()
+    lin = fm.linearize(model)
+    m, d, k = (float(a[0, 0]) for a in (lin.M0, lin.D0, lin.K))
+    times = np.linspace(0, 0.2, 21)
+    found = fm.simulate(model, times, rtol=1e-8)
+    decay, omega = d / (2 * m), np.sqrt(k / m - (d / (2 * m)) ** 2)
+    swing = np.exp(-decay * times) * (np.cos(omega * times) + decay / omega * np.sin(omega * times))
+    # A swing of 1e-3 of the length changes the frequency by some times the square of that, over 13 radians.
+    np.testing.assert_allclose(found.at("left1")[:, 0] / 1e-4, swing, rtol=0, atol=2e-5)
 
 
 def test_derivative_of_a_motion():

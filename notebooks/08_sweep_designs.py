@@ -1,0 +1,149 @@
+# %% [markdown]
+# # Sweep, sensitivities and tolerances
+#
+# **Question.** Which dimension of a guide matters most, how well must it be made, and what do a thousand designs look
+# like?
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import flexmb as fm
+from flexmb import planar
+
+fm.enable_x64()
+cache = fm.enable_cache(thorough=False)
+
+# %% [markdown]
+# ## A function of named dimensions, answers as functions of the model
+#
+# The same two things serve all three questions. The load of 1 N on either end of the stage is there for the buckling
+# load, which is told as a multiple of it.
+
+# %%
+E, rho = 210e9, 7850.0
+
+
+def guide(thickness, length, width, mass):
+    leaf = fm.Rectangle(width, thickness, fm.Material(E=E, G=80e9, rho=rho), rotary=False)
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, length), "C": (0.1, length), "D": (0.1, 0)}.items():
+        b.node(name, place)
+    b.add(planar.beam, "A", "B", name="left", section=leaf, released=(2, 3))
+    b.add(planar.beam, "D", "C", name="right", section=leaf, released=(2, 3))
+    b.add(planar.beam, "B", "C", name="stage")
+    b.fix("A")
+    b.fix("D")
+    b.mass("B", mass / 2)
+    b.mass("C", mass / 2)
+    b.force("B", (0, -1.0), increment=True)
+    b.force("C", (0, -1.0), increment=True)
+    return b.build()
+
+
+design = {"thickness": 0.5e-3, "length": 0.1, "width": 0.018, "mass": 0.206}
+answers = {
+    "frequency": lambda model: fm.frequencies(model)[0],
+    "drive": lambda model: fm.stiffness(model, "B", "x"),
+    "buckling": lambda model: fm.buckling_loads(model)[0],
+}
+
+# %% [markdown]
+# `increment=True` makes the forces incremental loads: the frequency is that of the unloaded guide, and buckling asks by
+# what the increment may be multiplied.
+#
+# ## Sensitivities
+#
+# The table gives percent of an answer for one percent of a dimension, $\partial\ln a/\partial\ln p$. They are
+# derivatives of the model, not differences.
+
+# %%
+sensitivities = fm.sensitivities(guide, answers, design)
+print(sensitivities)
+
+# %% [markdown]
+# Thickness and length count most, with powers of three in the stiffness; the width enters all answers in the first
+# power.
+#
+# ## Tolerances
+#
+# Standard deviations of the dimensions give that of the answers, and the share of each dimension in it. `samples` adds
+# a Monte Carlo computation, to see whether the first order is enough.
+
+# %%
+deviations = {"thickness": 5e-6, "length": 20e-6, "width": 50e-6, "mass": 1e-3}
+tolerances = fm.tolerances(guide, answers, design, deviations, samples=2000)
+print(tolerances)
+print("sampled:", np.round(tolerances.sampled_deviations, 4))
+
+# %% [markdown]
+# Five micrometres of thickness make nearly all of it.
+
+# %%
+samples = tolerances.samples["frequency"]
+figure, ax = plt.subplots(layout="constrained")
+ax.hist(samples, bins=40, density=True, label="2000 samples")
+hertz = np.linspace(samples.min(), samples.max(), 200)
+spread = tolerances.deviations[0]
+normal = np.exp(-(((hertz - tolerances.values[0]) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
+ax.plot(hertz, normal, label="first order")
+ax.set_xlabel("frequency [Hz]")
+ax.set_ylabel("probability density [1/Hz]")
+ax.legend()
+plt.show()
+
+# %% [markdown]
+# ## A sweep
+#
+# 40 by 25 designs, compiled once. A design that fails does not stop the others: it has a code and its answers are NaN.
+# A result of a grid has the axes of the grid.
+
+# %%
+axes = fm.grid(thickness=np.linspace(0.2e-3, 1e-3, 40), length=np.linspace(0.05, 0.15, 25), width=[0.018], mass=[0.206])
+sweep = fm.sweep(guide, answers, axes)
+frequency, buckling = sweep["frequency"][:, :, 0, 0], sweep["buckling"][:, :, 0, 0]
+print(frequency.shape, "designs, failures:", sweep.failures())
+
+# %%
+figure, ax = plt.subplots(layout="constrained")
+horizontal, vertical = 1e3 * sweep.axes["length"], 1e3 * sweep.axes["thickness"]
+lines = ax.contour(horizontal, vertical, frequency, levels=[2, 5, 10, 20, 50], colors="C0")
+ax.clabel(lines, fmt="%g Hz")
+lines = ax.contour(horizontal, vertical, buckling, levels=[20, 60, 200], colors="C3", linestyles="--")
+ax.clabel(lines, fmt="%g N")
+ax.set_xlabel("length [mm]")
+ax.set_ylabel("thickness [mm]")
+ax.set_title("frequency (solid), buckling load of either leaf spring (dashed)")
+plt.show()
+
+# %% [markdown]
+# Where a solid and a dashed line cross there is a guide with that frequency and that buckling load.
+#
+# ## What the numbers are compared with
+#
+# With the moving mass $M = m + \mu$, $\mu = \tfrac{26}{35}\rho wtl$, the frequency is
+# $\frac{1}{2\pi}\sqrt{2Ewt^3/(l^3M)}$. So its sensitivities are $\tfrac32 - \tfrac{\mu}{2M}$ by the thickness,
+# $-\tfrac32 - \tfrac{\mu}{2M}$ by the length, $\tfrac12 - \tfrac{\mu}{2M}$ by the width and $-\tfrac{m}{2M}$ by the
+# mass. The drive stiffness is $2Ewt^3/l^3$. One cubic beam buckles at $10EI/l^2$ (exactly it is $\pi^2EI/l^2$), with
+# the power 3 of the thickness, −2 of the length and 1 of the width.
+
+# %%
+t, length, w, m = design.values()
+mu = 26 / 35 * rho * w * t * length
+share = mu / (m + mu)
+expected = np.array(
+    [[1.5 - share / 2, -1.5 - share / 2, 0.5 - share / 2, (share - 1) / 2], [3, -3, 1, 0], [3, -2, 1, 0]]
+)
+assert np.allclose(sensitivities.table, expected, rtol=0, atol=1e-7)
+
+relative = np.array([deviations[name] / value for name, value in design.items()])
+first_order = sensitivities.values * np.sqrt(expected**2 @ relative**2)
+assert np.allclose(tolerances.deviations, first_order, rtol=1e-6)
+# 2000 samples know a standard deviation to 1/sqrt(4000), 1.6 %; three times that.
+assert np.allclose(tolerances.sampled_deviations, first_order, rtol=0.05)
+
+tt, ll = np.meshgrid(sweep.axes["thickness"], sweep.axes["length"], indexing="ij")
+closed = np.sqrt(2 * E * w * tt**3 / ll**3 / (m + 26 / 35 * rho * w * tt * ll)) / (2 * np.pi)
+assert not sweep.failures()
+assert np.allclose(frequency, closed, rtol=1e-9)
+assert np.allclose(buckling, 10 * E * w * tt**3 / 12 / ll**2, rtol=1e-9)

@@ -1,0 +1,232 @@
+# %% [markdown]
+# # Design study: a controller and a leaf spring tuned together
+#
+# **Question.** How much faster does a guide settle if the thickness of its leaf springs is chosen together with the
+# gains of the controller, and not before?
+#
+# The guide of the first notebook is driven by a voice coil. Sensor, computing and amplifier together lag behind by
+# $1/(1+\tau s)^2$ with $\tau = 2$ ms. A controller answers with this lag; a leaf spring answers at once. So the leaf
+# spring is a part of the controller that has no lag, and it is not evident that a thin one is best.
+#
+# **What is measured.** The spectral abscissa of the closed loop, the real part of its slowest pole, has no derivative
+# where poles meet, and there the optimum often is. Taken is the **mean decay rate over a time T**,
+#
+# $$\alpha_T = -\frac1T \ln \tfrac12\lVert W e^{A T} W^{-1}\rVert_F ,$$
+#
+# of the closed-loop matrix A, with a fixed scaling W of the states. It tells by how much every initial state has
+# decayed after T, it is smooth everywhere, also for an unstable loop, and it tends to the spectral abscissa as T grows.
+# Here T = 50 ms. Poles and settling times are told besides.
+
+# %%
+import control
+import jax
+import jax.numpy as jnp
+import matplotlib.pyplot as plt
+import numpy as np
+
+import flexmb as fm
+from flexmb import planar
+
+fm.enable_x64()
+cache = fm.enable_cache(thorough=False)
+
+# %% [markdown]
+# ## Mechanism
+
+# %%
+length, width, apart, mass = 0.1, 0.018, 0.1, 0.206
+steel = fm.Material(E=210e9, G=80e9, rho=7850)
+stroke = 2e-3  # m
+
+
+def guide(thickness, *, element=planar.beam, released=(2, 3), dofs=("x",), start=0.0):
+    leaf = fm.Rectangle(width, thickness, steel, rotary=False)
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, length), "C": (apart, length), "D": (apart, 0)}.items():
+        b.node(name, place)
+    for name, ends in (("left", "AB"), ("right", "DC")):
+        own = {} if released is None else {"released": released}
+        b.add(element, *ends, name=name, section=leaf, damping=fm.damping_from_ratio(leaf, length, 0.005), **own)
+    b.add(planar.beam, "B", "C", name="stage")
+    b.fix("A")
+    b.fix("D")
+    for end in "BC":
+        b.mass(end, mass / 2)
+    if dofs:
+        b.dof("B", *dofs)
+    if start:
+        b.start("B", "x", start)
+    b.input("C", "x", name="force")
+    b.output("B", "x", name="position")
+    b.output("B", "x", "velocity", name="velocity")
+    return b.build()
+
+
+# %% [markdown]
+# ## Closed loop
+#
+# The controller is a proportional gain $k_p$ and a derivative gain $k_d$ with the lag. The loop shall hold the stage
+# against a constant force with 5 N/mm: the stiffness of the leaf springs and the proportional gain together. So $k_p$
+# follows from the thickness, and may be negative where the leaf springs alone are stiffer.
+#
+# `fm.state_matrices` gives A, B, C, D of the mechanism as JAX arrays, so that the closed loop is a differentiable
+# function of the thickness and of the gain. The function that is tuned may return whatever the answers need.
+
+# %%
+tau, horizon, held = 2e-3, 50e-3, 5e3  # s, s, N/m
+
+
+def controller(kp, kd):
+    """A, B, C of the controller from position and velocity to force; its states are the two of the lag."""
+    a = jnp.array([[-1 / tau, 0.0], [1 / tau, -1 / tau]])
+    b = jnp.stack([-jnp.stack([kp, kd]) / tau, jnp.zeros(2)])
+    return a, b, jnp.array([[0.0, 1.0]])
+
+
+def loop_matrix(plant, kp, kd):
+    a, b, c = controller(kp, kd)
+    return jnp.concatenate(
+        [
+            jnp.concatenate([plant.A, plant.B @ c], axis=1),
+            jnp.concatenate([b @ plant.C, a], axis=1),
+        ]
+    )
+
+
+def loop(thickness, kd):
+    model = guide(thickness)
+    plant, _ = fm.state_matrices(model)
+    drive = fm.stiffness(model, "B", "x")
+    return {
+        "matrix": loop_matrix(plant, held - drive, kd),
+        "force": drive * stroke,
+        "stress": 3 * steel.E * thickness * stroke / length**2,  # a leaf spring clamped at both ends
+    }
+
+
+# Brings every state to metres: a velocity times τ, a force times τ²/m.
+scale = jnp.array([1.0, tau, tau**2 / mass, tau**2 / mass])
+
+
+def decay(made):
+    transition = scale[:, None] * jax.scipy.linalg.expm(made["matrix"] * horizon) / scale
+    return -jnp.log(jnp.linalg.norm(transition / 2)) / horizon
+
+
+answers = {
+    "decay": decay,
+    "holding force": lambda made: made["force"],
+    "stress": lambda made: made["stress"],
+}
+
+# %% [markdown]
+# ## The search
+#
+# Decay as fast as possible. Holding the full stroke of 2 mm may take 30 N from the voice coil, which limits the
+# stiffness of the leaf springs, and they may be stressed to 300 MPa. First the gain alone is tuned, for leaf springs of
+# 0.5 mm; then both.
+
+# %%
+start = {"thickness": 0.5e-3, "kd": 60.0}
+bounds = {"thickness": (0.2e-3, 2e-3), "kd": (-200.0, 300.0)}
+
+
+def loop_of_gain(kd):
+    return loop(start["thickness"], kd)
+
+
+alone = fm.tune(loop_of_gain, answers, {"kd": 60.0}, bounds={"kd": bounds["kd"]}, maximize="decay")
+print(alone)
+
+# %%
+together = fm.tune(
+    loop,
+    answers,
+    {**start, **alone.dimensions},
+    bounds=bounds,
+    maximize="decay",
+    limits={"holding force": (None, 30.0), "stress": (None, 300e6)},
+    tolerance=1e-5,
+)
+print(together)
+
+# %% [markdown]
+# The force limit is reached: the leaf springs take as much of the stiffness as they may, and the gains become small.
+# The poles of both loops:
+
+# %%
+designs = {"gain alone": {**start, **alone.dimensions}, "together": together.dimensions}
+figure, ax = plt.subplots(layout="constrained")
+abscissa = {}
+for (label, dimensions), marker in zip(designs.items(), "ox", strict=True):
+    poles = np.linalg.eigvals(np.asarray(loop(**dimensions)["matrix"]))
+    abscissa[label] = float(np.max(poles.real))
+    ax.plot(poles.real, poles.imag, marker, label=f"{label}: slowest {abscissa[label]:.1f} 1/s")
+ax.axvline(-1 / (2 * tau), color="grey", linestyle=":", label="bound −1/(2τ)")
+ax.set_xlabel("real part [1/s]")
+ax.set_ylabel("imaginary part [rad/s]")
+ax.grid(visible=True, alpha=0.3)
+ax.legend()
+plt.show()
+
+# %% [markdown]
+# No loop of this kind can be faster than the dotted line. The sum of its four poles is $-2/\tau$ but for the small
+# damping of the leaf springs, whatever the gains and the stiffness; so the slowest of them cannot lie to the left of
+# $-1/(2\tau)$.
+#
+# ## Settling of the mechanism
+#
+# The nonlinear mechanism under both controllers, released half a millimetre aside. The settling time is that after
+# which it stays within 2 % of the release.
+
+# %%
+times, release = np.linspace(0, 0.12, 241), 0.5e-3
+settling = {}
+figure, ax = plt.subplots(layout="constrained")
+for label, dimensions in designs.items():
+    model = guide(dimensions["thickness"], start=release)
+    kp = held - float(fm.stiffness(model, "B", "x"))
+    a, b, c = controller(kp, dimensions["kd"])
+    motion = fm.simulate(model, times, control=control.ss(a, b, c, np.zeros((1, 2))))
+    position = np.asarray(motion.at("B")[:, 0])
+    settling[label] = float(times[np.flatnonzero(np.abs(position) > 0.02 * release)[-1] + 1])
+    ax.plot(1e3 * times, 1e3 * position, label=f"{label}: settled after {1e3 * settling[label]:.1f} ms")
+ax.axhspan(-20 * release, 20 * release, alpha=0.2, label="2 % of the release")
+ax.set_xlabel("time [ms]")
+ax.set_ylabel("position [mm]")
+ax.grid(visible=True, alpha=0.3)
+ax.legend()
+plt.show()
+
+# %% [markdown]
+# It settles sooner, and swings farther to the other side before: the measure asks for decay and nothing else. Whoever
+# minds the overshoot asks for it in one more limit.
+#
+# ## What the numbers are compared with
+#
+# *A finer model.* One spectral beam of order 5 a leaf spring, which stretches and vibrates too: the loop has many more
+# poles. The slow ones must be those of the simple model, and the fast ones must be stable. These are vibrations of the
+# leaf springs themselves, above 500 Hz, which their own damping of half a percent lets decay; the controller hardly
+# reaches them, and the stage hardly moves in them.
+
+# %%
+found = together.dimensions
+fine = fm.linearize(guide(found["thickness"], element=planar.spectral_beam(5), released=None, dofs=()))
+plant, _ = fm.state_matrices(fine)
+kp = held - float(fm.stiffness(guide(found["thickness"]), "B", "x"))
+poles = np.linalg.eigvals(np.asarray(loop_matrix(plant, kp, found["kd"])))
+fast = np.abs(poles) > 2 * np.pi * 500
+fine_abscissa = float(np.max(poles[~fast].real))
+print(f"{len(poles)} poles; of those of the loop {fine_abscissa:.3f} 1/s, simple model {abscissa['together']:.3f} 1/s")
+print(f"lowest vibration of the leaf springs: {np.min(np.abs(poles[fast])) / (2 * np.pi):.0f} Hz")
+print(f"decay rate {abscissa['together'] / abscissa['gain alone']:.2f} times that with the gain alone")
+print(f"settling {1e3 * settling['gain alone']:.1f} ms, then {1e3 * settling['together']:.1f} ms")
+
+assert together.answers["holding force"] <= 30.0
+assert together.answers["stress"] <= 300e6
+assert abscissa["together"] > -1 / (2 * tau) - 1
+assert np.sum(~fast) == 4
+assert np.all(poles.real < 0)
+assert abs(fine_abscissa / abscissa["together"] - 1) < 0.02
+assert abscissa["together"] < 1.5 * abscissa["gain alone"]
+assert settling["together"] < 0.8 * settling["gain alone"]
