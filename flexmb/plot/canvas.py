@@ -129,7 +129,7 @@ def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, 
     if not quads:
         return
     style = {"facecolor": color, "edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5}
-    corners = np.concatenate(quads)
+    corners: Any = np.concatenate(quads)
     if ax.name == "3d":
         ax.add_collection3d(Poly3DCollection(corners, **style), autolim=False)
     else:
