@@ -53,8 +53,9 @@ class RESULTS(enum.IntEnum):
     )
     singular_mass = (
         5,
-        "The mass matrix is singular: some motion carries no mass. Add mass or inertia to its nodes, or make that"
-        " degree of freedom dependent.",
+        "The mass matrix is singular: some motion carries no mass, or a negative one. Add mass or inertia to its nodes,"
+        ' or make that degree of freedom dependent; in a simulation form="reduced" asks for mass of the degrees of'
+        " freedom alone.",
     )
     singular_stiffness = (
         6,

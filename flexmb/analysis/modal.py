@@ -2,6 +2,7 @@
 
 import functools
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
@@ -226,6 +227,7 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
 
     Raises:
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
+        TypeError: Called under a trace; :func:`frequencies` can be.
 
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
@@ -234,6 +236,10 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
     refuse_unsymmetric(lin.matrices.symmetric)
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
     check(result, throw)
+    if isinstance(values, jax.core.Tracer):
+        raise TypeError(
+            "How many modes there are depends on numbers: ask for fm.frequencies under jax.grad and jax.jit."
+        )
     finite = int(np.sum(np.isfinite(values)))
     return Modes(
         values[:finite],

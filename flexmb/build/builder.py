@@ -443,7 +443,7 @@ class Builder:
                 return assemble(twin)
             if not self.dofs and dofs == "auto":
                 raise ModelError(
-                    "Degrees of freedom cannot be found while the model's geometry is traced. Name them with dof();"
+                    "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof();"
                     " an untraced build says which it finds in model.q_labels."
                 )
             e, named = model.topology.e, model.topology.n_q

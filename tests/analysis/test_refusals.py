@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import mechanisms
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -333,3 +334,8 @@ def test_a_third_leaf_spring_that_cannot_stretch_is_refused_by_name(lean, code, 
     with pytest.raises(fm.MechanismError, match=words) as info:
         b.build()
     assert info.value.code == code
+
+
+def test_modes_under_a_trace():
+    with pytest.raises(TypeError, match="frequencies"):
+        jax.grad(lambda t: fm.modes(mechanisms.planar_guide(t).build()).frequencies[0])(5e-4)
