@@ -278,7 +278,8 @@ def simulate(
             raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
         if kinks:
             raise ValueError(f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`.")
-    used = chosen if isinstance(chosen, (Rosenbrock, GeneralizedAlpha, EnergyKeeping)) else Projected(chosen)
+    ours = (Rosenbrock, GeneralizedAlpha, EnergyKeeping, Projected)
+    used = chosen if isinstance(chosen, ours) else Projected(chosen)
     settings = {
         "form": form,
         "feedback": None if control is None else as_feedback(model, control, reference),

@@ -17,6 +17,7 @@ from scipy.io import loadmat
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.mechanisms import mechanism_path
 
 
 @pytest.fixture(scope="module")
@@ -313,3 +314,21 @@ def test_functions_given_as_data_are_compiled_once(pendulum):
         if speed == 1.0:
             traced = len(count)
     assert len(count) == traced
+
+
+def test_a_negative_lumped_inertia_is_refused_by_name_or_right():
+    """The tutorial's (3.9) puts one on a leaf spring's end: mass of all coordinates is indefinite, that of q is not."""
+    model = fm.read_spacar(mechanism_path("pf2d")).builder.build(dofs="named")
+    times, loads = np.linspace(0, 0.01, 3), {"5.x": Partial(jnp.full_like, fill_value=1.0)}
+    with pytest.raises(fm.AnalysisError, match="reduced") as fault:
+        fm.simulate(model, times, loads=loads)
+    assert fault.value.code == "singular_mass"
+    found = fm.simulate(model, times, loads=loads, form="reduced")
+    # The damped oscillator of the linearised equations, whose numbers are tested against the tutorial.
+    lin = fm.linearize(model)
+    m, d, k = (float(a[0, 0]) for a in (lin.M0, lin.D0, lin.K))
+    root = np.roots([m, d, k])[0]
+    expected = (
+        1 - np.exp(root.real * times) * (np.cos(root.imag * times) - root.real / root.imag * np.sin(root.imag * times))
+    ) / k
+    np.testing.assert_allclose(found.at("5")[:, 0] - 0.1, expected, atol=1e-4 * expected[-1])
