@@ -227,21 +227,23 @@ def _demo_picture(name: str) -> Path:
     return (folder if os.access(folder, os.W_OK) else Path(tempfile.mkdtemp())) / f"{name}.png"
 
 
-def _study(path: Path, json_path: str | None, save: Path | None, debug: bool, work: Any) -> None:
-    """Run a design study and write its answer; ``work`` returns data, table, exit status and what saves it."""
+def _study(path: Path, json_path: str | None, save: Path | None, plot: Path | None, debug: bool, work: Any) -> None:
+    """Run a design study and write its answer; ``work`` returns data, table, exit status, what saves it, the result."""
     from . import enable_cache, enable_x64
     from .design.study import StudyError, read_study
     from .errors import AnalysisError, ModelError, SpacarError
     from .io.files import to_json, write_whole
 
-    _check_call("none", json_path, save, None, None)
+    _check_call("none", json_path, save, None, plot)
+    if plot is not None and plot.suffix == ".html":
+        _refuse(f"flexmb: --plot of a study writes .png or .svg, not '{plot}'.")
     enable_x64()
     try:
         enable_cache()
     except OSError:
         pass
     try:
-        data, text, status, saved = work(read_study(path))
+        data, text, status, saved, found = work(read_study(path))
     except (StudyError, OSError) as fault:
         _refuse(f"flexmb: {fault}")
     except AnalysisError as fault:
@@ -260,6 +262,10 @@ def _study(path: Path, json_path: str | None, save: Path | None, debug: bool, wo
         write_whole(json_path, to_json(data).encode())
     if save is not None:
         saved(save)
+    if plot is not None:
+        from .plot.answer import study_image
+
+        write_whole(plot, study_image(found, plot.suffix[1:]))
     if status:
         print(f"{path.name}: {data['status']}: {data['message']}", file=sys.stderr)
         raise typer.Exit(status)
@@ -274,6 +280,7 @@ def sweep(
     json_path: Json = None,
     save: Save = None,
     checkpoint: Annotated[Path | None, typer.Option("--checkpoint", help="Go on from this .npz, and write it.")] = None,
+    plot: Plot = None,
     debug: Debug = False,
 ) -> None:
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
@@ -283,15 +290,15 @@ def sweep(
         from .design.study import sweep_answer, sweep_table
 
         options = {"chunk": int(read.plan["chunk"])} if "chunk" in read.plan else {}
-        found = read.sweep(checkpoint=checkpoint, **options)
+        found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty(), **options)
         data = sweep_answer(read, found, __version__)
-        return data, sweep_table(found), int(data["status"] != "ok"), found.save
+        return data, sweep_table(found), int(data["status"] != "ok"), found.save, found
 
-    _study(study, json_path, save, debug, work)
+    _study(study, json_path, save, plot, debug, work)
 
 
 @app.command()
-def tune(study: StudyFile, json_path: Json = None, save: Save = None, debug: Debug = False) -> None:
+def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Plot = None, debug: Debug = False) -> None:
     """Find parameters within bounds that meet targets and keep limits."""
 
     def work(read):
@@ -299,16 +306,16 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, debug: Deb
         from .design.study import tune_answer
         from .io.files import save_arrays
 
-        found = read.tune(throw=False)
+        found = read.tune(throw=False, progress=sys.stderr.isatty())
         data = tune_answer(read, found, __version__)
 
         def saved(path):
             about = {name: data[name] for name in ("study", "status", "reason", "active")}
             save_arrays(path, {**found.dimensions, **found.answers, **_named("history_", found.history)}, about)
 
-        return data, str(found), int(data["status"] != "ok"), saved
+        return data, str(found), int(data["status"] != "ok"), saved, found
 
-    _study(study, json_path, save, debug, work)
+    _study(study, json_path, save, plot, debug, work)
 
 
 def _named(before: str, arrays: dict[str, Any]) -> dict[str, Any]:

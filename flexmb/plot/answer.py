@@ -1,6 +1,7 @@
 """The picture of an answer of the command line."""
 
 import io
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,17 @@ import numpy as np
 from ..analysis.mobility import Mobility
 from ..analysis.path import Path
 from ..analysis.simulate import Motion
+from ..design.sweep import Sweep
+from ..design.tune import Tuned
 from .bode import bode
+from .canvas import grid
 from .history import history
 from .mechanism import mechanism
 from .modes import modes
 from .path import path
 from .self_stress import self_stress
+from .sweep import sweep
+from .tuning import tuning
 
 STATE_SPACE = 9
 # The same file for the same answer: no date in it, no random names.
@@ -31,12 +37,37 @@ def image(answer: Any, mode: int, format: str) -> bytes:
     Returns:
         Content of the file.
     """
+    return _content(lambda: _figure(answer, mode), format)
+
+
+def study_image(found: Sweep | Tuned, format: str) -> bytes:
+    """Draw a design study: every answer of a sweep that is one number, or the run of a search.
+
+    Args:
+        found: Of ``fm.sweep`` or ``fm.tune``.
+        format: "png" or "svg".
+
+    Returns:
+        Content of the file.
+    """
+    return _content(lambda: tuning(found) if isinstance(found, Tuned) else _sweeps(found), format)
+
+
+def _sweeps(found: Sweep) -> Any:
+    figure, axes = grid(max(sum(v.ndim == 1 for v in found.answers.values()), 1), 2)
+    for name, ax in zip([n for n, v in found.answers.items() if v.ndim == 1], axes, strict=False):
+        sweep(found, name, ax=ax)
+    return figure
+
+
+def _content(draw: Callable[[], Any], format: str) -> bytes:
+    """Content of a file with the figure that a function draws."""
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):
         import matplotlib.pyplot as plt
 
-        figure = _figure(answer, mode)
+        figure = draw()
         buffer = io.BytesIO()
         figure.savefig(buffer, format=format, dpi=150, metadata={"Date": None} if format == "svg" else None)
         plt.close(figure)

@@ -99,7 +99,18 @@ def test_wrong_placeholders_are_named(words, fault):
 
 
 def test_sweep_is_that_of_python(study, tmp_path):
-    result = call("sweep", study, "--json", "-", "--save", tmp_path / "a.npz", "--checkpoint", tmp_path / "c.npz")
+    result = call(
+        "sweep",
+        study,
+        "--json",
+        "-",
+        "--save",
+        tmp_path / "a.npz",
+        "--checkpoint",
+        tmp_path / "c.npz",
+        "--plot",
+        tmp_path / "a.svg",
+    )
     assert result.exit_code == 0, result.stderr
     data = json.loads(result.stdout)
     assert data["status"] == "ok"
@@ -110,10 +121,14 @@ def test_sweep_is_that_of_python(study, tmp_path):
     np.testing.assert_allclose(data["answers"]["double"], 2 * np.array(expected), rtol=1e-10)
     np.testing.assert_allclose(np.load(tmp_path / "a.npz")["f"], expected, rtol=1e-10)
     assert (tmp_path / "c.npz").exists()
+    assert "<svg" in (tmp_path / "a.svg").read_text()
+    assert call("sweep", study, "--plot", tmp_path / "a.html").exit_code == 2
 
 
 def test_tune_is_that_of_python(study, tmp_path):
-    result = call("tune", study, "--json", tmp_path / "a.json", "--save", tmp_path / "a.mat")
+    result = call(
+        "tune", study, "--json", tmp_path / "a.json", "--save", tmp_path / "a.mat", "--plot", tmp_path / "a.png"
+    )
     assert result.exit_code == 0, result.stderr
     data = json.loads((tmp_path / "a.json").read_text())
     assert data["status"] == "ok"
@@ -122,6 +137,7 @@ def test_tune_is_that_of_python(study, tmp_path):
     assert data["active"] == ["f (lower limit 20) is reached"]
     assert "f (lower limit 20) is reached" in result.stdout
     assert len(data["history"]["t"]) == data["evaluations"]
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_what_cannot_be_kept_is_exit_1(study):
