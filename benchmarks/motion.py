@@ -61,8 +61,13 @@ def guide(plane: bool, fixed: bool = False):
     return b.build()
 
 
-def at_rest(model):
-    """Equilibrium with the bar displaced by 1 mm."""
+def at_rest(model, push: float | None = None):
+    """Equilibrium with the bar displaced by 1 mm, or by a given force.
+
+    Args:
+        model: Mechanism.
+        push: Force along x [N].
+    """
     import dataclasses
 
     import jax.numpy as jnp
@@ -76,6 +81,8 @@ def at_rest(model):
         parameters = dataclasses.replace(model.parameters, loads=loads)
         return fm.equilibrium(fm.Model(model.topology, parameters, model.labels))
 
+    if push is not None:
+        return pushed(push)
     force, moved = 1.0, 0.0
     for _ in range(4):
         found = pushed(force)
@@ -99,6 +106,55 @@ def first_call(plane: bool, cache: str | None) -> float:
     }
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     return float(run.stdout)
+
+
+def peers(found: dict, run: dict, times) -> tuple[str, ...]:
+    """Add Exudyn in space, where it is installed: its beams deform in shear, so that it is compared with such ones.
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+        times: Of the output [s].
+
+    Returns:
+        Names of the packages that took part.
+    """
+    import numpy as np
+    import peer_exudyn
+
+    import flexmb as fm
+    from flexmb import spatial
+
+    if not peer_exudyn.installed():
+        print("Exudyn is not installed and is left out: pip install -e '.[peers]' brings it.")
+        return ()
+    leaf = fm.Rectangle(0.018, 0.0005, fm.Material(E=210e9, G=80e9, rho=7850.0), shear=True)
+    b = fm.Builder()
+    for side, place in (("left", 0.0), ("right", 0.1)):
+        b.node(f"{side}0", (place, 0.0, 0.0))
+        b.node(f"{side}2", (place, 0.0, 0.1))
+        b.add(spatial.spectral_beam(4, shear=True), f"{side}0", f"{side}2", name=side, section=leaf, y=(0, 1, 0))
+        b.fix(f"{side}0")
+        b.mass(f"{side}2", 0.1)
+    b.add(spatial.beam, "left2", "right2", name="bar", y=(0, 1, 0))
+    model = b.build()
+    bent = at_rest(model, force := 0.95)
+    exact = np.asarray(fm.simulate(model, times, initial=bent, rtol=1e-7, atol=1e-10).at("right2"))[:, 0] - 0.1
+    for elements, steps in ((4, 1000), (4, 4000), (8, 4000), (16, 4000)):
+        for node in peer_exudyn.NODES:
+            name = f"space, Exudyn, {elements} elements: {1 / steps:g}"
+            try:
+                built = peer_exudyn.guide(leaf.rigidity(), 0.1, 0.1, force, elements, node, (0.1, 0.1))
+                call = peer_exudyn.released(built, times, 1 / steps)
+                error = float(np.max(np.abs(call() - exact))) / STROKE
+            except Exception as fault:  # Its own error class, and others.
+                print(f"{name}, {node}: {str(fault).splitlines()[0]}")
+                continue
+            found[name] = {"error": error, "steps": steps, "node": node}
+            run[name] = call
+            print(f"{name:<50} error {error:.1e} {steps:7d} steps", flush=True)
+            break
+    return ("exudyn",)
 
 
 def main() -> None:
@@ -151,13 +207,14 @@ def main() -> None:
                     run[name] = lambda call=call: call().x.block_until_ready()
                 else:
                     slow[name] = {"median": took, "min": took, "max": took}
+    took_part = peers(found, run, times)
     symmetric = np.random.default_rng(0).standard_normal((38, 38))
     symmetric = jnp.asarray(symmetric + symmetric.T)
     eigh = jax.jit(jnp.linalg.eigh)
     timed = interleaved(run, RUNS) | slow
     timed |= interleaved({"jnp.linalg.eigh, 38 x 38": lambda: jax.block_until_ready(eigh(symmetric))}, RUNS, 100)
     show("One second of motion, compiled", timed)
-    save("motion", {"first_call_s": first, "found": found, "times": timed}, (*PACKAGES, "diffrax"))
+    save("motion", {"first_call_s": first, "found": found, "times": timed}, (*PACKAGES, "diffrax", *took_part))
     title, error = "Guide of steel released from 1 mm", "greatest error of the bar's position, over 1 mm"
     chart("motion", found, timed, title, "time of one second of motion", error)
 

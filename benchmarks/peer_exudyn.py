@@ -191,3 +191,44 @@ def first_frequency(rigidity, length: float, distance: float, stage: float, elem
     values, _ = system.ComputeODE2Eigenvalues(numberOfEigenvalues=1, convert2Frequencies=True)
     del built
     return float(values[0])
+
+
+def released(built, times, step: float) -> Callable[[], Any]:
+    """A function that integrates the guide once its load is taken away, and gives the stroke at the times.
+
+    The equilibrium under the load is found once, here. By the generalised-alpha method.
+
+    Args:
+        built: As from :func:`guide`.
+        times: Equidistant, from zero, (n_t,) [s].
+        step: Time step [s].
+
+    Raises:
+        RuntimeError: The equilibrium is not found.
+    """
+    from exudyn import itemInterface as item
+
+    exudyn = _exudyn()
+    _, system, top = built
+    moved = exudyn.OutputVariableType.Displacement
+    sensor = system.AddSensor(item.SensorNode(nodeNumber=top, storeInternal=True, outputVariableType=moved))
+    system.Assemble()
+    if not system.SolveStatic(settings(SOLVERS[1], 1, 1e-8), updateInitialValues=True):
+        raise RuntimeError("not converged")
+    system.SetLoadParameter(0, "loadVector", [0.0, 0.0, 0.0])
+    start = system.systemData.GetODE2Coordinates()
+    chosen = settings(SOLVERS[1], 1, 1e-8)
+    chosen.solution.sensors.active = True
+    chosen.solution.sensors.writePeriod = times[1] - times[0]
+    chosen.timeIntegration.endTime = times[-1]
+    chosen.timeIntegration.numberOfSteps = round(times[-1] / step)
+    chosen.timeIntegration.verboseMode = 0
+    chosen.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+
+    def run():
+        system.systemData.SetODE2Coordinates(start, configuration=exudyn.ConfigurationType.Initial)
+        system.SolveDynamic(chosen, solverType=exudyn.DynamicSolverType.GeneralizedAlpha)
+        return system.GetSensorStoredData(sensor)[:, 3]
+
+    run.built = built  # type: ignore[attr-defined]
+    return run

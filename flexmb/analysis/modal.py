@@ -2,7 +2,7 @@
 
 import functools
 
-import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jax import lax

@@ -185,8 +185,8 @@ def test_steep_truss_goes_sideways_first():
         "bifurcation",
     ]
     loads = [c.load_factor for c in path.critical_points]
-    # Closed form; located to 1e-10.
-    np.testing.assert_allclose(loads, [first, top, late, -late, -top, -first], rtol=1e-10)
+    # Closed form; located to 1e-10 of the path, where the load changes up to thirty times as quickly as it does itself.
+    np.testing.assert_allclose(loads, [first, top, late, -late, -top, -first], rtol=3e-9)
     y = np.asarray(path.at("apex")[:, 1])
     np.testing.assert_array_equal(path.stable, np.abs(y) > np.sqrt(roots[-1] ** 2 - base**2))
     sideways = path.critical_points[0].phi[np.array(path.labels.coordinates("apex"))]
