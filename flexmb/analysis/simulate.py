@@ -196,7 +196,7 @@ def simulate(
     reference: Callable | None = None,
     jumps: Float[Array, "k"] | None = None,
     form: Literal["coordinates", "reduced"] = "coordinates",
-    rtol: float = 1e-4,
+    rtol: float = 1e-5,
     atol: float | None = None,
     solver: diffrax.AbstractSolver | None = None,
     controller: diffrax.AbstractStepSizeController | None = None,
@@ -229,7 +229,8 @@ def simulate(
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
             constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
-        rtol: Relative tolerance of displacements, of one step.
+        rtol: Relative tolerance of displacements, of one step. Over many steps and large motions, ten to a thousand
+            times as much comes together (``benchmarks/stability.py``); 1e-4 will do for small ones.
         atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given.
         solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
             ``GeneralizedAlpha()`` and ``EnergyKeeping()``.

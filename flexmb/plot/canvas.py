@@ -9,7 +9,7 @@ from jaxtyping import Float
 from .geometry import Line, extent_of
 
 # Colours that also those who see few colours, and printers, tell apart (Okabe and Ito).
-BLUE, ORANGE, GREEN, RED, GREY, BLACK = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#BBBBBB", "#222222"
+BLUE, GREEN, RED, GREY, BLACK = "#0072B2", "#009E73", "#D55E00", "#BBBBBB", "#222222"
 STYLES: dict[str, dict[str, Any]] = {
     "beam": {"color": BLUE, "linewidth": 2.0},
     "bar": {"color": BLUE, "linewidth": 1.2},
