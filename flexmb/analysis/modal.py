@@ -1,6 +1,8 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
 import functools
+from collections.abc import Callable
+from typing import Any
 
 import jax.core
 import jax.numpy as jnp
@@ -143,15 +145,9 @@ def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
 
 
 @functools.cache
-def _lowest(count: int | None):
-    """Compiled function of topology and parameters to so many frequencies and their code."""
-    return jit(functools.partial(_frequencies, count=count))
-
-
-@functools.cache
-def _lowest_at(count: int | None):
-    """The same of matrices that are known."""
-    return jit(functools.partial(_frequencies_at, count=count))
+def _compiled(function: Callable[..., Any], count: int | None) -> Callable[..., Any]:
+    """One of the two functions below for so many frequencies."""
+    return jit(functools.partial(function, count=count))
 
 
 def _frequencies(topology: Topology, parameters: Parameters, count: int | None):
@@ -201,10 +197,10 @@ def frequencies(model: Model | Linearization, *, count: int | None = None, throw
         raise ValueError(f"Argument `count` must be at least 1, not {count}.")
     if isinstance(model, Linearization):
         refuse_unsymmetric(model.matrices.symmetric)
-        values, result = _lowest_at(count)(model.matrices)
+        values, result = _compiled(_frequencies_at, count)(model.matrices)
     else:
         refuse_unsymmetric(not lacks_potential(model.topology))
-        values, result = _lowest(count)(model.topology, model.parameters)
+        values, result = _compiled(_frequencies, count)(model.topology, model.parameters)
     check(result, throw)
     return values
 

@@ -254,10 +254,10 @@ def simulate(
     """
     import diffrax
 
+    from ..solvers.base import MotionSolver
     from ..solvers.energy_keeping import EnergyKeeping
-    from ..solvers.generalized_alpha import GeneralizedAlpha
     from ..solvers.projected import Projected
-    from ..solvers.rosenbrock import Rodas5P, Rosenbrock
+    from ..solvers.rosenbrock import Rodas5P
 
     if form not in ("coordinates", "reduced"):
         raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
@@ -279,8 +279,7 @@ def simulate(
             raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
         if kinks:
             raise ValueError(f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`.")
-    ours = (Rosenbrock, GeneralizedAlpha, EnergyKeeping, Projected)
-    used = chosen if isinstance(chosen, ours) else Projected(chosen)
+    used = chosen if isinstance(chosen, MotionSolver | Projected) else Projected(chosen)
     settings = {
         "form": form,
         "feedback": None if control is None else as_feedback(model, control, reference),

@@ -114,7 +114,7 @@ def step_forces(
         Forces, (n_x,) [N, N m], and rates.
 
     Source:
-        Gonzalez (1996), J. Nonlinear Science 6, 449, eq. (3.5): the derivative at the middle, corrected along the step.
+        Gonzalez (1996), J. Nonlinear Science 6, 449: the derivative at the middle, corrected along the step.
     """
     begin, end = x
     step, middle = end - begin, (begin + end) / 2

@@ -7,12 +7,12 @@ import jax.numpy as jnp
 
 from ..mechanics.discrete import forces_over_step, rates_at, velocities_of
 from ..mechanics.second_order import MotionState
-from .interpolation import MotionInterpolation
+from .base import SecondOrderSolver
 from .newton import solve_step
 from .term import MotionTerm, equations_of
 
 
-class EnergyKeeping(diffrax.AbstractSolver):
+class EnergyKeeping(SecondOrderSolver):
     """Implicit method of second order whose forces do exactly the work of the energy that the elements gain.
 
     Energy is kept to round-off at any step where stiffness is linear in the deformations and other forces are constant;
@@ -23,17 +23,6 @@ class EnergyKeeping(diffrax.AbstractSolver):
         Gonzalez (1996), J. Nonlinear Science 6, 449; with constraints (1999), Physica D 132, 165. Here the kinetic
         energy is that of the places of inertia, with their rates carried from step to step.
     """
-
-    term_structure = MotionTerm
-    interpolation_cls = MotionInterpolation
-
-    def order(self, terms) -> int:
-        """Order of the method.
-
-        Args:
-            terms: Not used.
-        """
-        return 2
 
     def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
         """Accelerations and multipliers at the start, and rates of the places of inertia.
@@ -47,17 +36,6 @@ class EnergyKeeping(diffrax.AbstractSolver):
         """
         equations: Any = equations_of(terms)
         return equations.acceleration(t0, y0), rates_at(equations, t0, y0)
-
-    def func(self, terms: MotionTerm, t0, y0: MotionState, args) -> MotionState:
-        """Rates of the state.
-
-        Args:
-            terms: Equations of motion.
-            t0: Time [s].
-            y0: State.
-            args: Not used.
-        """
-        return terms.vf(t0, y0, args)
 
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
         """One step.

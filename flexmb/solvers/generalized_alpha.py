@@ -6,12 +6,12 @@ import diffrax
 import jax.numpy as jnp
 
 from ..mechanics.second_order import MotionState
-from .interpolation import MotionInterpolation
+from .base import SecondOrderSolver
 from .newton import solve_step
 from .term import MotionTerm, equations_of
 
 
-class GeneralizedAlpha(diffrax.AbstractSolver):
+class GeneralizedAlpha(SecondOrderSolver):
     """Generalised-alpha method: second order, with as much damping of what a step does not resolve as wanted.
 
     The constraints hold at the positions of every step; after it the velocities are brought onto them too.
@@ -27,17 +27,6 @@ class GeneralizedAlpha(diffrax.AbstractSolver):
 
     radius: float = 0.8
 
-    term_structure = MotionTerm
-    interpolation_cls = MotionInterpolation
-
-    def order(self, terms) -> int:
-        """Order of the method.
-
-        Args:
-            terms: Not used.
-        """
-        return 2
-
     def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
         """Accelerations and multipliers at the start, and the mean accelerations that the method carries.
 
@@ -50,17 +39,6 @@ class GeneralizedAlpha(diffrax.AbstractSolver):
         """
         z = equations_of(terms).acceleration(t0, y0)
         return z, z[: y0.u.shape[0]]
-
-    def func(self, terms: MotionTerm, t0, y0: MotionState, args) -> MotionState:
-        """Rates of the state.
-
-        Args:
-            terms: Equations of motion.
-            t0: Time [s].
-            y0: State.
-            args: Not used.
-        """
-        return terms.vf(t0, y0, args)
 
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
         """One step.

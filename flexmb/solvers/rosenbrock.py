@@ -14,7 +14,7 @@ import numpy as np
 
 from ..math.linear import factorise
 from ..mechanics.second_order import MotionState
-from .interpolation import MotionInterpolation
+from .base import MotionSolver
 from .term import MotionTerm, equations_of
 
 
@@ -106,7 +106,7 @@ RODAS5P = Tableau(
 )
 
 
-class Rosenbrock(diffrax.AbstractAdaptiveSolver):
+class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
     """Rosenbrock methods: one factorisation a step, and one solve a stage.
 
     The accelerations and multipliers are carried from step to step, and found anew after a jump. After each step the
@@ -122,9 +122,6 @@ class Rosenbrock(diffrax.AbstractAdaptiveSolver):
 
     tableau: eqx.AbstractClassVar[Tableau]
     jumps: eqx.AbstractVar[bool]
-
-    term_structure = MotionTerm
-    interpolation_cls = MotionInterpolation
 
     def order(self, terms) -> int:
         """Order of the method.
@@ -145,17 +142,6 @@ class Rosenbrock(diffrax.AbstractAdaptiveSolver):
             args: Not used.
         """
         return equations_of(terms).acceleration(t0, y0)
-
-    def func(self, terms: MotionTerm, t0, y0: MotionState, args) -> MotionState:
-        """Rates of the state.
-
-        Args:
-            terms: Equations of motion.
-            t0: Time [s].
-            y0: State.
-            args: Not used.
-        """
-        return terms.vf(t0, y0, args)
 
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
         """One step.

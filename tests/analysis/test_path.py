@@ -190,7 +190,8 @@ def test_steep_truss_goes_sideways_first():
     y = np.asarray(path.at("apex")[:, 1])
     np.testing.assert_array_equal(path.stable, np.abs(y) > np.sqrt(roots[-1] ** 2 - base**2))
     sideways = path.critical_points[0].phi[np.array(path.labels.coordinates("apex"))]
-    np.testing.assert_allclose(sideways / np.max(np.abs(sideways)), [1, 0], atol=1e-9)
+    # Round-off has left the symmetric path by 1e-16 over the distance to the point, which is located to 1e-10.
+    np.testing.assert_allclose(sideways / np.max(np.abs(sideways)), [1, 0], atol=1e-6)
 
 
 @pytest.mark.parametrize("beams", [4, 8])
