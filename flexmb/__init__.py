@@ -51,6 +51,8 @@ _ROOMS = {
     "design.sensitivities": ("Sensitivities", "Tolerances", "sensitivities", "tolerances"),
     "design.sweep": ("Sweep", "sweep"),
     "design.tune": ("Tuned", "tune"),
+    "design.lean": ("Lean", "lean"),
+    "design.too_lean": ("too_lean",),
     "design.objectives": ("mass", "stiffness"),
     "iosystem": ("to_nonlinear_system",),
     "statespace": ("state_matrices", "to_statespace"),

@@ -44,6 +44,8 @@ from .design.designs import Designs as Designs
 from .design.designs import grid as grid
 from .design.designs import latin_hypercube as latin_hypercube
 from .design.designs import monte_carlo as monte_carlo
+from .design.lean import Lean as Lean
+from .design.lean import lean as lean
 from .design.objectives import mass as mass
 from .design.objectives import stiffness as stiffness
 from .design.sensitivities import Sensitivities as Sensitivities
@@ -52,6 +54,7 @@ from .design.sensitivities import sensitivities as sensitivities
 from .design.sensitivities import tolerances as tolerances
 from .design.sweep import Sweep as Sweep
 from .design.sweep import sweep as sweep
+from .design.too_lean import too_lean as too_lean
 from .design.tune import Tuned as Tuned
 from .design.tune import tune as tune
 from .elements import planar as planar

@@ -93,6 +93,10 @@ class RESULTS(enum.IntEnum):
         "With steps of this size the motion runs away, or the equations of a step are not solved. Take a smaller dt0,"
         " or the default solver, which finds its steps itself; the results up to there are kept.",
     )
+    stopped = (
+        13,
+        "The simulation was stopped from the keyboard; the results up to there are kept.",
+    )
     not_valid = (
         20,
         "No model could be built from these dimensions: build it from them alone to see what is wrong.",

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 from ..math.compile import jit_beside_options
 from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.reduced_form import reduced_form
+from ..mechanics.second_order import MotionState
 from ..model.model import Model
 from ..results import RESULTS
 from .closed_loop import Sampled, controlled_form, measuring, under_inputs
@@ -28,6 +29,7 @@ class Run(NamedTuple):
         u: Inputs of a controller, (n_t, n_u) [N, N m].
         steps: Number of time steps.
         result: Code of RESULTS.
+        last: State at the end, and what a sampled controller remembers, to go on from.
     """
 
     x: Float[Array, "n_t n_x"]
@@ -36,6 +38,21 @@ class Run(NamedTuple):
     u: Float[Array, "n_t n_u"]
     steps: Int[Array, ""]
     result: Int[Array, ""]
+    last: tuple[MotionState, Any]
+
+
+class Start(NamedTuple):
+    """Where a motion starts from.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        xd: Their velocities, (n_x,).
+        near: Deformations, (n_e,), from which turns are counted on; None: from the undeformed mechanism.
+    """
+
+    x: Float[Array, "n_x"]
+    xd: Float[Array, "n_x"]
+    near: Any = None
 
 
 def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regular):
@@ -60,11 +77,14 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
     if settings["jumps"] is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
         controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
-    dt0 = settings["dt0"]
-    if dt0 is None:
-        # Over the first step acceleration moves the mechanism by some ten tolerances.
-        fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
-        dt0 = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
+    # Over the first step acceleration moves the mechanism by some ten tolerances, unless a step is given.
+    fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
+    guess = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
+    dt0 = jnp.where(settings["dt0"] > 0, settings["dt0"], guess)
+    if isinstance(controller, diffrax.ConstantStepSize):
+        # A whole number of steps is not to become one more by round-off.
+        steps = jnp.round((t1 - t0) / dt0)
+        dt0 = jnp.where(jnp.abs((t1 - t0) / dt0 - steps) < 1e-9 * steps, (t1 - t0) / steps, dt0)
     solution = diffrax.diffeqsolve(
         MotionTerm(form),
         solver,
@@ -93,8 +113,18 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     return states, solution.stats["num_steps"], result
 
 
-def _start(form: Any, driven, t, x0, xd0):
-    start = form.state_of(x0, xd0, None)
+def _form(model: Model, driven, settings) -> Any:
+    form: Any = coordinates_form(model.topology, model.parameters, driven)
+    if settings["form"] == "reduced":
+        form = reduced_form(form)
+    feedback = settings["feedback"]
+    return form if feedback is None or isinstance(feedback, Sampled) else controlled_form(model, form, feedback)
+
+
+def _start(form: Any, driven, t, given: Start | MotionState) -> MotionState:
+    if isinstance(given, MotionState):
+        return given
+    start = form.state_of(*given)
     if any(one.quantity in ("x", "e") for one in driven):
         # What is driven may have speed from the start, and take the rest along.
         start = form.settle(t, start)
@@ -102,25 +132,39 @@ def _start(form: Any, driven, t, x0, xd0):
 
 
 @jit_beside_options
-def integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) -> Run:
-    """Motion from one time to the last.
+def begin(model: Model, driven, t, given: Start, settings: dict[str, Any]) -> tuple[MotionState, Any]:
+    """State that a motion starts from, and what a sampled controller remembers then.
 
     Args:
         model: Mechanism.
         driven: What depends on time.
-        times: Times, the first is the start, (n_t,) [s].
-        x0: Nodal coordinates at the start, (n_x,).
-        xd0: Their velocities, (n_x,).
+        t: Time [s].
+        given: Where it starts from.
         settings: Of :func:`flexmb.simulate`.
     """
-    form: Any = coordinates_form(model.topology, model.parameters, driven)
-    if settings["form"] == "reduced":
-        form = reduced_form(form)
-    if settings["feedback"] is not None:
-        form = controlled_form(model, form, settings["feedback"])
-    start = _start(form, driven, times[0], x0, xd0)
-    z0, regular = form.begin(times[0], start)
-    states, steps, result = _solved(form, settings, times[0], times[-1], times, start, z0, regular)
+    feedback = settings["feedback"]
+    memory = feedback.start if isinstance(feedback, Sampled) else None
+    return _start(_form(model, driven, settings), driven, t, given), memory
+
+
+@jit_beside_options
+def integrate(
+    model: Model, driven, span, times, given: tuple[Start | MotionState, Any], settings: dict[str, Any]
+) -> Run:
+    """Motion from one time to another.
+
+    Args:
+        model: Mechanism.
+        driven: What depends on time.
+        span: Start and end, (2,) [s].
+        times: Times at which to give it, (n_t,) [s].
+        given: Where it starts from.
+        settings: Of :func:`flexmb.simulate`.
+    """
+    form = _form(model, driven, settings)
+    start = _start(form, driven, span[0], given[0])
+    z0, regular = form.begin(span[0], start)
+    states, steps, result = _solved(form, settings, span[0], span[1], times, start, z0, regular)
 
     def whole(at):
         # Between steps the state is interpolated, off the constraints.
@@ -129,7 +173,11 @@ def integrate(model: Model, driven, times, x0, xd0, settings: dict[str, Any]) ->
         return *form.whole_motion(at[0], state), inputs
 
     x, xd, near, u = jax.lax.map(whole, (times, states))
-    return Run(x, xd, near, u, steps, result)
+    return Run(x, xd, near, u, steps, result, (_last(states), None))
+
+
+def _last(states: MotionState) -> MotionState:
+    return jax.tree.map(lambda rows: rows[-1], states)
 
 
 class Intervals(NamedTuple):
@@ -151,20 +199,21 @@ class Intervals(NamedTuple):
 
 
 @jit_beside_options
-def integrate_sampled(model: Model, driven, times, grid: Intervals, x0, xd0, settings: dict[str, Any]) -> Run:
+def integrate_sampled(
+    model: Model, driven, grid: Intervals, times, given: tuple[Start | MotionState, Any], settings: dict[str, Any]
+) -> Run:
     """Motion under a controller that acts at equal intervals, one after the other.
 
     Args:
         model: Mechanism.
         driven: What depends on time.
-        times: Times, (n_t,) [s].
         grid: The intervals and the times in them.
-        x0: Nodal coordinates at the start, (n_x,).
-        xd0: Their velocities, (n_x,).
+        times: Times at which to give it, (n_t,) [s].
+        given: Where it starts from.
         settings: Of :func:`flexmb.simulate`.
     """
     sampled: Sampled = settings["feedback"]
-    undriven: Any = coordinates_form(model.topology, model.parameters, driven)
+    undriven = _form(model, driven, settings)
     sensors = measuring(model, undriven)
 
     def interval(carry, at):
@@ -175,11 +224,10 @@ def integrate_sampled(model: Model, driven, times, grid: Intervals, x0, xd0, set
         form = under_inputs(model, undriven, u)
         z0, regular = form.begin(begin, state)
         states, steps, result = _solved(form, settings, begin, end, wanted, state, z0, regular)
-        last = jax.tree.map(lambda rows: rows[-1], states)
-        return (last, memory), (states, u, steps, result)
+        return (_last(states), memory), (states, u, steps, result)
 
-    start = _start(undriven, driven, times[0], x0, xd0)
-    _, (states, u, steps, result) = jax.lax.scan(interval, (start, sampled.start), grid[:3])
+    start = _start(undriven, driven, grid.begin[0], given[0]), given[1]
+    last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     x, xd, near = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
-    return Run(x, xd, near, u[grid.interval], jnp.sum(steps), jnp.max(result))
+    return Run(x, xd, near, u[grid.interval], jnp.sum(steps), jnp.max(result), last)

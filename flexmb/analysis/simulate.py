@@ -21,11 +21,12 @@ from ..mechanics.drive import Driven, Table
 from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.stress import is_nonlinear, nonlinear_energy, strain_of
 from ..model.model import Labels, Model
-from ..results import check
+from ..results import RESULTS, check
 from .closed_loop import Sampled, as_feedback, under_inputs
 from .configuration import Configuration, configuration
 from .equilibrium import Equilibrium
-from .integrate import Intervals, integrate, integrate_sampled
+from .integrate import Start, integrate, integrate_sampled
+from .parts import integrate_in_parts, sampled_intervals
 
 if TYPE_CHECKING:
     import diffrax
@@ -204,6 +205,7 @@ def simulate(
     adjoint: diffrax.AbstractAdjoint | None = None,
     event: diffrax.Event | None = None,
     max_steps: int = 200_000,
+    progress: Callable[[int, int], None] | bool = False,
     throw: bool = True,
 ) -> Motion:
     """Integrate the nonlinear equations of motion.
@@ -238,14 +240,17 @@ def simulate(
         dt0: First step, or the step of a solver of fixed steps [s].
         adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
         event: Event of diffrax that ends the motion; later times are then given as not finite.
-        max_steps: Most steps to take.
+        max_steps: Most steps to take, with ``progress`` in each part.
+        progress: True for a bar, or a function called with the number of parts done and of all. The time is then cut
+            into some fifty parts, and an interruption from the keyboard ends the simulation with the times reached so
+            far and ``result`` stopped.
         throw: Raise where the simulation fails; otherwise the code is in ``result``.
 
     Returns:
         Motion.
 
     Raises:
-        ValueError: times not ascending, or a solver of fixed steps without ``dt0``.
+        ValueError: times not ascending, a solver of fixed steps without ``dt0``, or ``progress`` under a trace.
         ModelError: Unknown name, or what cannot be driven.
         AnalysisError: singular_mass, step_too_small, step_too_large or motion_unfinished.
 
@@ -269,7 +274,9 @@ def simulate(
     kinks = [jnp.asarray(one.value.times, float) for one in driven if isinstance(one.value, Table)]
     if jumps is not None:
         kinks.append(jnp.asarray(jumps, float))
-    x0, xd0 = _initial(model, initial)
+    start = _initial(model, initial)
+    if progress and any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves((model, times, start, loads))):
+        raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
     chosen = Rodas5P(jumps=bool(kinks)) if solver is None else solver
     if isinstance(chosen, EnergyKeeping) and (form == "reduced" or control is not None):
         raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
@@ -288,20 +295,35 @@ def simulate(
         "controller": controller,
         "jumps": jnp.sort(jnp.concatenate(kinks)) if kinks else None,
         "solver": used,
-        "dt0": None if dt0 is None else jnp.asarray(dt0, float),
+        "dt0": jnp.asarray(0.0 if dt0 is None else dt0, float),
         "adjoint": diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
         "event": event,
         "max_steps": max_steps,
+        "first": 50.0,
     }
-    if isinstance(settings["feedback"], Sampled):
-        grid = _intervals(times, settings["feedback"].period)
-        run = integrate_sampled(model, driven, times, grid, x0, xd0, settings | {"first": 4.0})
+    feedback = settings["feedback"]
+    if isinstance(feedback, Sampled):
+        settings |= {"first": 4.0}
+    if progress:
+        run = integrate_in_parts(model, driven, times, start, settings, progress)
+    elif isinstance(feedback, Sampled):
+        if isinstance(times, jax.core.Tracer):
+            raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
+        wanted = np.asarray(times)
+        grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
+        run = integrate_sampled(model, driven, grid, times, (start, feedback.start), settings)
     else:
-        run = integrate(model, driven, times, x0, xd0, settings | {"first": 50.0})
-    found = Motion(
-        times, run.x, run.xd, run.near, run.u, run.steps, run.result, driven, model, form, type(chosen).__name__
-    )
-    check(found.result, throw)
+        run = integrate(model, driven, times[jnp.array([0, -1])], times, (start, None), settings)
+    # What a failure or a stop leaves out.
+    reached, stopped = run.x.shape[0], progress and int(run.result) == RESULTS.stopped
+    columns = [run.x, run.xd, run.near, run.u]
+    if stopped:
+        times = times[:reached]
+    elif progress:
+        columns = [jnp.pad(c, ((0, len(times) - reached), (0, 0)), constant_values=jnp.inf) for c in columns]
+    x, xd, near, u = columns
+    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, form, type(chosen).__name__)
+    check(found.result, throw and not stopped)
     return found
 
 
@@ -314,31 +336,15 @@ def _checked_times(times):
     return times
 
 
-def _intervals(times, period: float) -> Intervals:
-    """Intervals of a sampled controller, and the times asked for in each; a sample belongs to what follows."""
-    if isinstance(times, jax.core.Tracer):
-        raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
-    wanted = np.asarray(times)
-    start, end = wanted[0], wanted[-1]
-    count = max(int(np.ceil((end - start) / period - 1e-9)), 1)
-    begin = start + period * np.arange(count)
-    ends = np.append(begin[1:], end)
-    interval = np.clip(np.searchsorted(begin, wanted + 1e-9 * period, side="right") - 1, 0, count - 1)
-    place = np.arange(len(wanted)) - np.searchsorted(interval, interval)
-    rows = np.repeat(ends[:, None], np.max(place) + 2, axis=1)
-    rows[interval, place] = np.clip(wanted, begin[interval], ends[interval])
-    return Intervals(*(jnp.asarray(part) for part in (begin, ends, rows, interval, place)))
-
-
 def _initial(model: Model, initial):
     if initial is None:
         if model.parameters.start is None and model.parameters.loads.x is None and model.parameters.loads.e is None:
-            return model.parameters.reference, jnp.zeros(model.topology.n_x)
+            return Start(model.parameters.reference, jnp.zeros(model.topology.n_x))
         initial = configuration(model)
     if isinstance(initial, Motion):
-        return initial.x[-1], initial.xd[-1]
+        return Start(initial.x[-1], initial.xd[-1], initial.near[-1])
     rest = jnp.zeros(model.topology.n_x)
-    return initial.x, initial.xd if isinstance(initial, Configuration) else rest
+    return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest)
 
 
 def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple[Driven, ...]:

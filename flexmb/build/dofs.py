@@ -37,7 +37,7 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
     """
     if release == "auto":
         model, builder = _release_all(builder, model)
-    motions, over = _motions(model)
+    motions, over = motions_of(model)
     if over:
         raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{mobility(model).report()}")
     if model.topology.n_q == 0 and dofs == "auto":
@@ -46,8 +46,10 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
             builder.dof(of, component, kind=kind)
         started = assemble(builder)
         first, rest = independent_rows(_named_rows(started, motions), len(builder.starts), CANNOT_MOVE)
-        for kind, of, component in _choose(started, motions @ rest, motions.shape[1] - len(first)):
-            builder.dof(of, component, kind=kind)
+        x, e = choose(started, motions @ rest, motions.shape[1] - len(first))
+        for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
+            for i in chosen:
+                builder.dof(entries[i].of, entries[i].component, kind=kind)
         model = assemble(builder)
         _check_named(model, motions)
         return model
@@ -66,7 +68,7 @@ def complete_series(builder: Builder, model: Model) -> Model:
     Returns:
         The model, assembled anew if there are such coefficients and nothing else is undetermined.
     """
-    return _with_coefficients(builder, model, _motions(model)[0]) if _coefficients(model) else model
+    return _with_coefficients(builder, model, motions_of(model)[0]) if _coefficients(model) else model
 
 
 def _coefficients(model: Model) -> list[int]:
@@ -104,7 +106,7 @@ def _named_rows(model: Model, motions: np.ndarray) -> np.ndarray:
     return np.concatenate([motions[np.asarray(model.topology.x.dof)], by_deformation])
 
 
-def _motions(model: Model) -> tuple[np.ndarray, int]:
+def motions_of(model: Model) -> tuple[np.ndarray, int]:
     """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints."""
     found, topology = constraints(model), model.topology
     held = np.concatenate([np.asarray(topology.e.fixed), np.asarray(topology.e.prescribed)])
@@ -115,8 +117,14 @@ def _motions(model: Model) -> tuple[np.ndarray, int]:
     return motions, len(held) - rank
 
 
-def _choose(model: Model, motions: np.ndarray, wanted: int) -> list[tuple[str, str, int]]:
-    """Independent deformations first, then coordinates, in the order of the model."""
+def choose(model: Model, motions: np.ndarray, wanted: int) -> tuple[list[int], list[int]]:
+    """Independent deformations first, then coordinates, as indices of coordinates and of deformations.
+
+    Args:
+        model: Mechanism; what is DEPENDENT may be chosen.
+        motions: Scaled motions to be determined, (n_x, f).
+        wanted: How many to choose.
+    """
     topology = model.topology
     released = np.asarray(topology.e.dependent)
     # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
@@ -124,9 +132,7 @@ def _choose(model: Model, motions: np.ndarray, wanted: int) -> list[tuple[str, s
     first, rest = independent_rows(effects, wanted, INDEPENDENT)
     free = np.asarray(topology.x.dependent)
     second, _ = independent_rows(motions[free] @ rest, wanted - len(first), 0.0)
-    chosen_e = [("element", model.labels.e[released[i]]) for i in sorted(first)]
-    chosen_x = [("node", model.labels.x[free[i]]) for i in sorted(second)]
-    return [(kind, entry.of, entry.component) for kind, entry in chosen_x + chosen_e]
+    return [int(free[i]) for i in sorted(second)], [int(released[i]) for i in sorted(first)]
 
 
 def _check_named(model: Model, motions: np.ndarray) -> None:

@@ -18,11 +18,11 @@ import numpy as np
 from ..errors import ModelError
 from ..io.files import save_arrays, write_whole
 from ..math.compile import jit
+from ..progress import reporting
 from ..results import RESULTS
 from .designs import Designs
 from .evaluate import Answers, Build, build_once, check_dimensions, evaluate, evaluate_concretely, named_answers
 from .labelled import pandas, xarray
-from .progress import reporting
 
 # A state without derivative is an answer all the same.
 ANSWERED = (RESULTS.successful, RESULTS.critical_state)

@@ -10,12 +10,12 @@ import numpy as np
 
 from ..errors import AnalysisError
 from ..math.compile import jit
+from ..progress import reporting
 from ..results import RESULTS
 from .designs import checked_bounds
 from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .lockstep import in_lockstep
 from .problem import Problem, make_problem
-from .progress import reporting
 from .search import Run, search
 from .sensitivities import REVERSE_COST
 

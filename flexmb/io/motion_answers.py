@@ -1,5 +1,6 @@
 """Answers of the modes that simulate: motion in time, and the linearised equations along it."""
 
+import sys
 from typing import Any
 
 import jax.numpy as jnp
@@ -99,7 +100,8 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     extent = float(jnp.max(sizes_of(model.topology, model.parameters)[model.topology.axes], initial=0.0)) or 1.0
     rtol = error.get("relative", RTOL)
     atol = error["absolute"] / extent if "absolute" in error else None
-    found = simulate(model, times, motion=_motions(model, settings), rtol=rtol, atol=atol, throw=False)
+    driven = _motions(model, settings)
+    found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
     code = RESULTS(int(found.result))
     reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
     if not reached[-1]:

@@ -1,5 +1,6 @@
 """Nonlinear motion against closed forms, printed solutions of independent integrations, and conservation laws."""
 
+import dataclasses
 import json
 from typing import Any
 
@@ -332,3 +333,71 @@ def test_a_negative_lumped_inertia_is_refused_by_name_or_right():
         1 - np.exp(root.real * times) * (np.cos(root.imag * times) - root.real / root.imag * np.sin(root.imag * times))
     ) / k
     np.testing.assert_allclose(found.at("5")[:, 0] - 0.1, expected, atol=1e-4 * expected[-1])
+
+
+def test_in_parts(pendulum):
+    """What is watched is what is computed at once, and turns are counted on."""
+    times = np.linspace(0, 10, 41)
+    calls = []
+    found = fm.simulate(pendulum, times, rtol=1e-9, progress=lambda *counts: calls.append(counts))
+    # As for the whole: some hundred times the tolerance of one step.
+    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
+    assert calls == [(i + 1, 50) for i in range(50)]
+    later = fm.simulate(pendulum, times[20:], rtol=1e-9, initial=found.until(21))
+    np.testing.assert_allclose(later.at("mass")[-1], PENDULUM, atol=2e-7)
+
+
+def test_parts_of_whole_steps(pendulum):
+    times = np.linspace(0, 1, 5)
+    settings = {"solver": fm.EnergyKeeping(), "dt0": 0.01}
+    whole = fm.simulate(pendulum, times, **settings)
+    parts = fm.simulate(pendulum, times, progress=lambda *counts: None, **settings)
+    assert int(whole.steps) == int(parts.steps) == 100
+    # Newton's method of each step ends at 1e-10 of its start or so.
+    np.testing.assert_allclose(parts.x, whole.x, atol=1e-7)
+
+
+def test_stopped_from_the_keyboard(pendulum):
+    def interrupt(done, of):
+        if done == of // 2:
+            raise KeyboardInterrupt
+
+    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9, progress=interrupt)
+    assert int(found.result) == fm.RESULTS.stopped
+    assert found.t.shape == (20,)
+    assert found.x.shape[0] == found.xd.shape[0] == 20
+    assert np.all(np.isfinite(found.observe().energy))
+
+
+def test_turns_are_counted_on_from_another_motion():
+    b = fm.Builder()
+    b.node("o", (0, 0, 0))
+    b.fix("o")
+    b.rotation("ground")
+    b.rotation("wheel")
+    b.fix("ground")
+    b.add(fm.spatial.hinge, "ground", "wheel", name="hinge", axis=(0, 0, 1.0))
+    b.inertia("wheel", np.eye(3))
+    b.start("hinge", 1, 0.0, velocity=2 * np.pi)
+    model = b.build()
+    first = fm.simulate(model, np.array([0.0, 1.5, 3.0]))
+    second = fm.simulate(model, np.array([3.0, 4.0, 5.0]), initial=first)
+    np.testing.assert_allclose(second.near[:, 0], 2 * np.pi * second.t, rtol=1e-6)
+
+
+def test_batch_of_simulations(pendulum):
+    """A batch is its members, one by one."""
+    times = np.linspace(0, 1, 3)
+
+    def end(gravity):
+        parameters = pendulum.parameters
+        loads = dataclasses.replace(parameters.loads, gravity=jnp.array([0.0, -gravity]))
+        model = dataclasses.replace(pendulum, parameters=dataclasses.replace(parameters, loads=loads))
+        motion = fm.simulate(model, times, rtol=1e-8, throw=False)
+        return motion.at("mass")[-1], motion.result
+
+    many = jnp.array([9.81, 1.62, 24.8])
+    places, results = jax.vmap(end)(many)
+    assert not np.any(results)
+    # Each has steps of its own; the error of one simulation is some hundred tolerances of a step.
+    np.testing.assert_allclose(places, [end(g)[0] for g in many], atol=1e-6)

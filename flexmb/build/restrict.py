@@ -1,0 +1,178 @@
+"""A model with fewer degrees of freedom, deformations FIXED or tied to each other, or with more."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..analysis.mobility import constraints
+from ..elements.element import NONLINEAR
+from ..elements.tie import Part, tie
+from ..math.record import Record, static
+from ..math.subspace import independent_rows
+from ..model.model import Entry, Labels, Model
+from ..model.parameters import Loads, Parameters
+from ..model.topology import Block, RoleIndices, Topology
+from .dofs import CANNOT_MOVE, choose, motions_of
+
+TIE = "tie"
+
+
+def can_be_tied(model: Model) -> np.ndarray:
+    """Whether each deformation may enter a tie: those whose turns are counted may not, (n_e,).
+
+    Args:
+        model: Mechanism.
+    """
+    possible = np.zeros(model.topology.n_e, bool)
+    for block in model.topology.blocks:
+        if "deformation" in block.companions and not block.element.tracks_angle:
+            possible[np.asarray(block.e)] = True
+    return possible
+
+
+class Restriction(Record):
+    """What is FIXED or tied in a model, for models of the same structure.
+
+    Attributes:
+        topology: Structure of the restricted model.
+        labels: Its names.
+        weights: Of the tied deformations in each tie, (1, ties, m) [-].
+        tied: Places of the blocks whose deformations are tied.
+    """
+
+    topology: Topology
+    labels: Labels = static()
+    weights: jax.Array
+    tied: tuple[int, ...] = static()
+
+    def of(self, model: Model) -> Model:
+        """The restricted model with another's numbers.
+
+        Args:
+            model: Model of the structure that was restricted; its numbers may be traced.
+        """
+        own = model.parameters
+        more = self.topology.n_e - model.topology.n_e
+        properties = own.properties
+        if more:
+            parts = tuple(_alone(model.topology.blocks[i], own.properties[i]) for i in self.tied)
+            of = tuple(jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], part) for part in parts)
+            properties = (*properties, {"weights": self.weights, "of": of})
+
+        def longer(values):
+            return None if values is None else jnp.concatenate([values, jnp.zeros(more)])
+
+        def loads(given: Loads | None):
+            return None if given is None else dataclasses.replace(given, prestress=longer(given.prestress))
+
+        parameters = Parameters(
+            own.reference, properties, loads(own.loads) or Loads(), loads(own.increment), longer(own.strain), None
+        )
+        return Model(self.topology, parameters, self.labels)
+
+
+def _alone(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
+    """Properties that the deformation of a block's elements asks for."""
+    return block.element.arguments(block.element.deformation, properties) or {}
+
+
+def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarray) -> Restriction:
+    """FIX deformations and tie others, and choose degrees of freedom among those of the model.
+
+    Args:
+        model: Mechanism, checked.
+        fixed: Deformations to FIX, indices in e.
+        tied: Deformations that take part in ties, indices in e.
+        weights: Of those in each tie, (ties, tied) [-].
+
+    Returns:
+        Restriction.
+    """
+    top = model.topology
+    n_e, ties = top.n_e, len(weights)
+    blocks, stressed, places = list(top.blocks), list(model.labels.stressed), []
+    held = {*np.asarray(top.e.fixed).tolist(), *fixed}
+    for i, block in enumerate(blocks):
+        if held.issuperset(np.asarray(block.e).ravel().tolist()):
+            # As in a model built so: nothing stiff is asked of what does not deform.
+            rest = tuple(c for c in block.companions if c not in ("stiffness", "damping", "resultants", *NONLINEAR))
+            blocks[i] = dataclasses.replace(block, companions=rest)
+    entries = model.labels.e
+    if ties:
+        places = [i for i, b in enumerate(top.blocks) if not set(tied).isdisjoint(np.asarray(b.e).ravel().tolist())]
+        places = [i for i in places if "deformation" in top.blocks[i].companions]
+        used = np.unique(np.concatenate([np.asarray(top.blocks[i].x).ravel() for i in places]))
+        parts, order = [], []
+        for i in places:
+            block = top.blocks[i]
+            rows = np.searchsorted(used, np.asarray(block.x))
+            parts.append(Part(block.element, block.options, block.splits, tuple(map(tuple, rows.tolist()))))
+            order += np.asarray(block.e).ravel().tolist()
+        columns = np.zeros((ties, len(order)))
+        columns[:, [order.index(j) for j in tied]] = weights
+        new: Any = n_e + np.arange(ties)
+        element = tie(tuple(parts), len(used), model.labels.dimension)
+        blocks.append(Block(element, ("deformation",), (), jnp.asarray(used[None]), jnp.asarray(new[None]), ()))
+        stressed.append((None,))
+        entries += tuple(Entry(TIE, i + 1, f"e{i + 1}", "deformation") for i in range(ties))
+    else:
+        columns = np.zeros((0, 0))
+    free = [i for i in np.concatenate([top.e.dependent, top.e.dof]).tolist() if i not in held]
+    e = RoleIndices(
+        jnp.array(sorted([*held, *range(n_e, n_e + ties)]), int),
+        jnp.array(sorted(free), int),
+        jnp.zeros(0, int),
+        top.e.prescribed,
+    )
+    x = RoleIndices(
+        top.x.fixed,
+        jnp.sort(jnp.concatenate([top.x.dependent, top.x.dof])),
+        jnp.zeros(0, int),
+        top.x.prescribed,
+    )
+    labels = dataclasses.replace(model.labels, e=entries, stressed=tuple(stressed))
+    bare = Restriction(Topology(tuple(blocks), x, e, top.axes), labels, jnp.asarray(columns)[None], tuple(places))
+    return dataclasses.replace(bare, topology=_with_dofs(bare.of(model), model))
+
+
+def released(model: Model, indices: list[int]) -> Model:
+    """A model with FIXED deformations released, and degrees of freedom for them.
+
+    Args:
+        model: Mechanism, checked.
+        indices: Deformations to release, indices in e.
+    """
+    top = model.topology
+    held = [i for i in np.asarray(top.e.fixed).tolist() if i not in indices]
+    free = sorted({*indices, *np.asarray(top.e.dependent).tolist(), *np.asarray(top.e.dof).tolist()})
+    none = jnp.zeros(0, int)
+    e = RoleIndices(jnp.array(held, int), jnp.array(free, int), none, top.e.prescribed)
+    x = RoleIndices(top.x.fixed, jnp.sort(jnp.concatenate([top.x.dependent, top.x.dof])), none, top.x.prescribed)
+    bare = dataclasses.replace(
+        model,
+        topology=dataclasses.replace(top, x=x, e=e),
+        parameters=dataclasses.replace(model.parameters, start=None),
+    )
+    return dataclasses.replace(bare, topology=_with_dofs(bare, model))
+
+
+def _with_dofs(restricted: Model, model: Model) -> Topology:
+    """Structure with degrees of freedom of the model, and others where they leave motions undetermined."""
+    motions, _ = motions_of(restricted)
+    top, own = restricted.topology, model.topology
+    effects = constraints(restricted).jacobian[np.asarray(own.e.dof)] @ motions
+    rows = np.concatenate([motions[np.asarray(own.x.dof)], effects])
+    chosen, rest = independent_rows(rows, motions.shape[1], CANNOT_MOVE)
+    more_x, more_e = choose(restricted, motions @ rest, motions.shape[1] - len(chosen))
+    count = own.x.dof.shape[0]
+    x_dof = [int(own.x.dof[i]) for i in sorted(chosen) if i < count] + more_x
+    e_dof = [int(own.e.dof[i - count]) for i in sorted(chosen) if i >= count] + more_e
+    return dataclasses.replace(top, x=_chosen(top.x, x_dof), e=_chosen(top.e, e_dof))
+
+
+def _chosen(roles: RoleIndices, dof: list[int]) -> RoleIndices:
+    rest = [i for i in np.asarray(roles.dependent).tolist() if i not in dof]
+    return RoleIndices(roles.fixed, jnp.array(rest, int), jnp.array(dof, int), roles.prescribed)

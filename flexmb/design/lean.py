@@ -1,0 +1,450 @@
+"""No more model than the question needs: fewer beams, fewer degrees of freedom, and what that costs."""
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..analysis.linearize import Linearization, linearize
+from ..analysis.modal import modes
+from ..build.restrict import Restriction, can_be_tied, restrict
+from ..errors import AnalysisError, ModelError
+from ..model.model import Model
+
+# Beams of a leaf spring in the model that others are measured by, unless given.
+FINEST = 4
+# Share of the tolerance that deformations of no account may cost together; the rest is for what is condensed.
+NEGLIGIBLE = 0.1
+# Directions this much smaller than the largest, by energy, are taken for the same as the others.
+SAME = (1e-4, 1e-6, 1e-8, 1e-10)
+# Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
+POINTS = 40
+RESONANCE = 0.1
+
+
+@dataclasses.dataclass(frozen=True)
+class Deviation:
+    """Largest relative differences between two models, at rest and at all increments.
+
+    Attributes:
+        frequencies: Of the natural frequencies in the band, and of the first one in any case.
+        stiffness: Of the static response of the outputs to the inputs and of the compliance of the nodes asked for.
+        transfer: Of the frequency responses of outputs to inputs in the band, a tenth and more away from resonances,
+            over the largest of them to that input among the outputs of a kind; rotations count by what they move at
+            the mechanism's extent.
+    """
+
+    frequencies: float
+    stiffness: float
+    transfer: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of them."""
+        return max(self.frequencies, self.stiffness, self.transfer)
+
+    def plus(self, other: "Deviation") -> "Deviation":
+        """Bound of the differences one after the other.
+
+        Args:
+            other: The differences of the second step.
+        """
+        return Deviation(*(a + b for a, b in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)))
+
+
+@dataclasses.dataclass(frozen=True)
+class Lean:
+    """A lean model, and what was left out.
+
+    Attributes:
+        model: The model; an ordinary one.
+        full: The model that it stands for.
+        error: Estimate of its error.
+        beams: Beams of each leaf spring, by the names of the arguments of the function that built it.
+        fixed: Deformations that are FIXED.
+        ties: Number of combinations of the other deformations that are FIXED.
+        bandwidth: Of the question [Hz].
+        tolerance: Of the question.
+        full_frequencies: Natural frequencies of the full model, the first above the band included [Hz].
+        frequencies: Those of the lean model [Hz].
+        restriction: What :meth:`of` applies.
+    """
+
+    model: Model
+    full: Model
+    error: Deviation
+    beams: dict[str, int]
+    fixed: tuple[str, ...]
+    ties: int
+    bandwidth: float
+    tolerance: float
+    full_frequencies: np.ndarray
+    frequencies: np.ndarray
+    restriction: Restriction
+
+    def of(self, model: Model) -> Model:
+        """The same decision for other numbers; may be traced.
+
+        Args:
+            model: A model with the structure of ``full``.
+
+        Raises:
+            ModelError: Another structure.
+        """
+        if model.topology.n_e != self.full.topology.n_e or model.topology.n_x != self.full.topology.n_x:
+            raise ModelError("lean.of() takes a model of the same nodes and elements as lean.full.")
+        return self.restriction.of(model)
+
+    def report(self) -> str:
+        """What was left out, and what it costs."""
+        full, own = self.full.topology, self.model.topology
+        hertz = ", ".join(f"{f:.6g}" for f in self.full_frequencies)
+        lines = [
+            f"Question: up to {self.bandwidth:g} Hz within {100 * self.tolerance:g} %.",
+            f"Full model: {full.n_q} degrees of freedom; lean model: {own.n_q} ({', '.join(self.model.q_labels)}).",
+            f"Natural frequencies of the full model up to the first above the band: {hertz} Hz.",
+            f"Of the lean model: {', '.join(f'{f:.6g}' for f in self.frequencies)} Hz.",
+        ]
+        if self.beams:
+            lines.append("Beams: " + ", ".join(f"{name} {count}" for name, count in self.beams.items()) + ".")
+        if self.fixed:
+            lines.append(f"FIXED, since they hardly deform: {', '.join(self.fixed)}.")
+        if self.ties:
+            lines.append(
+                f"{self.ties} further combinations of deformations follow the kept motions statically (condensed)."
+            )
+        e = self.error
+        lines.append(
+            f"Cost: frequencies {100 * e.frequencies:.2g} %, stiffness {100 * e.stiffness:.2g} %, frequency response"
+            f" {100 * e.transfer:.2g} %."
+        )
+        return "\n".join(lines)
+
+
+@dataclasses.dataclass(frozen=True)
+class Response:
+    """Numbers of a linearised model that questions are answered by, on the host.
+
+    Attributes:
+        K, M, D: Stiffness, mass and damping, (n, n).
+        inputs: What each input does to the degrees of freedom, (n_u, n).
+        outputs: Each output by them, (n_y, n), rotations times the mechanism's extent.
+        kinds: Quantity of each output.
+        nodes: Coordinates of the nodes asked for by them, (k, n).
+        orders: Rates of each output: 0, 1 or 2.
+    """
+
+    K: np.ndarray
+    M: np.ndarray
+    D: np.ndarray
+    inputs: np.ndarray
+    outputs: np.ndarray
+    kinds: tuple[str, ...]
+    nodes: np.ndarray
+    orders: np.ndarray
+
+    def restricted(self, z: np.ndarray) -> "Response":
+        """The same where the degrees of freedom are z times new ones.
+
+        Args:
+            z: (n, k).
+        """
+        k, m, d = (z.T @ matrix @ z for matrix in (self.K, self.M, self.D))
+        return Response(k, m, d, self.inputs @ z, self.outputs @ z, self.kinds, self.nodes @ z, self.orders)
+
+    def frequencies(self) -> np.ndarray:
+        """Ascending [Hz]."""
+        import scipy.linalg
+
+        shift = 0.0
+        scale = np.max(np.abs(np.diag(self.K))) / max(np.max(np.diag(self.M)), np.finfo(float).tiny)
+        for _ in range(60):
+            try:
+                mu = scipy.linalg.eigh(self.M, self.K + shift * self.M, eigvals_only=True)[::-1]
+            except np.linalg.LinAlgError:
+                shift = max(8 * shift, 1e-8 * scale)
+                continue
+            mu = mu[mu > 1e-13 * len(mu) * max(mu[0], 0.0)]
+            values = 1 / mu - shift
+            return np.sort(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))
+        raise AnalysisError("singular_stiffness", "A motion has neither mass nor stiffness.")
+
+    def static(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outputs for inputs, and compliance of the nodes."""
+        positions = self.outputs * (self.orders == 0)[:, None]
+        return positions @ _solve(self.K, self.inputs.T), self.nodes @ _solve(self.K, self.nodes.T)
+
+    def transfer(self, hertz: np.ndarray) -> np.ndarray:
+        """Outputs for inputs at each frequency.
+
+        Args:
+            hertz: (k,) [Hz].
+        """
+        found = []
+        for w in 2 * np.pi * hertz:
+            h = self.outputs @ _solve(self.K - w**2 * self.M + 1j * w * self.D, self.inputs.T)
+            found.append((1j * w) ** self.orders[:, None] * h)
+        return np.array(found)
+
+
+def _solve(matrix, right):
+    return np.linalg.solve(matrix, right) if right.shape[1] else np.zeros((len(matrix), 0))
+
+
+def response(lin: Linearization, nodes: Sequence[str]) -> Response:
+    """Numbers of a linearised model that questions are answered by.
+
+    Args:
+        lin: Linearization.
+        nodes: Nodes whose compliance matters.
+    """
+    m, labels = lin.matrices, lin.labels
+    dfx, dfe = np.asarray(m.DFx), np.asarray(m.DFe)
+    n = dfx.shape[1]
+    inputs = [-dfe[s.index] if s.quantity == "stress" else dfx[s.index] for s in labels.inputs]
+    places = np.asarray(lin.model.parameters.reference)[np.asarray(lin.model.topology.axes)]
+    extent = float(np.max(np.ptp(places, axis=1))) or 1.0
+    outputs, kinds, orders = [], [], []
+    for s in labels.outputs:
+        if s.quantity == "stress":
+            outputs.append((np.asarray(m.S) @ dfe)[s.index])
+        else:
+            outputs.append(dfe[s.index] if s.quantity.startswith("deformation") else dfx[s.index])
+            if not s.quantity.startswith("deformation") and labels.x[s.index].kind == "rotation":
+                outputs[-1] = extent * outputs[-1]
+        kinds.append(s.quantity)
+        orders.append(1 if s.quantity.endswith(("velocity", "rate")) else 2 if "acceleration" in s.quantity else 0)
+    rows = [dfx[[*labels.known(node), *labels.coordinates(f"{node}.rotation")]] for node in nodes]
+    return Response(
+        np.asarray(m.K), np.asarray(m.M0), np.asarray(m.D0),
+        np.array(inputs).reshape(-1, n), np.array(outputs).reshape(-1, n), tuple(kinds),
+        np.concatenate(rows) if rows else np.zeros((0, n)), np.array(orders, int),
+    )  # fmt: skip
+
+
+def _in_band(frequencies: np.ndarray, bandwidth: float) -> int:
+    """Number of frequencies that matter: those in the band, and the first in any case."""
+    return max(int(np.sum(frequencies <= bandwidth)), 1)
+
+
+def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
+    """Largest relative differences of a lean model from a full one.
+
+    Args:
+        full: Numbers of the full model.
+        lean: Numbers of the lean model.
+        bandwidth: Frequencies up to here matter [Hz].
+    """
+    ours, theirs = lean.frequencies(), full.frequencies()
+    count = _in_band(theirs, bandwidth)
+    if len(ours) < count:
+        return Deviation(np.inf, np.inf, np.inf)
+    frequencies = np.max(np.abs(ours[:count] - theirs[:count]) / np.maximum(np.abs(theirs[:count]), 1e-9 * bandwidth))
+    (h, c), (h0, c0) = lean.static(), full.static()
+    stiffness = _largest(h - h0, _sizes(h0[None], full.kinds)[0])
+    own = np.sqrt(np.abs(np.outer(np.diag(c0), np.diag(c0)))) if len(c0) else c0
+    stiffness = max(stiffness, _largest(c - c0, own))
+    hertz = bandwidth * np.linspace(1 / POINTS, 1, POINTS)
+    near = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), 1e-9 * bandwidth) - 1)
+    hertz = hertz[np.min(near, axis=1) > RESONANCE]
+    t, t0 = lean.transfer(hertz), full.transfer(hertz)
+    largest = np.max(_sizes(t0, full.kinds), axis=0, keepdims=True, initial=0.0)
+    return Deviation(float(frequencies), stiffness, _largest(t - t0, np.broadcast_to(largest, t.shape)))
+
+
+def _sizes(responses: np.ndarray, kinds: tuple[str, ...]) -> np.ndarray:
+    """Largest response to each input among the outputs of a kind."""
+    sizes = np.abs(responses)
+    for kind in set(kinds):
+        own = [i for i, k in enumerate(kinds) if k == kind]
+        sizes[:, own] = np.max(sizes[:, own], axis=1, keepdims=True)
+    return sizes
+
+
+def _largest(difference: np.ndarray, size: np.ndarray) -> float:
+    fine = size > 0
+    return float(np.max(np.abs(difference)[fine] / size[fine], initial=0.0))
+
+
+def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[np.ndarray]) -> list[np.ndarray]:
+    """Motions to keep at each state: modes of the band, and static responses as long as they are missed."""
+    found = []
+    for response, shapes in zip(full, bands, strict=True):
+        z = shapes
+        candidates = np.linalg.solve(response.K, np.concatenate([response.inputs, response.outputs, response.nodes]).T)
+        while z.shape[1] < len(response.K):
+            if deviation(response, response.restricted(z), bandwidth).worst <= tolerance:
+                break
+            # What of each static response is missing, by energy.
+            missing = candidates - z @ _solve(z.T @ response.K @ z, z.T @ response.K @ candidates)
+            size = np.einsum("ij,ij->j", missing, response.K @ missing)
+            whole = np.einsum("ij,ij->j", candidates, response.K @ candidates)
+            share = size / np.where(whole > 0, whole, 1.0) if size.size else np.zeros(0)
+            if not share.size or np.max(share) < 1e-12:
+                break
+            z = np.column_stack([z, missing[:, int(np.argmax(share))]])
+        found.append(z)
+    return found
+
+
+def lean(
+    model: Model | Callable[..., Model],
+    *,
+    bandwidth: float,
+    tolerance: float = 0.01,
+    nodes: Sequence[str] = (),
+    increments: Sequence[float] = (0.0,),
+    finest: int = FINEST,
+) -> Lean:
+    """The smallest model that answers a question within a tolerance, and what it costs.
+
+    Each leaf spring gets as few beams as will do; what hardly deforms in the band is FIXED; the other deformations are
+    tied to follow the kept motions as they do in the full model: natural modes of the band, and static responses to
+    the inputs and at the nodes asked for, as far as they are missed. Every candidate is measured against the full
+    model.
+
+    Args:
+        model: The full model; or a function that builds it, whose arguments are numbers of beams of leaf springs.
+        bandwidth: Frequencies up to here matter [Hz].
+        tolerance: Relative error to allow in natural frequencies, stiffness and frequency responses.
+        nodes: Nodes whose compliance in all directions matters, beside the model's inputs and outputs.
+        increments: Factors of the incremental loads at which it is to hold: the stroke.
+        finest: Beams of a leaf spring in the full model, where ``model`` is a function.
+
+    Returns:
+        Lean. Its ``model`` is an ordinary model, whose new deformations are named "tie".
+
+    Raises:
+        ModelError: bandwidth or tolerance is not positive.
+        AnalysisError: An equilibrium fails, or no smaller model was found to be good enough.
+
+    Source:
+        Modes and static responses: Craig, Bampton (1968), AIAA Journal 6, 1313; here as constraints between the
+        deformations of the elements, so that the lean model moves through large displacements.
+    """
+    for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
+        if not value > 0:
+            raise ModelError(f"Argument `{name}` must be positive, not {value}.")
+    beams: dict[str, int] = {}
+    spent = Deviation(0.0, 0.0, 0.0)
+    if isinstance(model, Model):
+        whole = model
+    else:
+        whole, beams, spent = _fewest_beams(model, bandwidth, tolerance, nodes, increments, finest)
+    states = [linearize(whole, increment=increment) for increment in increments]
+    full = [response(lin, nodes) for lin in states]
+    shapes = []
+    for lin in states:
+        found = modes(lin)
+        count = _in_band(np.asarray(found.frequencies), bandwidth)
+        shapes.append(np.asarray(found.q_shapes)[:, :count])
+    theirs = full[0].frequencies()
+    for same in SAME:
+        kept = _kept(full, bandwidth, NEGLIGIBLE * tolerance if same < SAME[0] else tolerance / 2, shapes)
+        decided = _decide(whole, states, kept, tolerance, same)
+        if decided is None:
+            continue
+        restriction, fixed, ties = decided
+        small = restriction.of(whole)
+        try:
+            own = [response(linearize(small, increment=increment), nodes) for increment in increments]
+        except AnalysisError:
+            continue
+        worst = _largest_of([deviation(a, b, bandwidth) for a, b in zip(full, own, strict=True)])
+        error = worst.plus(spent)
+        if error.worst <= tolerance:
+            names = tuple(str(whole.labels.e[i]) for i in fixed)
+            shown = _in_band(theirs, bandwidth) + 1
+            ours = own[0].frequencies()[:shown]
+            return Lean(
+                small, whole, error, beams, names, ties, bandwidth, tolerance, theirs[:shown], ours, restriction
+            )
+    raise AnalysisError(
+        "not_lean",
+        f"No smaller model answers up to {bandwidth:g} Hz within {tolerance:g}: the full one is as lean as can be."
+        " Allow a larger tolerance or ask for a smaller band.",
+    )
+
+
+def _largest_of(deviations: list[Deviation]) -> Deviation:
+    return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))
+
+
+def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):
+    """Which deformations to FIX and which to tie; None where nothing would be left out."""
+    top = model.topology
+    free = np.sort(np.concatenate([np.asarray(top.e.dependent), np.asarray(top.e.dof)]))
+    stiffness = np.diag(np.asarray(states[0].matrices.S))
+    free = free[can_be_tied(model)[free] & (stiffness[free] > 0)]
+    weight = np.sqrt(stiffness[free])
+    rows = [np.asarray(lin.matrices.DFe)[free] * weight[:, None] for lin in states]
+    # Energy of each deformation in each kept motion, as share of the motion's.
+    shares = np.zeros(len(free))
+    for a, z, lin in zip(rows, kept, states, strict=True):
+        energy = np.maximum(np.sum((a @ z) ** 2, axis=0), 1e-12 * np.max(np.diag(z.T @ (a.T @ a) @ z), initial=0.0))
+        shares = np.maximum(shares, np.max((a @ z) ** 2 / np.where(energy > 0, energy, 1.0), axis=1))
+        moved = (np.asarray(lin.matrices.e) - np.asarray(states[0].matrices.e))[free] * weight
+        whole = moved @ moved
+        shares = np.maximum(shares, moved**2 / whole if whole > 0 else 0.0)
+    n_q = rows[0].shape[1]
+    fixed: list[int] = []
+    null = np.eye(n_q)
+    spent = 0.0
+    for i in np.argsort(shares, kind="stable"):
+        spent += shares[i]
+        if spent > NEGLIGIBLE * tolerance:
+            break
+        row = rows[0][i] @ null
+        if np.linalg.norm(row) > 1e-7 * np.linalg.norm(rows[0][i]):
+            fixed.append(int(i))
+            null = null @ np.linalg.svd(row[None])[2][1:].T
+    rest = np.setdiff1d(np.arange(len(free)), fixed)
+    basis, sizes, _ = np.linalg.svd(rows[0][rest] @ null, full_matrices=False)
+    basis = basis[:, sizes > 1e-9 * np.max(sizes, initial=0.0)]
+    patterns = []
+    for a, z, lin in zip(rows, kept, states, strict=True):
+        pattern = basis.T @ (a[rest] @ z)
+        patterns.append(pattern / np.maximum(np.linalg.norm(pattern, axis=0), 1e-300))
+        moved = basis.T @ ((np.asarray(lin.matrices.e) - np.asarray(states[0].matrices.e))[free] * weight)[rest]
+        if np.linalg.norm(moved) > 0:
+            patterns.append(moved[:, None] / np.linalg.norm(moved))
+    left, sizes, _ = np.linalg.svd(np.column_stack(patterns), full_matrices=True)
+    count = int(np.sum(sizes**2 > same * np.max(sizes, initial=0.0) ** 2))
+    ties = (basis @ left[:, count:]).T * weight[rest]
+    ties = ties / np.max(np.abs(ties), axis=1, keepdims=True) if len(ties) else ties
+    if not fixed and not len(ties):
+        return None
+    chosen = [int(free[i]) for i in fixed]
+    return restrict(model, chosen, [int(free[i]) for i in rest], ties), chosen, len(ties)
+
+
+def _fewest_beams(build, bandwidth, tolerance, nodes, increments, finest):
+    """Fewest beams of each leaf spring, and what they cost against so many of them and against more."""
+    names = list(inspect.signature(build).parameters)
+    if not names:
+        raise ModelError("The function given to lean() must have arguments: numbers of beams of leaf springs.")
+
+    def responses(counts: dict[str, int]) -> tuple[Any, list[Response]]:
+        model = build(**counts)
+        return model, [response(linearize(model, increment=s), nodes) for s in increments]
+
+    def apart(one, other) -> Deviation:
+        return _largest_of([deviation(a, b, bandwidth) for a, b in zip(one, other, strict=True)])
+
+    counts: dict[str, int] = {name: finest for name in names}
+    model, reference = responses(counts)
+    # Convergence is of order two at least: what is left is at most a third of what the last halving changed.
+    half = apart(reference, responses(dict.fromkeys(names, max(finest // 2, 1)))[1])
+    left = Deviation(*(value / 3 for value in dataclasses.astuple(half)))
+    spent = left
+    for name in names:
+        while counts[name] > 1:
+            fewer = counts | {name: counts[name] // 2}
+            candidate, own = responses(fewer)
+            cost = apart(reference, own).plus(left)
+            if cost.worst > tolerance / 2:
+                break
+            counts, model, spent = fewer, candidate, cost
+    return model, counts, spent

@@ -1,0 +1,86 @@
+"""Whether a model leaves out what a question asks about."""
+
+from collections.abc import Sequence
+
+import jax
+import numpy as np
+
+from ..analysis.linearize import linearize
+from ..build.restrict import can_be_tied, released
+from ..elements import planar, spatial
+from ..errors import AnalysisError
+from ..mechanics.blocks import companion_of
+from ..model.model import Model
+from .lean import deviation, response
+
+# First root of cosh(z) cos(z) = 1: a beam with both ends held.
+CLAMPED = 4.730040744862704
+# Vibrations of a beam between its ends matter up to so many times their share of the band.
+MARGIN = 2.0
+
+
+def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: Sequence[str] = ()) -> tuple[str, ...]:
+    """Reasons why a model is too lean for a question; none where nothing was found.
+
+    Looked at are deformations that are FIXED though their stiffness is known, all released at once, and beams that
+    vibrate between their ends, where a SPACAR beam has no node.
+
+    Args:
+        model: Mechanism.
+        bandwidth: Frequencies up to here matter [Hz].
+        tolerance: Relative error to allow.
+        nodes: Nodes whose compliance matters, beside inputs and outputs.
+
+    Returns:
+        Reasons, each of which says what to do.
+
+    Raises:
+        AnalysisError: The equilibrium fails.
+
+    Source:
+        Vibrations with both ends held: Craig, Bampton (1968), AIAA Journal 6, 1313, who keep those of the band and
+        somewhat more.
+    """
+    lin = linearize(model)
+    reasons = []
+    stiffness = np.diag(np.asarray(lin.matrices.S))
+    fixed = [i for i in np.asarray(model.topology.e.fixed).tolist() if stiffness[i] > 0 and can_be_tied(model)[i]]
+    if fixed:
+        try:
+            fuller = linearize(released(model, fixed))
+            worst = deviation(response(fuller, nodes), response(lin, nodes), bandwidth)
+        except AnalysisError:
+            worst = None
+        names = ", ".join(str(model.labels.e[i]) for i in fixed[:8]) + (", .." if len(fixed) > 8 else "")
+        if worst is not None and worst.worst > tolerance:
+            says = "adds a vibration to the band" if np.isinf(worst.worst) else f"changes it by {worst.worst:.2g}"
+            reasons.append(f"FIXED are {names}; releasing them {says}: release them (RLSE, `released=`).")
+    reasons += [
+        f"Beam '{name}' vibrates between its ends at {hertz:.4g} Hz, near the band: divide it into two or more, or take"
+        " a spectral beam."
+        for name, hertz in _own_vibrations(model)
+        if hertz < MARGIN * bandwidth
+    ]
+    return tuple(reasons)
+
+
+def _own_vibrations(model: Model) -> list[tuple[str, float]]:
+    """First natural frequency of each SPACAR beam with both ends held, by name [Hz]."""
+    found = []
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        if block.element not in (planar.beam, spatial.beam) or "stiffness" not in block.companions:
+            continue
+        section = jax.vmap(lambda s: s.rigidity())(companion_of(block, properties, "stiffness")[1]["section"])
+        nodes = np.asarray(model.parameters.reference)[np.asarray(block.x)]
+        size = model.labels.dimension
+        # Nodes of a beam: position and rotation of one end, then of the other.
+        second = block.splits[1]
+        length = np.linalg.norm(nodes[:, second : second + size] - nodes[:, :size], axis=1)
+        bending = np.array([section.EIy] if size == 2 else [section.EIy, section.EIz])
+        softest = np.min(np.where(bending > 0, bending, np.inf), axis=0)
+        mass = np.broadcast_to(np.asarray(section.mass), length.shape)
+        with np.errstate(divide="ignore"):
+            hertz = (CLAMPED / length) ** 2 * np.sqrt(softest / mass) / (2 * np.pi)
+        names = [model.labels.e[row[0]].of for row in np.asarray(block.e)]
+        found += [(n, float(f)) for n, f in zip(names, hertz, strict=True) if np.isfinite(f)]
+    return found

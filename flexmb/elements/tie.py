@@ -1,0 +1,78 @@
+"""A constraint between the deformations of several elements: weighted sums of them, to be FIXED at zero."""
+
+import functools
+from typing import Annotated, Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .element import Element
+from .nodes import NodeKind
+
+
+class Part(NamedTuple):
+    """Elements of one type among those that are tied.
+
+    Attributes:
+        element: Their type.
+        options: Properties that choose code, as sorted pairs.
+        splits: Where the coordinates of one node end and the next begin.
+        rows: Coordinates of each element, as places among those of the tie.
+    """
+
+    element: Element
+    options: tuple[tuple[str, object], ...]
+    splits: tuple[int, ...]
+    rows: tuple[tuple[int, ...], ...]
+
+
+def _part_deformations(part: Part, x, ref, properties):
+    """Deformations of the elements of a part, (elements, n)."""
+
+    def one(x, ref, own):
+        at, start = (jnp.split(whole, part.splits) for whole in (x, ref))
+        named: dict[str, Any] = part.element.arguments(part.element.deformation, {**dict(part.options), **own}) or {}
+        return part.element.deformation(*at, ref=part.element.reference(start), **named)
+
+    rows = jnp.array(part.rows)
+    return jax.vmap(one)(x[rows], ref[rows], properties)
+
+
+@functools.cache
+def tie(parts: tuple[Part, ...], size: int, dimension: int) -> Element:
+    """Element type whose deformations are weighted sums of the deformations of other elements.
+
+    It has one node of all coordinates that those elements have, and two properties: ``weights``, (n, m), of the m
+    deformations one part after the other, and ``of``, the properties of each part's elements.
+
+    Args:
+        parts: The other elements.
+        size: Number of coordinates.
+        dimension: 2 in the plane, 3 in space.
+    """
+    everything = NodeKind("Coordinates", "internal", dimension, (0.0,) * size, ("c",) * size, size)
+
+    def tied(
+        coordinates: Annotated[Float[Array, "_n"], everything], *, ref, weights: Float[Array, "n m"], of: tuple
+    ) -> Float[Array, "n"]:
+        """Weighted sums of deformations.
+
+        Args:
+            coordinates: Of all elements, (size,) [m, rad, -].
+            ref: The same in the undeformed mechanism.
+            weights: Of the deformations, (n, m) [-].
+            of: Properties of each part's elements.
+
+        Returns:
+            (n,) [m, rad].
+
+        Source:
+            Definition.
+        """
+        found = [
+            _part_deformations(part, coordinates, ref[0], own).ravel() for part, own in zip(parts, of, strict=True)
+        ]
+        return weights @ jnp.concatenate(found)
+
+    return Element(tied)
