@@ -339,7 +339,9 @@ def _equilibrium(topology, parameters, target):
     return at.x, at.e, at.sigma, reactions_of(topology, at), iterations, result
 
 
-def equilibrium(model: Model, *, load_factor: float = 1.0, increment: float = 0.0, throw: bool = True) -> Equilibrium:
+def equilibrium(
+    model: Model, *, load_factor: float = 1.0, increment: float = 0.0, sparse: bool = False, throw: bool = True
+) -> Equilibrium:
     """Static equilibrium under the constant loads.
 
     Newton's method on the configurations that the constraints allow, with the multipliers of the constraints
@@ -349,6 +351,9 @@ def equilibrium(model: Model, *, load_factor: float = 1.0, increment: float = 0.
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-].
+        sparse: For thousands of elements: sparse factors in all coordinates, no degrees of freedom needed
+            (``Builder.build(check=False)``). Dead loads, gravity and elements of constant stiffness only; outside
+            ``jax.jit``; a failure raises; a critical state is not told.
         throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
             look at ``result`` before using a derivative.
 
@@ -362,6 +367,10 @@ def equilibrium(model: Model, *, load_factor: float = 1.0, increment: float = 0.
         FORMULATION.md 4, 5 and 7.
     """
     target = load_factors(load_factor, increment)
+    if sparse:
+        from .large import sparse_equilibrium
+
+        return sparse_equilibrium(model, target)
     x, e, sigma, reactions, iterations, result = _equilibrium(model.topology, model.parameters, target)
     solved = Equilibrium(x, e, sigma, reactions, iterations, result, model.labels)
     check(solved.result, throw)

@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from ..math.compile import jit
 from ..math.linear import diagonal_of, is_positive_definite, leading, pencil
 from ..math.record import Record
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -175,19 +175,23 @@ def refuse_unsymmetric(symmetric: bool) -> None:
         )
 
 
-def frequencies(model: Model | Linearization, *, count: int | None = None, throw: bool = True) -> Float[Array, "n"]:
+def frequencies(
+    model: Model | Linearization, *, count: int | None = None, sparse: bool = False, throw: bool = True
+) -> Float[Array, "n"]:
     """Natural frequencies about the static equilibrium under the constant loads.
 
     Args:
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
         count: How many of the lowest; all unless given. With many degrees of freedom a few are found much quicker.
+        sparse: For thousands of elements: ``count`` frequencies by sparse factors, of a model that needs no degrees
+            of freedom; see :func:`flexmb.equilibrium`.
         throw: Raise where the equilibrium or the eigenproblem fails.
 
     Returns:
         (n_q,) or (count,) [Hz], ascending; negative where the motion grows, infinite for motions without mass.
 
     Raises:
-        ValueError: ``count`` is not positive.
+        ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
 
     Source:
@@ -195,6 +199,12 @@ def frequencies(model: Model | Linearization, *, count: int | None = None, throw
     """
     if count is not None and count < 1:
         raise ValueError(f"Argument `count` must be at least 1, not {count}.")
+    if sparse:
+        from .large import sparse_eigenvalues
+
+        if count is None or isinstance(model, Linearization):
+            raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
+        return to_frequency(sparse_eigenvalues(model, load_factors(), count))
     if isinstance(model, Linearization):
         refuse_unsymmetric(model.matrices.symmetric)
         values, result = _compiled(_frequencies_at, count)(model.matrices)

@@ -59,6 +59,26 @@ def deformations(
     return scatter_vector(topology.n_e, pieces)
 
 
+def jacobian_pieces(
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array, Array]]]:
+    """Deformations of each block's elements with their indices, and their derivatives with row and column indices.
+
+    Arguments as for :func:`deformation_jacobian`.
+    """
+    values, matrices = [], []
+    for block, function, arguments in deformation_functions(topology, parameters, near):
+
+        def with_value(x, *rest, function=function):
+            e = function(x, *rest)
+            return e, e
+
+        jacobian, e = jax.vmap(jax.jacfwd(with_value, has_aux=True))(x[block.x], *arguments)
+        values.append((block.e, e))
+        matrices.append((block.e, block.x, jacobian))
+    return values, matrices
+
+
 @traced_once
 def deformation_jacobian(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
@@ -77,18 +97,31 @@ def deformation_jacobian(
     Source:
         Derivative of :func:`deformations`.
     """
-    values, matrices = [], []
-    for block, function, arguments in deformation_functions(topology, parameters, near):
-
-        def with_value(x, *rest, function=function):
-            e = function(x, *rest)
-            return e, e
-
-        jacobian, e = jax.vmap(jax.jacfwd(with_value, has_aux=True))(x[block.x], *arguments)
-        values.append((block.e, e))
-        matrices.append((block.e, block.x, jacobian))
+    values, matrices = jacobian_pieces(topology, parameters, x, near)
     size = (topology.n_e, topology.n_x)
     return scatter_vector(topology.n_e, values), scatter_matrix(size, matrices)
+
+
+def curvature_pieces(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+) -> list[tuple[Array, Array, Array]]:
+    """Second derivatives of each block's elements, with row and column indices.
+
+    Arguments as for :func:`deformation_curvature`.
+    """
+    pieces = []
+    for block, function, arguments in deformation_functions(topology, parameters, near):
+
+        def energy(x, sigma, *rest, function=function):
+            return sigma @ function(x, *rest)
+
+        hessian = jax.vmap(jax.jacfwd(jax.grad(energy)))(x[block.x], sigma[block.e], *arguments)
+        pieces.append((block.x, block.x, hessian))
+    return pieces
 
 
 @traced_once
@@ -114,14 +147,7 @@ def deformation_curvature(
     Source:
         FORMULATION.md 6: Hessian of the Lagrangian, element by element.
     """
-    pieces = []
-    for block, function, arguments in deformation_functions(topology, parameters, near):
-
-        def energy(x, sigma, *rest, function=function):
-            return sigma @ function(x, *rest)
-
-        hessian = jax.vmap(jax.jacfwd(jax.grad(energy)))(x[block.x], sigma[block.e], *arguments)
-        pieces.append((block.x, block.x, hessian))
+    pieces = curvature_pieces(topology, parameters, x, near, sigma)
     return scatter_matrix((topology.n_x, topology.n_x), pieces)
 
 

@@ -11,6 +11,25 @@ from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
 
 
+def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> list[tuple[Array, Array, Array]]:
+    """Mass matrices of each block's elements, with row and column indices.
+
+    Arguments as for :func:`mass_matrix`.
+    """
+    pieces = []
+    for block, function, ref, properties in each_block(topology, parameters, "inertia"):
+
+        def matrix(x, ref, own, function=function):
+            def vectors(x):
+                return function(x, ref, own)
+
+            j, h = jax.jacfwd(vectors, has_aux=True)(x)
+            return jnp.einsum("akc,ab,bkd->cd", j, h, j)
+
+        pieces.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))
+    return pieces
+
+
 @traced_once
 def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> Float[Array, "n_x n_x"]:
     """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx.
@@ -26,18 +45,35 @@ def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
     Source:
         FORMULATION.md 3.
     """
-    pieces = []
+    return scatter_matrix((topology.n_x, topology.n_x), mass_pieces(topology, parameters, x))
+
+
+def kinetic_energy(
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], v: Float[Array, "n_x"]
+) -> Float[Array, ""]:
+    """Kinetic energy of nodal velocities, element by element.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+
+    Returns:
+        () [J].
+
+    Source:
+        FORMULATION.md 3.
+    """
+    total = jnp.array(0.0)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
-        def matrix(x, ref, own, function=function):
-            def vectors(x):
-                return function(x, ref, own)
+        def energy(x, v, ref, own, function=function):
+            _, rate, h = jax.jvp(lambda x: function(x, ref, own), (x,), (v,), has_aux=True)
+            return 0.5 * jnp.einsum("ak,ab,bk->", rate, h, rate)
 
-            j, h = jax.jacfwd(vectors, has_aux=True)(x)
-            return jnp.einsum("akc,ab,bkd->cd", j, h, j)
-
-        pieces.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))
-    return scatter_matrix((topology.n_x, topology.n_x), pieces)
+        total = total + jnp.sum(jax.vmap(energy)(x[block.x], v[block.x], ref, properties))
+    return total
 
 
 def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Float[Array, "n_x"]:
@@ -126,6 +162,20 @@ def weight(
     return scatter_vector(topology.n_x, pieces)
 
 
+def weight_pieces(
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], gravity: Float[Array, "axes"]
+) -> list[tuple[Array, Array, Array]]:
+    """Derivatives of the weight of each block's elements, with row and column indices.
+
+    Arguments as for :func:`weight_stiffness`.
+    """
+    pieces = []
+    for block, work, arguments in _weight_potential(topology, parameters, gravity):
+        at = x[block.x]
+        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(jax.grad(work)))(at, at, *arguments)))
+    return pieces
+
+
 @traced_once
 def weight_stiffness(
     topology: Topology,
@@ -147,8 +197,4 @@ def weight_stiffness(
     Source:
         Hessian of the potential s(x) . H s_dot of the uniform motion, whose s_dot does not depend on x.
     """
-    pieces = []
-    for block, work, arguments in _weight_potential(topology, parameters, gravity):
-        at = x[block.x]
-        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(jax.grad(work)))(at, at, *arguments)))
-    return scatter_matrix((topology.n_x, topology.n_x), pieces)
+    return scatter_matrix((topology.n_x, topology.n_x), weight_pieces(topology, parameters, x, gravity))

@@ -13,11 +13,24 @@ from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
 
 
-def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
+def stiffness_pieces(
+    topology: Topology, parameters: Parameters, companion: str = "stiffness"
+) -> list[tuple[Array, Array, Array]]:
+    """Stiffness of each block's elements, with row and column indices.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        companion: "stiffness" or "damping".
+    """
     pieces = []
     for block, function, ref, properties in each_block(topology, parameters, companion):
         pieces.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
-    return scatter_matrix((topology.n_e, topology.n_e), pieces)
+    return pieces
+
+
+def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
+    return scatter_matrix((topology.n_e, topology.n_e), stiffness_pieces(topology, parameters, companion))
 
 
 @traced_once

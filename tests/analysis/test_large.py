@@ -1,0 +1,138 @@
+"""The sparse path: answers and derivatives of the dense one, and closed forms where that one does not reach."""
+
+import jax
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
+
+
+def frame(thickness=5e-4, floors=3, columns=3):
+    """A rack under its own weight and a force at its corner."""
+    section = fm.Rectangle(0.018, thickness, STEEL)
+    b = fm.Builder()
+    for i in range(columns):
+        for j in range(floors + 1):
+            b.node(f"n{i}_{j}", (0.05 * i, 0.05 * j))
+    for i in range(columns):
+        for j in range(floors):
+            b.add(planar.beam, f"n{i}_{j}", f"n{i}_{j + 1}", section=section)
+            if i + 1 < columns:
+                b.add(planar.beam, f"n{i}_{j + 1}", f"n{i + 1}_{j + 1}", section=section)
+        b.fix(f"n{i}_0")
+    b.force(f"n{columns - 1}_{floors}", (0.2, -0.1))
+    b.gravity((0, -9.81))
+    return b
+
+
+def arm(thickness=1e-3):
+    """A right-angled arm in space with a rigid middle, an elongation FIXED, its tip prescribed in one direction."""
+    section = fm.Rectangle(0.01, thickness, STEEL)
+    b = fm.Builder()
+    for name, place in {"a": (0, 0, 0), "b": (0.1, 0, 0), "c": (0.1, 0.03, 0), "d": (0.1, 0.1, 0.02)}.items():
+        b.node(name, place)
+    b.add(spatial.beam, "a", "b", section=section, y=(0, 1, 0), released=(2, 3, 4, 5, 6))
+    b.add(spatial.beam, "b", "c", y=(0, 0, 1))
+    b.add(spatial.beam, "c", "d", section=section, y=(0, 0, 1))
+    b.fix("a")
+    b.mass("d", 0.02)
+    b.prescribe("d", "z", 0.002)
+    b.force("d", (0.3, 0.0, 0.0))
+    return b
+
+
+@pytest.mark.parametrize("mechanism", [frame, arm])
+def test_answers_are_those_of_the_dense_path(mechanism):
+    dense, sparse = mechanism().build(), mechanism().build(check=False)
+    one, other = fm.equilibrium(dense), fm.equilibrium(sparse, sparse=True)
+    # Both iterate to 1e-9 of the extent, beyond which the error is its square.
+    for name in ("x", "e", "reactions"):
+        exact = np.asarray(getattr(one, name))
+        np.testing.assert_allclose(getattr(other, name), exact, atol=1e-9 * max(np.max(np.abs(exact)), 1e-3))
+    np.testing.assert_allclose(other.sigma[: one.sigma.shape[0]], one.sigma, atol=1e-8 * np.max(np.abs(one.sigma)))
+    found = fm.frequencies(sparse, count=3, sparse=True)
+    np.testing.assert_allclose(found, fm.frequencies(dense)[:3], rtol=1e-8)
+
+
+def test_derivatives_are_those_of_central_differences():
+    start = 1e-3
+
+    def tip(thickness):
+        return fm.equilibrium(arm(thickness).build(check=False), sparse=True).x[-4]
+
+    def first(thickness):
+        return fm.frequencies(arm(thickness).build(check=False), count=2, sparse=True)[0]
+
+    h = 1e-4 * start
+    for function in (tip, first):
+        difference = (float(function(start + h)) - float(function(start - h))) / (2 * h)
+        # Truncation h^2, round-off 1e-10 over h.
+        assert float(jax.grad(function)(start)) == pytest.approx(difference, rel=1e-6)
+        assert float(jax.jacfwd(function)(start)) == pytest.approx(difference, rel=1e-6)
+
+
+def test_a_thousand_beams_against_the_closed_form():
+    section = fm.Rigidity(EA=1e6, EIy=20.0, mass=0.4)
+    b = fm.Builder()
+    count, length = 1000, 1.0
+    for i in range(count + 1):
+        b.node(f"n{i}", (length * i / count, 0))
+    for i in range(count):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section)
+    b.fix("n0")
+    model = b.build(check=False)
+    wave = np.sqrt(20.0 / 0.4) / (2 * np.pi)
+    # Roots of cos(z) cosh(z) = -1; round-off of the stiffness of a short beam, EA/EI beside 1/L^4.
+    exact = np.array([1.8751040687119611, 4.694091132974174, 7.854757438237613]) ** 2 * wave
+    np.testing.assert_allclose(fm.frequencies(model, count=3, sparse=True), exact, rtol=1e-5)
+
+
+def test_a_load_beyond_one_step():
+    """The dense path's answer where load steps are needed: a strip bent to some forty degrees."""
+    section = fm.Rectangle(0.018, 5e-4, STEEL)
+    b = fm.Builder()
+    for i in range(9):
+        b.node(f"n{i}", (0.0125 * i, 0))
+    for i in range(8):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section)
+    b.fix("n0")
+    b.force("n8", (0, 8.0))
+    dense, sparse = fm.equilibrium(b.build()), fm.equilibrium(b.build(check=False), sparse=True)
+    np.testing.assert_allclose(sparse.x, dense.x, atol=1e-10)
+
+
+def test_what_is_refused():
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 0.001, STEEL))
+    b.fix("a", "x", "y")
+    b.force("b", (0, 1.0))
+    with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
+        fm.equilibrium(b.build(check=False), sparse=True)
+    with pytest.raises(ValueError, match="`count`"):
+        fm.frequencies(frame().build(check=False), sparse=True)
+    with pytest.raises(fm.ModelError, match="few of many"):
+        fm.frequencies(frame().build(check=False), count=1000, sparse=True)
+    with pytest.raises(TypeError, match=r"outside jax\.jit"):
+        jax.jit(lambda model: fm.equilibrium(model, sparse=True).x)(frame().build(check=False))
+    b.fix("a")
+    b.force("b", (0, 1.0), follower=True)
+    with pytest.raises(fm.ModelError, match="takes dead loads"):
+        fm.equilibrium(b.build(check=False), sparse=True)
+
+
+def test_a_rigid_motion_has_no_frequency():
+    b = fm.Builder()
+    for i in range(4):
+        b.node(f"n{i}", (0.1 * i, 0))
+    for i in range(3):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rectangle(0.01, 0.001, STEEL))
+    b.fix("n0", "x", "y")
+    found = fm.frequencies(b.build(check=False), count=2, sparse=True)
+    dense = fm.frequencies(b.build())
+    assert abs(float(found[0])) < 1e-3 * float(dense[1])
+    assert float(found[1]) == pytest.approx(float(dense[1]), rel=1e-6)
