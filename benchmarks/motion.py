@@ -91,6 +91,52 @@ def at_rest(model, push: float | None = None):
     return found
 
 
+def by_thickness(plane: bool, times, rtol: float):
+    """Position of the bar over time by the thickness of the leaf springs over its own, and the same with its slope.
+
+    Args:
+        plane: In the plane, otherwise in space.
+        times: Of the output [s].
+        rtol: Tolerance.
+    """
+    import dataclasses
+
+    import diffrax
+    import jax
+
+    import flexmb as fm
+
+    model = guide(plane)
+    place = int(model.labels.known("right2")[0])
+    force = 1.0 / float(fm.compliance(model, "right2")[0, 0]) * STROKE
+
+    def thicker(section, scale):
+        if isinstance(section, tuple):
+            return tuple(thicker(one, scale) for one in section)
+        return (
+            dataclasses.replace(section, thickness=scale * section.thickness)
+            if "thickness" in dir(section)
+            else section
+        )
+
+    def position(scale):
+        own = tuple(
+            {**block, "section": thicker(block["section"], scale)} if "section" in block else block
+            for block in model.parameters.properties
+        )
+        changed = fm.Model(model.topology, dataclasses.replace(model.parameters, properties=own), model.labels)
+        loads = dataclasses.replace(
+            changed.parameters.loads, force=jax.numpy.zeros(model.topology.n_x).at[place].set(force)
+        )
+        pushed = fm.Model(model.topology, dataclasses.replace(changed.parameters, loads=loads), model.labels)
+        bent = fm.equilibrium(pushed)
+        return fm.simulate(changed, times, initial=bent, rtol=rtol, adjoint=diffrax.ForwardMode(), throw=False).x[
+            :, place
+        ]
+
+    return fm.jit(position), fm.jit(lambda scale: jax.jvp(position, (scale,), (1.0,)))
+
+
 def first_call(plane: bool, cache: str | None) -> float:
     """Seconds of the first simulation in a fresh process.
 
@@ -207,6 +253,20 @@ def main() -> None:
                     run[name] = lambda call=call: call().x.block_until_ready()
                 else:
                     slow[name] = {"median": took, "min": took, "max": took}
+    gradients = {}
+    for plane in (True, False):
+        where = "plane" if plane else "space"
+        position, with_slope = by_thickness(plane, times, 1e-4)
+        fine, _ = by_thickness(plane, times, 1e-7)
+        _, slope = with_slope(1.0)
+        difference = (np.asarray(fine(1 + 1e-4)) - np.asarray(fine(1 - 1e-4))) / 2e-4
+        apart = float(np.max(np.abs(np.asarray(slope) - difference)) / np.max(np.abs(difference)))
+        gradients[f"{where}, from differences at 1e-7"] = apart
+        print(f"Derivative by thickness, {where}: {apart:.1e} from differences")
+        run[f"{where}, motion alone: 1e-4"] = lambda call=position: jax.block_until_ready(call(1.0))
+        run[f"{where}, with its derivative by thickness: 1e-4"] = lambda call=with_slope: jax.block_until_ready(
+            call(1.0)
+        )
     took_part = peers(found, run, times)
     symmetric = np.random.default_rng(0).standard_normal((38, 38))
     symmetric = jnp.asarray(symmetric + symmetric.T)
@@ -214,7 +274,11 @@ def main() -> None:
     timed = interleaved(run, RUNS) | slow
     timed |= interleaved({"jnp.linalg.eigh, 38 x 38": lambda: jax.block_until_ready(eigh(symmetric))}, RUNS, 100)
     show("One second of motion, compiled", timed)
-    save("motion", {"first_call_s": first, "found": found, "times": timed}, (*PACKAGES, "diffrax", *took_part))
+    save(
+        "motion",
+        {"first_call_s": first, "found": found, "gradients": gradients, "times": timed},
+        (*PACKAGES, "diffrax", *took_part),
+    )
     title, error = "Guide of steel released from 1 mm", "greatest error of the bar's position, over 1 mm"
     chart("motion", found, timed, title, "time of one second of motion", error)
 
