@@ -77,9 +77,11 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
     if settings["jumps"] is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
         controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
+    # Nothing is integrated where some motion has no mass.
+    t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
     # Over the first step acceleration moves the mechanism by some ten tolerances, unless a step is given.
     fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
-    guess = jnp.minimum(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
+    guess = jnp.fmin(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
     dt0 = jnp.where(settings["dt0"] > 0, settings["dt0"], guess)
     if isinstance(controller, diffrax.ConstantStepSize):
         # A whole number of steps is not to become one more by round-off.
