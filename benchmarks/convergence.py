@@ -1,6 +1,7 @@
-"""Error against the number of beams, for a cantilever with closed-form answers.
+"""Error against the number of beams and against time, for a cantilever with closed-form answers.
 
-``python benchmarks/convergence.py`` writes results/convergence.json and results/convergence.png, which README shows.
+``python benchmarks/convergence.py`` writes results/convergence.json, results/convergence.png and results/accuracy.png,
+which README shows.
 """
 
 import sys
@@ -8,20 +9,22 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 MESHES = (1, 2, 4, 8, 16)
+ORDERS = (2, 3, 4, 6, 8)
 # Closed forms for EI = L = m/L = 1, inextensible: (beta L)^2/2 pi, pi^2/4, and the elastica's tip under P L^2/EI = 1.
 EXACT = {
-    "first frequency": 1.8751040687**2 / (2 * 3.141592653589793),
-    "buckling load": 2.4674011003,
+    "first frequency": 1.8751040687119611**2 / (2 * 3.141592653589793),
+    "buckling load": 2.4674011002723395,
     "large deflection": 0.3017207738,
 }
 
 
-def cantilever(beams, force=None):
+def cantilever(beams, force=None, order=None):
     """Cantilever along x of unit length, bending stiffness and mass per length, elongation FIXED.
 
     Args:
         beams: Number of beams.
         force: Force at the tip.
+        order: Order of spectral beams; None: SPACAR beams.
     """
     import flexmb as fm
     from flexmb import planar
@@ -31,7 +34,12 @@ def cantilever(beams, force=None):
         b.node(str(i), (i / beams, 0))
     for i in range(beams):
         section = fm.Rigidity(EIy=1.0, mass=1.0)
-        b.add(planar.beam, str(i), str(i + 1), name=f"beam {i}", section=section, released=(2, 3))
+        if order is None:
+            b.add(planar.beam, str(i), str(i + 1), name=f"beam {i}", section=section, released=(2, 3))
+        else:
+            element = planar.spectral_beam(order)
+            # Elongation FIXED, as above: of the strains only the curvature is free.
+            b.add(element, str(i), str(i + 1), name=f"beam {i}", section=section, released=element.fields[1])
     b.fix("0")
     if force is not None:
         b.force(str(beams), force)
@@ -45,7 +53,7 @@ def main() -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     import numpy as np
-    from record import RESULTS, save
+    from record import RESULTS, chart, interleaved, save, show
 
     import flexmb as fm
 
@@ -70,7 +78,26 @@ def main() -> None:
     axes.grid(alpha=0.3)
     axes.legend()
     figure.tight_layout()
-    save("convergence", {"beams": MESHES, "errors": errors, "orders": orders})
+    found, run = {}, {}
+    for kind, sizes in (("SPACAR beams", MESHES), ("one spectral beam", ORDERS)):
+        for n in sizes:
+            beams, order = (n, None) if kind == "SPACAR beams" else (1, n)
+            free, pressed, pushed = (cantilever(beams, f, order) for f in (None, (-1.0, 0.0), (0.0, 1.0)))
+            calls = {
+                "first frequency": lambda m=free: fm.frequencies(m, count=1)[0],
+                "buckling load": lambda m=pressed: fm.buckling_loads(m)[0],
+                "large deflection": lambda m=pushed, tip=str(beams): fm.equilibrium(m).at(tip)[1],
+            }
+            for name, call in calls.items():
+                variant = f"{name}, {kind}: {n}"
+                # Below this an answer is as good as the digits of what it is compared with.
+                found[variant] = {"error": max(abs(float(call()) / EXACT[name] - 1), 1e-10)}
+                run[variant] = lambda call=call: call().block_until_ready()
+    timed = interleaved(run)
+    show("A cantilever, compiled", timed)
+    title = "A cantilever: number of beams, or order of a spectral one"
+    chart("accuracy", found, timed, title, "time, compiled", "error against the closed form")
+    save("convergence", {"beams": MESHES, "errors": errors, "orders": orders, "found": found, "times": timed})
     figure.savefig(RESULTS / "convergence.png", dpi=110)
 
 

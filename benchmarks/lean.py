@@ -3,6 +3,7 @@
 ``python benchmarks/lean.py`` prints the table that README quotes and writes results/lean.json.
 """
 
+import dataclasses
 import functools
 import sys
 import time
@@ -14,8 +15,10 @@ RUNS = 7
 
 def main() -> None:
     """Compute, time, print and save."""
+    import jax.numpy as jnp
     import numpy as np
-    from record import interleaved, save, show
+    from motion import STROKE, at_rest, guide
+    from record import PACKAGES, interleaved, save, show
 
     import flexmb as fm
     from flexmb.mechanisms import mechanism_path
@@ -39,29 +42,32 @@ def main() -> None:
         }
         assert np.max(off) <= small.error.frequencies * (1 + 1e-9)
         print(small.report(), end="\n\n")
-    times = np.linspace(0, 0.2, 21)
-    run = {}
-    for name, model in models.items():
-        b = functools.partial(fm.simulate, model, times, form="reduced", loads={"3.y": push}, rtol=1e-5, throw=False)
-        end = b()
-        found[f"motion, {name}"] = {"steps": int(end.steps), "result": int(end.result), "y": float(end.at("3")[-1, 1])}
-        if not int(end.result):
-            run[f"0.2 s of motion, {name}"] = lambda b=b: b().x.block_until_ready()
-        run[f"frequencies, {name}"] = lambda model=model: fm.frequencies(model).block_until_ready()
+    run = {f"frequencies, {name}": lambda m=m: fm.frequencies(m).block_until_ready() for name, m in models.items()}
+    # One second of motion of the guide of motion.py, released from 1 mm.
+    times = np.linspace(0, 1, 101)
+    for plane in (True, False):
+        where = "plane" if plane else "space"
+        whole = guide(plane)
+        bent = at_rest(whole)
+        small = fm.lean(whole, bandwidth=100.0)
+        place = int(whole.labels.known("right2")[0])
+        exact = np.asarray(fm.simulate(whole, times, initial=bent, rtol=1e-8, atol=1e-11).x[:, place])
+        for name, model in (("full", whole), ("lean", small.model)):
+            start = dataclasses.replace(bent, e=jnp.zeros(model.topology.n_e), labels=model.labels)
+            call = functools.partial(fm.simulate, model, times, initial=start, rtol=1e-4, throw=False)
+            end = call()
+            off = float(np.max(np.abs(np.asarray(end.x[:, place]) - exact)) / STROKE)
+            found[f"motion in {where}, {name}"] = {
+                "degrees_of_freedom": model.topology.n_q,
+                "steps": int(end.steps),
+                "result": int(end.result),
+                "error": off,
+            }
+            print(f"motion in {where}, {name}: {found[f'motion in {where}, {name}']}", flush=True)
+            run[f"one second of motion in {where}, {name}"] = lambda call=call: call().x.block_until_ready()
     timed = interleaved(run, RUNS)
     show("Full and lean, compiled", timed)
-    save("lean", {"found": found, "times": timed})
-
-
-def push(t):
-    """A push of the stage that comes and goes [N].
-
-    Args:
-        t: Time [s].
-    """
-    import jax.numpy as jnp
-
-    return jnp.sin(2 * jnp.pi * 5.0 * t)
+    save("lean", {"found": found, "times": timed}, (*PACKAGES, "diffrax"))
 
 
 if __name__ == "__main__":
