@@ -185,7 +185,7 @@ def peers(found: dict, run: dict, times) -> tuple[str, ...]:
     b.add(spatial.beam, "left2", "right2", name="bar", y=(0, 1, 0))
     model = b.build()
     bent = at_rest(model, force := 0.95)
-    exact = np.asarray(fm.simulate(model, times, initial=bent, rtol=1e-7, atol=1e-10).at("right2"))[:, 0] - 0.1
+    exact = np.asarray(fm.simulate(model, times, initial=bent, rtol=1e-6, atol=1e-9).at("right2"))[:, 0] - 0.1
     for elements, steps in ((4, 1000), (8, 1000), (8, 2000), (16, 2000), (32, 2000)):
         for node in peer_exudyn.NODES:
             name = f"space, Exudyn, {elements} elements: {1 / steps:g}"
