@@ -188,7 +188,7 @@ def peers(found: dict, run: dict, times) -> tuple[str, ...]:
     exact = np.asarray(fm.simulate(model, times, initial=bent, rtol=1e-6, atol=1e-9).at("right2"))[:, 0] - 0.1
     for elements, steps in ((4, 1000), (8, 1000), (8, 2000), (16, 2000), (32, 2000)):
         for node in peer_exudyn.NODES:
-            name = f"space, Exudyn, {elements} elements: {1 / steps:g}"
+            name = f"space, Exudyn: {elements} at {1 / steps:g}"
             try:
                 built = peer_exudyn.guide(leaf.rigidity(), 0.1, 0.1, force, elements, node, (0.1, 0.1))
                 call = peer_exudyn.released(built, times, 1 / steps)

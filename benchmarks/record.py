@@ -101,7 +101,7 @@ def chart(
     for variant in found:
         families.setdefault(variant.rsplit(": ", 1)[0], []).append(variant)
     figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
-    for (family, variants), marker in zip(families.items(), "osD^v<>", strict=False):
+    for (family, variants), marker in zip(families.items(), "osD^v<>Pp*", strict=False):
         x, y = [1e3 * timed[v]["median"] for v in variants], [found[v]["error"] for v in variants]
         axes.loglog(x, y, marker=marker, label=family)
         for variant, xi, yi in zip(variants, x, y, strict=True):

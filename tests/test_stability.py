@@ -261,7 +261,7 @@ def test_any_first_step(first):
     ],
 )
 def test_steps_of_a_fixed_size(solver, steps, outcome):
-    """A swing of a stiff guide, whose period is 0.09 s: what README says of steps of a fixed size, a ninth of it too."""
+    """A swing of a stiff guide, whose period is 0.09 s: what README says of steps of a fixed size."""
     model = guide(1.0, load=0.0).build()
     bent = fm.equilibrium(guide(1.0).build())
     times = np.linspace(0, 0.1, 3)
