@@ -72,8 +72,8 @@ class Lean:
         restriction: What :meth:`of` applies.
     """
 
-    model: Model
-    full: Model
+    model: Model = dataclasses.field(repr=False)
+    full: Model = dataclasses.field(repr=False)
     error: Deviation
     beams: dict[str, int]
     fixed: tuple[str, ...]
@@ -82,7 +82,10 @@ class Lean:
     tolerance: float
     full_frequencies: np.ndarray
     frequencies: np.ndarray
-    restriction: Restriction
+    restriction: Restriction = dataclasses.field(repr=False)
+
+    def __str__(self) -> str:
+        return self.report()
 
     def of(self, model: Model) -> Model:
         """The same decision for other numbers; may be traced.
