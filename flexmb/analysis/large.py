@@ -16,11 +16,13 @@ from ..errors import AnalysisError, ModelError
 from ..math.compile import jit
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
+from ..math.sparse import SparseFactors, sparse_matrix
+from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import kinetic_energy, mass_pieces, weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
-from ..mechanics.stress import is_nonlinear, stiffness_pieces, strain_of
+from ..mechanics.stress import is_nonlinear, stiffness_pieces, strain_of, stress_of_strain
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -35,9 +37,7 @@ from .equilibrium import (
     held_values,
 )
 
-# Pivots this much smaller than the largest, of a matrix scaled to a unit diagonal, are round-off.
-SINGULAR = 1e-14
-# Share of the largest K/M that is added where K alone is singular or no shift is given.
+# Share of the largest K/M that is added where K alone is singular.
 SHIFT = 1e-8
 
 
@@ -63,24 +63,9 @@ def _unknowns(topology: Topology) -> tuple[Array, Array, Array]:
 
 
 @jit
-def elastic_stress(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]
-) -> Float[Array, "n_e"]:
-    """Stress resultants of linear elements, block by block, without those of held deformations.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        factors: Load factors.
-        e: Deformations, (n_e,) [m, rad].
-
-    Source:
-        FORMULATION.md 5: sigma = S (e - strain) + prestress.
-    """
-    strain = strain_of(parameters, e)
-    sigma = jnp.zeros(topology.n_e)
-    for rows, columns, matrices in stiffness_pieces(topology, parameters):
-        sigma = sigma.at[rows].add(jnp.einsum("eij,ej->ei", matrices, strain[columns]))
+def _elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]):
+    """Stress resultants of linear elements, without those of held deformations."""
+    sigma = stress_of_strain(topology, parameters, strain_of(parameters, e))
     prestress = scaled_loads(parameters, factors).prestress
     return sigma if prestress is None else sigma + prestress
 
@@ -89,9 +74,7 @@ def elastic_stress(
 def _matrices(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma, *, mass: bool = False):
     """Element matrices for the host, with nodal forces and the stress that deformations have there."""
     values, jacobian = jacobian_pieces(topology, parameters, x, near)
-    e = jnp.zeros(topology.n_e)
-    for rows, own in values:
-        e = e.at[rows].set(own)
+    e = scatter_vector(topology.n_e, values)
     gravity = scaled_loads(parameters, factors).gravity
     found = {
         "jacobian": jacobian,
@@ -101,50 +84,7 @@ def _matrices(topology: Topology, parameters: Parameters, factors: LoadFactors, 
         "mass": mass_pieces(topology, parameters, x) if mass else [],
     }
     force = nodal_forces(topology, parameters, factors, x)
-    return found, e, elastic_stress(topology, parameters, factors, e), force
-
-
-def _sparse(size: tuple[int, int], pieces) -> Any:
-    import scipy.sparse
-
-    if not pieces:
-        return scipy.sparse.csr_array(size)
-    shapes = [np.asarray(matrices).shape for _, _, matrices in pieces]
-    rows = [np.broadcast_to(np.asarray(r)[:, :, None], s).ravel() for (r, _, _), s in zip(pieces, shapes, strict=True)]
-    columns = [
-        np.broadcast_to(np.asarray(c)[:, None, :], s).ravel() for (_, c, _), s in zip(pieces, shapes, strict=True)
-    ]
-    data = np.concatenate([np.asarray(matrices).ravel() for _, _, matrices in pieces])
-    return scipy.sparse.coo_array((data, (np.concatenate(rows), np.concatenate(columns))), shape=size).tocsr()
-
-
-class Factored:
-    """Sparse factors of a symmetric matrix, rows and columns scaled alike, with one step of refinement."""
-
-    def __init__(self, matrix: Any):
-        import scipy.sparse
-        import scipy.sparse.linalg
-
-        largest = np.sqrt(abs(matrix).max(axis=1).toarray().ravel())
-        self.scale = 1 / np.where(largest > 0, largest, 1.0)
-        scaling = scipy.sparse.diags_array(self.scale)
-        self.matrix = (scaling @ matrix @ scaling).tocsc()
-        try:
-            self.factors = scipy.sparse.linalg.splu(self.matrix, permc_spec="COLAMD")
-            pivots = np.abs(self.factors.U.diagonal())
-            self.regular = bool(np.all(np.isfinite(pivots)) and np.min(pivots) > SINGULAR * np.max(pivots))
-        except RuntimeError:
-            self.regular = False
-
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """Solution of A z = right.
-
-        Args:
-            right: (n,).
-        """
-        wanted = self.scale * np.asarray(right)
-        z = self.factors.solve(wanted)
-        return self.scale * (z + self.factors.solve(wanted - self.matrix @ z))
+    return found, e, _elastic_stress(topology, parameters, factors, e), force
 
 
 class _Assembled(NamedTuple):
@@ -167,16 +107,16 @@ def _assemble(topology, parameters, factors, x, near, sigma, mass: bool = False)
     )
     n_x, n_e = topology.n_x, topology.n_e
     free, fast, held = (np.asarray(i) for i in _unknowns(topology))
-    d = _sparse((n_e, n_x), found["jacobian"])
+    d = sparse_matrix((n_e, n_x), found["jacobian"])
     keep = np.ones(n_e)
     keep[held] = 0.0
     kept = scipy.sparse.diags_array(keep)
-    s = kept @ _sparse((n_e, n_e), found["stiffness"]) @ kept
-    k = d.T @ s @ d + _sparse((n_x, n_x), found["curvature"]) - _sparse((n_x, n_x), found["weight"])
+    s = kept @ sparse_matrix((n_e, n_e), found["stiffness"]) @ kept
+    k = d.T @ s @ d + sparse_matrix((n_x, n_x), found["curvature"]) - sparse_matrix((n_x, n_x), found["weight"])
     rows = d[held]
     tangent = scipy.sparse.block_array([[k[free][:, free], rows[:, free].T], [rows[:, free], None]])
     coupling = scipy.sparse.vstack([k[free][:, fast], rows[:, fast]])
-    m = _sparse((n_x, n_x), found["mass"])[free][:, free] if mass else None
+    m = sparse_matrix((n_x, n_x), found["mass"])[free][:, free] if mass else None
     return _Assembled(tangent.tocsc(), coupling, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
 
 
@@ -207,12 +147,12 @@ def _balance(topology: Topology, parameters: Parameters, target: LoadFactors) ->
         near = done[1]
         for _ in range(MAX_ITERATIONS):
             iterations += 1
-            sigma = np.array(elastic_stress(topology, parameters, factors, jnp.asarray(strained)))
+            sigma = np.array(_elastic_stress(topology, parameters, factors, jnp.asarray(strained)))
             sigma[held] = multipliers
             at = _assemble(topology, parameters, factors, x, near, sigma)
             shift = wanted_x[fast] - x[fast]
             right = np.concatenate([(at.force - at.jacobian.T @ at.sigma)[free], wanted_e[held] - at.e[held]])
-            factored = Factored(at.tangent)
+            factored = SparseFactors(at.tangent)
             regular = factored.regular
             if not regular:
                 break
@@ -245,7 +185,7 @@ def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, 
     wanted_x, wanted_e = held_values(topology, parameters, factors)
     x = put(at.x, fast, wanted_x[fast])
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, x)
     return jnp.concatenate([force[free], (e - wanted_e)[held]])
 
@@ -262,8 +202,8 @@ def _balance_jvp(primals, tangents):
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    sigma = put(elastic_stress(topology, parameters, factors, near), held, solved.multipliers)
-    factored = Factored(_assemble(topology, parameters, factors, solved.x, near, sigma).tangent)
+    sigma = put(_elastic_stress(topology, parameters, factors, near), held, solved.multipliers)
+    factored = SparseFactors(_assemble(topology, parameters, factors, solved.x, near, sigma).tangent)
 
     def matvec(z):
         def along(x, multipliers):
@@ -299,11 +239,11 @@ def _spectrum(topology, parameters, factors, x, near, sigma, count: int) -> _Spe
     if count >= n - (total - n):
         raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many frequencies. Leave it out.")
     ratio = at.tangent.diagonal()[:n].max() / at.mass.diagonal().max()
-    shift, factored = 0.0, Factored(at.tangent)
+    shift, factored = 0.0, SparseFactors(at.tangent)
     if not factored.regular:
         shift = SHIFT * ratio
         padded = scipy.sparse.block_diag([shift * at.mass, scipy.sparse.csr_array((total - n, total - n))])
-        factored = Factored((at.tangent + padded).tocsc())
+        factored = SparseFactors((at.tangent + padded).tocsc())
         if not factored.regular:
             raise _singular()
 
@@ -340,7 +280,7 @@ def _eigenvalues(
 def _at_balance(topology, parameters, factors, at: Balance, count) -> _Spectrum:
     near = deformations(topology, parameters, at.x, zero_near(topology))
     held = _unknowns(topology)[2]
-    sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
+    sigma = put(_elastic_stress(topology, parameters, factors, near), held, at.multipliers)
     return _spectrum(topology, parameters, factors, at.x, near, sigma, count.shape[0])
 
 
@@ -354,12 +294,8 @@ def _rayleigh(topology, parameters, factors, at: Balance, near, motion, multipli
         return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
 
     (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    none = LoadFactors(jnp.array(0.0), jnp.array(0.0))
-    unstrained = parameters if parameters.strain is None else parameters.__class__(
-        parameters.reference, parameters.properties, parameters.loads, parameters.increment, None, None
-    )  # fmt: skip
-    stress = put(elastic_stress(topology, unstrained, none, first), held, 0.0)
+    sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
     total = first @ stress + sigma @ second + 2 * multipliers @ first[held]
     gravity = scaled_loads(parameters, factors).gravity
     if gravity is not None:
@@ -428,7 +364,7 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
     """Deformations, stress resultants and reactions of an equilibrium."""
     _, fast, held = _unknowns(topology)
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
     return e, sigma, put(jnp.zeros(topology.n_x), fast, force[fast])
 

@@ -29,6 +29,27 @@ def stiffness_pieces(
     return pieces
 
 
+def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+    """Stiffness times deformations, block by block.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        strain: Deformations less those without stress, (n_e,) [m, rad].
+
+    Returns:
+        S strain, (n_e,) [N, N m].
+
+    Source:
+        Each element's stiffness companion.
+    """
+    pieces = [
+        (rows, jnp.einsum("eij,ej->ei", matrices, strain[columns]))
+        for rows, columns, matrices in stiffness_pieces(topology, parameters)
+    ]
+    return scatter_vector(topology.n_e, pieces)
+
+
 def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
     return scatter_matrix((topology.n_e, topology.n_e), stiffness_pieces(topology, parameters, companion))
 
