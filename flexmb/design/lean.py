@@ -12,6 +12,7 @@ from ..analysis.modal import modes
 from ..build.restrict import Restriction, can_be_tied, restrict
 from ..errors import AnalysisError, ModelError
 from ..model.model import Model
+from .deviation import Deviation, Response, deviation, in_band, largest_of, response
 
 # Beams of a leaf spring in the model that others are measured by, unless given.
 FINEST = 4
@@ -19,39 +20,6 @@ FINEST = 4
 NEGLIGIBLE = 0.1
 # Directions this much smaller than the largest, by energy, are taken for the same as the others.
 SAME = (1e-4, 1e-6, 1e-8, 1e-10)
-# Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
-POINTS = 40
-RESONANCE = 0.1
-
-
-@dataclasses.dataclass(frozen=True)
-class Deviation:
-    """Largest relative differences between two models, at rest and at all increments.
-
-    Attributes:
-        frequencies: Of the natural frequencies in the band, and of the first one in any case.
-        stiffness: Of the static response of the outputs to the inputs and of the compliance of the nodes asked for.
-        transfer: Of the frequency responses of outputs to inputs in the band, a tenth and more away from resonances,
-            over the largest of them to that input among the outputs of a kind; rotations count by what they move at
-            the mechanism's extent.
-    """
-
-    frequencies: float
-    stiffness: float
-    transfer: float
-
-    @property
-    def worst(self) -> float:
-        """The largest of them."""
-        return max(self.frequencies, self.stiffness, self.transfer)
-
-    def plus(self, other: "Deviation") -> "Deviation":
-        """Bound of the differences one after the other.
-
-        Args:
-            other: The differences of the second step.
-        """
-        return Deviation(*(a + b for a, b in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -126,164 +94,19 @@ class Lean:
         return "\n".join(lines)
 
 
-@dataclasses.dataclass(frozen=True)
-class Response:
-    """Numbers of a linearised model that questions are answered by, on the host.
-
-    Attributes:
-        K, M, D: Stiffness, mass and damping, (n, n).
-        inputs: What each input does to the degrees of freedom, (n_u, n).
-        outputs: Each output by them, (n_y, n), rotations times the mechanism's extent.
-        kinds: Quantity of each output.
-        nodes: Coordinates of the nodes asked for by them, (k, n).
-        orders: Rates of each output: 0, 1 or 2.
-    """
-
-    K: np.ndarray
-    M: np.ndarray
-    D: np.ndarray
-    inputs: np.ndarray
-    outputs: np.ndarray
-    kinds: tuple[str, ...]
-    nodes: np.ndarray
-    orders: np.ndarray
-
-    def restricted(self, z: np.ndarray) -> "Response":
-        """The same where the degrees of freedom are z times new ones.
-
-        Args:
-            z: (n, k).
-        """
-        k, m, d = (z.T @ matrix @ z for matrix in (self.K, self.M, self.D))
-        return Response(k, m, d, self.inputs @ z, self.outputs @ z, self.kinds, self.nodes @ z, self.orders)
-
-    def frequencies(self) -> np.ndarray:
-        """Ascending [Hz]."""
-        import scipy.linalg
-
-        shift = 0.0
-        scale = np.max(np.abs(np.diag(self.K))) / max(np.max(np.diag(self.M)), np.finfo(float).tiny)
-        for _ in range(60):
-            try:
-                mu = scipy.linalg.eigh(self.M, self.K + shift * self.M, eigvals_only=True)[::-1]
-            except np.linalg.LinAlgError:
-                shift = max(8 * shift, 1e-8 * scale)
-                continue
-            mu = mu[mu > 1e-13 * len(mu) * max(mu[0], 0.0)]
-            values = 1 / mu - shift
-            return np.sort(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))
-        raise AnalysisError("singular_stiffness", "A motion has neither mass nor stiffness.")
-
-    def static(self) -> tuple[np.ndarray, np.ndarray]:
-        """Outputs for inputs, and compliance of the nodes."""
-        positions = self.outputs * (self.orders == 0)[:, None]
-        return positions @ _solve(self.K, self.inputs.T), self.nodes @ _solve(self.K, self.nodes.T)
-
-    def transfer(self, hertz: np.ndarray) -> np.ndarray:
-        """Outputs for inputs at each frequency.
-
-        Args:
-            hertz: (k,) [Hz].
-        """
-        found = []
-        for w in 2 * np.pi * hertz:
-            h = self.outputs @ _solve(self.K - w**2 * self.M + 1j * w * self.D, self.inputs.T)
-            found.append((1j * w) ** self.orders[:, None] * h)
-        return np.array(found)
-
-
-def _solve(matrix, right):
-    return np.linalg.solve(matrix, right) if right.shape[1] else np.zeros((len(matrix), 0))
-
-
-def response(lin: Linearization, nodes: Sequence[str]) -> Response:
-    """Numbers of a linearised model that questions are answered by.
-
-    Args:
-        lin: Linearization.
-        nodes: Nodes whose compliance matters.
-    """
-    m, labels = lin.matrices, lin.labels
-    dfx, dfe = np.asarray(m.DFx), np.asarray(m.DFe)
-    n = dfx.shape[1]
-    inputs = [-dfe[s.index] if s.quantity == "stress" else dfx[s.index] for s in labels.inputs]
-    places = np.asarray(lin.model.parameters.reference)[np.asarray(lin.model.topology.axes)]
-    extent = float(np.max(np.ptp(places, axis=1))) or 1.0
-    outputs, kinds, orders = [], [], []
-    for s in labels.outputs:
-        if s.quantity == "stress":
-            outputs.append((np.asarray(m.S) @ dfe)[s.index])
-        else:
-            outputs.append(dfe[s.index] if s.quantity.startswith("deformation") else dfx[s.index])
-            if not s.quantity.startswith("deformation") and labels.x[s.index].kind == "rotation":
-                outputs[-1] = extent * outputs[-1]
-        kinds.append(s.quantity)
-        orders.append(1 if s.quantity.endswith(("velocity", "rate")) else 2 if "acceleration" in s.quantity else 0)
-    rows = [dfx[[*labels.known(node), *labels.coordinates(f"{node}.rotation")]] for node in nodes]
-    return Response(
-        np.asarray(m.K), np.asarray(m.M0), np.asarray(m.D0),
-        np.array(inputs).reshape(-1, n), np.array(outputs).reshape(-1, n), tuple(kinds),
-        np.concatenate(rows) if rows else np.zeros((0, n)), np.array(orders, int),
-    )  # fmt: skip
-
-
-def _in_band(frequencies: np.ndarray, bandwidth: float) -> int:
-    """Number of frequencies that matter: those in the band, and the first in any case."""
-    return max(int(np.sum(frequencies <= bandwidth)), 1)
-
-
-def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
-    """Largest relative differences of a lean model from a full one.
-
-    Args:
-        full: Numbers of the full model.
-        lean: Numbers of the lean model.
-        bandwidth: Frequencies up to here matter [Hz].
-    """
-    ours, theirs = lean.frequencies(), full.frequencies()
-    count = _in_band(theirs, bandwidth)
-    if len(ours) < count:
-        return Deviation(np.inf, np.inf, np.inf)
-    frequencies = np.max(np.abs(ours[:count] - theirs[:count]) / np.maximum(np.abs(theirs[:count]), 1e-9 * bandwidth))
-    (h, c), (h0, c0) = lean.static(), full.static()
-    stiffness = _largest(h - h0, _sizes(h0[None], full.kinds)[0])
-    own = np.sqrt(np.abs(np.outer(np.diag(c0), np.diag(c0)))) if len(c0) else c0
-    stiffness = max(stiffness, _largest(c - c0, own))
-    hertz = bandwidth * np.linspace(1 / POINTS, 1, POINTS)
-    near = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), 1e-9 * bandwidth) - 1)
-    hertz = hertz[np.min(near, axis=1) > RESONANCE]
-    t, t0 = lean.transfer(hertz), full.transfer(hertz)
-    largest = np.max(_sizes(t0, full.kinds), axis=0, keepdims=True, initial=0.0)
-    return Deviation(float(frequencies), stiffness, _largest(t - t0, np.broadcast_to(largest, t.shape)))
-
-
-def _sizes(responses: np.ndarray, kinds: tuple[str, ...]) -> np.ndarray:
-    """Largest response to each input among the outputs of a kind."""
-    sizes = np.abs(responses)
-    for kind in set(kinds):
-        own = [i for i, k in enumerate(kinds) if k == kind]
-        sizes[:, own] = np.max(sizes[:, own], axis=1, keepdims=True)
-    return sizes
-
-
-def _largest(difference: np.ndarray, size: np.ndarray) -> float:
-    fine = size > 0
-    return float(np.max(np.abs(difference)[fine] / size[fine], initial=0.0))
-
-
 def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[np.ndarray]) -> list[np.ndarray]:
     """Motions to keep at each state: modes of the band, and static responses as long as they are missed."""
     found = []
-    for response, shapes in zip(full, bands, strict=True):
+    for own, shapes in zip(full, bands, strict=True):
         z = shapes
-        candidates = np.linalg.solve(response.K, np.concatenate([response.inputs, response.outputs, response.nodes]).T)
-        while z.shape[1] < len(response.K):
-            if deviation(response, response.restricted(z), bandwidth).worst <= tolerance:
+        candidates = np.linalg.solve(own.K, np.concatenate([own.inputs, own.outputs, own.nodes]).T)
+        while z.shape[1] < len(own.K):
+            if deviation(own, own.restricted(z), bandwidth).worst <= tolerance:
                 break
             # What of each static response is missing, by energy.
-            missing = candidates - z @ _solve(z.T @ response.K @ z, z.T @ response.K @ candidates)
-            size = np.einsum("ij,ij->j", missing, response.K @ missing)
-            whole = np.einsum("ij,ij->j", candidates, response.K @ candidates)
+            missing = candidates - z @ np.linalg.solve(z.T @ own.K @ z, z.T @ own.K @ candidates)
+            size = np.einsum("ij,ij->j", missing, own.K @ missing)
+            whole = np.einsum("ij,ij->j", candidates, own.K @ candidates)
             share = size / np.where(whole > 0, whole, 1.0) if size.size else np.zeros(0)
             if not share.size or np.max(share) < 1e-12:
                 break
@@ -320,8 +143,8 @@ def lean(
         Lean. Its ``model`` is an ordinary model, whose new deformations are named "tie".
 
     Raises:
-        ModelError: bandwidth or tolerance is not positive.
-        AnalysisError: An equilibrium fails, or no smaller model was found to be good enough.
+        ModelError: bandwidth or tolerance is not positive, finest is below two, or the function has no arguments.
+        AnalysisError: An equilibrium fails or is not stable, or no smaller model was found to be good enough.
 
     Source:
         Modes and static responses: Craig, Bampton (1968), AIAA Journal 6, 1313; here as constraints between the
@@ -330,6 +153,8 @@ def lean(
     for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
         if not value > 0:
             raise ModelError(f"Argument `{name}` must be positive, not {value}.")
+    if finest < 2:
+        raise ModelError(f"Argument `finest` must be 2 or more, not {finest}: fewer beams are measured by it.")
     beams: dict[str, int] = {}
     spent = Deviation(0.0, 0.0, 0.0)
     if isinstance(model, Model):
@@ -341,7 +166,7 @@ def lean(
     shapes = []
     for lin in states:
         found = modes(lin)
-        count = _in_band(np.asarray(found.frequencies), bandwidth)
+        count = in_band(np.asarray(found.frequencies), bandwidth)
         shapes.append(np.asarray(found.q_shapes)[:, :count])
     theirs = full[0].frequencies()
     for same in SAME:
@@ -355,11 +180,11 @@ def lean(
             own = [response(linearize(small, increment=increment), nodes) for increment in increments]
         except AnalysisError:
             continue
-        worst = _largest_of([deviation(a, b, bandwidth) for a, b in zip(full, own, strict=True)])
+        worst = largest_of([deviation(a, b, bandwidth) for a, b in zip(full, own, strict=True)])
         error = worst.plus(spent)
         if error.worst <= tolerance:
             names = tuple(str(whole.labels.e[i]) for i in fixed)
-            shown = _in_band(theirs, bandwidth) + 1
+            shown = in_band(theirs, bandwidth) + 1
             ours = own[0].frequencies()[:shown]
             return Lean(
                 small, whole, error, beams, names, ties, bandwidth, tolerance, theirs[:shown], ours, restriction
@@ -369,10 +194,6 @@ def lean(
         f"No smaller model answers up to {bandwidth:g} Hz within {tolerance:g}: the full one is as lean as can be."
         " Allow a larger tolerance or ask for a smaller band.",
     )
-
-
-def _largest_of(deviations: list[Deviation]) -> Deviation:
-    return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))
 
 
 def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):
@@ -434,7 +255,7 @@ def _fewest_beams(build, bandwidth, tolerance, nodes, increments, finest):
         return model, [response(linearize(model, increment=s), nodes) for s in increments]
 
     def apart(one, other) -> Deviation:
-        return _largest_of([deviation(a, b, bandwidth) for a, b in zip(one, other, strict=True)])
+        return largest_of([deviation(a, b, bandwidth) for a, b in zip(one, other, strict=True)])
 
     counts: dict[str, int] = {name: finest for name in names}
     model, reference = responses(counts)

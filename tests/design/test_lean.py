@@ -263,8 +263,31 @@ def test_what_is_refused(nineteen, lean_guide):
         lean_guide.of(shipped("pf3d"))
     with pytest.raises(fm.AnalysisError, match="as lean as can be"):
         fm.lean(shipped("pf3d"), bandwidth=100.0)
+    with pytest.raises(fm.ModelError, match="`finest` must be 2 or more, not 1"):
+        fm.lean(cross_pivot, bandwidth=100.0, finest=1)
     with pytest.raises(fm.ModelError, match="numbers of beams"):
         fm.lean(lambda: nineteen, bandwidth=100.0)
+
+
+def test_free_and_unstable_motions_are_refused():
+    """A stage that nothing holds back, and a strut beyond its buckling load (pi^2 EI / 4 L^2 = 0.97 kN)."""
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("stage", (1, 0))
+    b.add(planar.truss, "wall", "stage", name="rail", released=())
+    b.fix("wall")
+    b.mass("stage", 1.0)
+    strut = fm.Builder()
+    for i in range(3):
+        strut.node(f"n{i}", (0.05 * i, 0))
+    for i in range(2):
+        strut.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"beam {i}", section=LEAF, released=(2, 3))
+    strut.fix("n0")
+    strut.mass("n2", 0.1)
+    strut.force("n2", (-100.0, 0))
+    for case in (b.build(), strut.build(), lambda beams: strut.build()):
+        with pytest.raises(fm.AnalysisError, match="about a stable state"):
+            fm.lean(case, bandwidth=100.0)
 
 
 def test_spatial_chain_is_reduced_too():

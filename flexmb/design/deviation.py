@@ -1,0 +1,208 @@
+"""How far two models of a mechanism are apart, in the numbers that designers ask for."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..analysis.linearize import Linearization
+from ..errors import AnalysisError
+
+# Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
+POINTS = 40
+RESONANCE = 0.1
+
+
+@dataclasses.dataclass(frozen=True)
+class Deviation:
+    """Largest relative differences between two models, at rest and at all increments.
+
+    Attributes:
+        frequencies: Of the natural frequencies in the band, and of the first one in any case.
+        stiffness: Of the static response of the outputs to the inputs and of the compliance of the nodes asked for.
+        transfer: Of the frequency responses of outputs to inputs in the band, a tenth and more away from resonances,
+            over the largest of them to that input among the outputs of a kind; rotations count by what they move at
+            the mechanism's extent.
+    """
+
+    frequencies: float
+    stiffness: float
+    transfer: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of them."""
+        return max(self.frequencies, self.stiffness, self.transfer)
+
+    def plus(self, other: "Deviation") -> "Deviation":
+        """Bound of the differences one after the other.
+
+        Args:
+            other: The differences of the second step.
+        """
+        return Deviation(*(a + b for a, b in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)))
+
+
+@dataclasses.dataclass(frozen=True)
+class Response:
+    """Numbers of a linearised model that questions are answered by, on the host.
+
+    Attributes:
+        K, M, D: Stiffness, mass and damping, (n, n).
+        inputs: What each input does to the degrees of freedom, (n_u, n).
+        outputs: Each output by them, (n_y, n), rotations times the mechanism's extent.
+        kinds: Quantity of each output.
+        nodes: Coordinates of the nodes asked for by them, (k, n).
+        orders: Rates of each output: 0, 1 or 2.
+    """
+
+    K: np.ndarray
+    M: np.ndarray
+    D: np.ndarray
+    inputs: np.ndarray
+    outputs: np.ndarray
+    kinds: tuple[str, ...]
+    nodes: np.ndarray
+    orders: np.ndarray
+
+    def restricted(self, z: np.ndarray) -> "Response":
+        """The same where the degrees of freedom are z times new ones.
+
+        Args:
+            z: (n, k).
+        """
+        k, m, d = (z.T @ matrix @ z for matrix in (self.K, self.M, self.D))
+        return Response(k, m, d, self.inputs @ z, self.outputs @ z, self.kinds, self.nodes @ z, self.orders)
+
+    def frequencies(self) -> np.ndarray:
+        """Ascending [Hz].
+
+        As ``analysis.modal.spectrum``, with SciPy: every candidate has its own size, for which that would be compiled.
+        """
+        import scipy.linalg
+
+        shift = 0.0
+        scale = np.max(np.abs(np.diag(self.K))) / max(np.max(np.diag(self.M)), np.finfo(float).tiny)
+        for _ in range(60):
+            try:
+                mu = scipy.linalg.eigh(self.M, self.K + shift * self.M, eigvals_only=True)[::-1]
+            except np.linalg.LinAlgError:
+                shift = max(8 * shift, 1e-8 * scale)
+                continue
+            mu = mu[mu > 1e-13 * len(mu) * max(mu[0], 0.0)]
+            values = 1 / mu - shift
+            return np.sort(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))
+        raise AnalysisError("singular_stiffness", "A motion has neither mass nor stiffness.")
+
+    def static(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outputs for inputs, and compliance of the nodes."""
+        positions = self.outputs * (self.orders == 0)[:, None]
+        return positions @ np.linalg.solve(self.K, self.inputs.T), self.nodes @ np.linalg.solve(self.K, self.nodes.T)
+
+    def transfer(self, hertz: np.ndarray) -> np.ndarray:
+        """Outputs for inputs at each frequency.
+
+        Args:
+            hertz: (k,) [Hz].
+        """
+        found = []
+        for w in 2 * np.pi * hertz:
+            h = self.outputs @ np.linalg.solve(self.K - w**2 * self.M + 1j * w * self.D, self.inputs.T)
+            found.append((1j * w) ** self.orders[:, None] * h)
+        return np.array(found)
+
+
+def response(lin: Linearization, nodes: Sequence[str]) -> Response:
+    """Numbers of a linearised model that questions are answered by.
+
+    Args:
+        lin: Linearization.
+        nodes: Nodes whose compliance matters.
+
+    Raises:
+        AnalysisError: The state is not stable.
+    """
+    m, labels = lin.matrices, lin.labels
+    K = np.asarray(m.K)
+    scale = np.sqrt(np.abs(np.diag(K)))
+    scale = np.where(scale > 0, scale, 1.0)
+    if np.min(np.linalg.eigvalsh(K / np.outer(scale, scale)), initial=1.0) <= len(K) * np.finfo(float).eps:
+        raise AnalysisError(
+            "unstable",
+            "A model is compared with leaner ones about a stable state, and here the stiffness K0 + N0 is not positive"
+            " definite: support or stiffen the free motion, or lower the load.",
+        )
+    dfx, dfe = np.asarray(m.DFx), np.asarray(m.DFe)
+    n = dfx.shape[1]
+    inputs = [-dfe[s.index] if s.quantity == "stress" else dfx[s.index] for s in labels.inputs]
+    places = np.asarray(lin.model.parameters.reference)[np.asarray(lin.model.topology.axes)]
+    extent = float(np.max(np.ptp(places, axis=1))) or 1.0
+    outputs, kinds, orders = [], [], []
+    for s in labels.outputs:
+        if s.quantity == "stress":
+            outputs.append((np.asarray(m.S) @ dfe)[s.index])
+        else:
+            outputs.append(dfe[s.index] if s.quantity.startswith("deformation") else dfx[s.index])
+            if not s.quantity.startswith("deformation") and labels.x[s.index].kind == "rotation":
+                outputs[-1] = extent * outputs[-1]
+        kinds.append(s.quantity)
+        orders.append(1 if s.quantity.endswith(("velocity", "rate")) else 2 if "acceleration" in s.quantity else 0)
+    rows = [dfx[[*labels.known(node), *labels.coordinates(f"{node}.rotation")]] for node in nodes]
+    return Response(
+        K, np.asarray(m.M0), np.asarray(m.D0),
+        np.array(inputs).reshape(-1, n), np.array(outputs).reshape(-1, n), tuple(kinds),
+        np.concatenate(rows) if rows else np.zeros((0, n)), np.array(orders, int),
+    )  # fmt: skip
+
+
+def in_band(frequencies: np.ndarray, bandwidth: float) -> int:
+    """Number of frequencies that matter: those in the band, and the first in any case."""
+    return max(int(np.sum(frequencies <= bandwidth)), 1)
+
+
+def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
+    """Largest relative differences of a lean model from a full one.
+
+    Args:
+        full: Numbers of the full model.
+        lean: Numbers of the lean model.
+        bandwidth: Frequencies up to here matter [Hz].
+    """
+    ours, theirs = lean.frequencies(), full.frequencies()
+    count = in_band(theirs, bandwidth)
+    if len(ours) < count:
+        return Deviation(np.inf, np.inf, np.inf)
+    frequencies = np.max(np.abs(ours[:count] - theirs[:count]) / np.maximum(np.abs(theirs[:count]), 1e-9 * bandwidth))
+    (h, c), (h0, c0) = lean.static(), full.static()
+    stiffness = _largest(h - h0, _sizes(h0[None], full.kinds)[0])
+    own = np.sqrt(np.abs(np.outer(np.diag(c0), np.diag(c0)))) if len(c0) else c0
+    stiffness = max(stiffness, _largest(c - c0, own))
+    hertz = bandwidth * np.linspace(1 / POINTS, 1, POINTS)
+    near = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), 1e-9 * bandwidth) - 1)
+    hertz = hertz[np.min(near, axis=1) > RESONANCE]
+    t, t0 = lean.transfer(hertz), full.transfer(hertz)
+    largest = np.max(_sizes(t0, full.kinds), axis=0, keepdims=True, initial=0.0)
+    return Deviation(float(frequencies), stiffness, _largest(t - t0, np.broadcast_to(largest, t.shape)))
+
+
+def _sizes(responses: np.ndarray, kinds: tuple[str, ...]) -> np.ndarray:
+    """Largest response to each input among the outputs of a kind."""
+    sizes = np.abs(responses)
+    for kind in set(kinds):
+        own = [i for i, k in enumerate(kinds) if k == kind]
+        sizes[:, own] = np.max(sizes[:, own], axis=1, keepdims=True)
+    return sizes
+
+
+def _largest(difference: np.ndarray, size: np.ndarray) -> float:
+    fine = size > 0
+    return float(np.max(np.abs(difference)[fine] / size[fine], initial=0.0))
+
+
+def largest_of(deviations: list[Deviation]) -> Deviation:
+    """The worst of several, each number by itself.
+
+    Args:
+        deviations: At several states.
+    """
+    return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))
