@@ -272,7 +272,8 @@ class Builder:
         Args:
             node: Name of the node.
             mass: () [kg].
-            inertia: In the plane () of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes [kg m^2].
+            inertia: In the plane () of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, or the
+                matrix of them [kg m^2].
         """
         if is_concrete(mass) and np.any(np.asarray(mass, float) < 0):
             raise ModelError(f"The mass on node '{node}' is {mass}, but it cannot be negative. Rotary inertia may be.")
@@ -286,8 +287,22 @@ class Builder:
         Args:
             node: Name of the node or of a rotation.
             inertia: See :meth:`mass`.
+
+        Raises:
+            ModelError: Another number of values.
         """
-        self._add_hidden("inertia", self._rotation_of(node), inertia=inertia)
+        rotation, shape = self._rotation_of(node), np.shape(inertia)
+        if self.nodes[rotation].kind is ANGLE:
+            if shape != ():
+                raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
+        elif shape == (3, 3):
+            inertia = stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))])
+        elif shape != (6,):
+            raise ModelError(
+                f"The inertia of node '{node}' must be (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) or a matrix of three by three,"
+                f" not of shape {shape}."
+            )
+        self._add_hidden("inertia", rotation, inertia=inertia)
 
     def force(self, node: str, force: Sequence[float], *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant force to a node.

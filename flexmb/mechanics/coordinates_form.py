@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.compile import jit_beside_options
 from ..math.indices import accumulate, put
 from ..math.linear import diagonal_of, factorise, is_positive_definite
 from ..math.record import Record
@@ -341,6 +342,7 @@ class CoordinatesForm(Record):
         """
         return self.begin(t, state)[0]
 
+    @jit_beside_options
     def begin(self, t, state: MotionState):
         """Accelerations and multipliers, and whether every motion that the constraints allow carries mass.
 
@@ -376,6 +378,7 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[: self.size])
         return deformed(self.elements, at.x, state.memory)[1] @ at.v
 
+    @jit_beside_options
     def settle(self, t, state: MotionState, mass=None) -> MotionState:
         """Positions and velocities brought back onto the constraints, by the least change measured by inertia.
 

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..math.compile import jit_beside_options
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite
 from ..math.record import Record
@@ -137,6 +138,7 @@ class ReducedForm(Record):
         """
         return self.begin(t, state)[0]
 
+    @jit_beside_options
     def begin(self, t, state: MotionState):
         """Accelerations, and whether all motions carry mass.
 

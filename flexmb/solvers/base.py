@@ -8,7 +8,10 @@ from .term import MotionTerm
 
 
 class MotionSolver(diffrax.AbstractSolver):
-    """A solver that takes the equations of motion as they are, and keeps their constraints itself."""
+    """A solver that takes the equations of motion as they are, and keeps their constraints itself.
+
+    Its ``step`` is to be under ``jit_beside_options``: diffrax traces it three times, and this keeps the first trace.
+    """
 
     term_structure = MotionTerm
     interpolation_cls = MotionInterpolation

@@ -5,6 +5,7 @@ from typing import Any
 import diffrax
 import jax.numpy as jnp
 
+from ..math.compile import jit_beside_options
 from ..mechanics.discrete import forces_over_step, rates_at, velocities_of
 from ..mechanics.second_order import MotionState
 from .base import SecondOrderSolver
@@ -37,6 +38,7 @@ class EnergyKeeping(SecondOrderSolver):
         equations: Any = equations_of(terms)
         return equations.acceleration(t0, y0), rates_at(equations, t0, y0)
 
+    @jit_beside_options
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
         """One step.
 

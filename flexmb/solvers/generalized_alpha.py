@@ -5,6 +5,7 @@ from typing import Any
 import diffrax
 import jax.numpy as jnp
 
+from ..math.compile import jit_beside_options
 from ..mechanics.second_order import MotionState
 from .base import SecondOrderSolver
 from .newton import solve_step
@@ -40,6 +41,7 @@ class GeneralizedAlpha(SecondOrderSolver):
         z = equations_of(terms).acceleration(t0, y0)
         return z, z[: y0.u.shape[0]]
 
+    @jit_beside_options
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
         """One step.
 

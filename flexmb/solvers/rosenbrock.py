@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..math.compile import jit_beside_options
 from ..math.linear import factorise
 from ..mechanics.second_order import MotionState
 from .base import MotionSolver
@@ -143,6 +144,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         """
         return equations_of(terms).acceleration(t0, y0)
 
+    @jit_beside_options
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
         """One step.
 

@@ -263,3 +263,25 @@ def test_sections_of_several_kinds_in_one_block():
     found = chain(None, leaf, leaf.rigidity(), fm.Circle(1e-3, STEEL))
     alike = chain(None, leaf.rigidity(), leaf.rigidity(), fm.Circle(1e-3, STEEL).rigidity())
     np.testing.assert_allclose(found, alike, rtol=1e-9)
+
+
+def test_inertia_is_six_numbers_or_their_matrix():
+    def wheel(inertia):
+        b = fm.Builder()
+        b.node("hub", (0, 0, 0))
+        b.mass("hub", 1.0, inertia=inertia)
+        return b.build(check=False).parameters.properties
+
+    six = [1.0, 0.1, 0.2, 2.0, 0.3, 3.0]
+    matrix = [[1.0, 0.1, 0.2], [0.1, 2.0, 0.3], [0.2, 0.3, 3.0]]
+    for one, other in zip(jax.tree.leaves(wheel(six)), jax.tree.leaves(wheel(np.array(matrix))), strict=True):
+        np.testing.assert_array_equal(one, other)
+    with pytest.raises(fm.ModelError, match=r"inertia of node 'hub' must be .* not of shape \(3,\)"):
+        wheel([1.0, 2.0, 3.0])
+
+
+def test_inertia_in_the_plane_is_one_number():
+    b = fm.Builder()
+    b.node("hub", (0, 0))
+    with pytest.raises(fm.ModelError, match="inertia of node 'hub' must be one number"):
+        b.mass("hub", 1.0, inertia=np.eye(3))
