@@ -19,6 +19,7 @@ SCRIPTS = (
     "lean",
     "size",
     "designs",
+    "batch",
     "large_deflection",
     "viewer",
     "motion",

@@ -84,6 +84,7 @@ def ours(beams: int, found: dict, run: dict) -> None:
     from flexmb.build.carry import carried
     from flexmb.design.evaluate import build_once
     from flexmb.design.sweep import _kernel
+    from flexmb.math.threads import cores
 
     build, at = guide(beams), jnp.array(list(POINT.values()))
     models = build_once(build, POINT)
@@ -95,7 +96,7 @@ def ours(beams: int, found: dict, run: dict) -> None:
     plain, both = fm.jit(value), fm.jit(jax.value_and_grad(value))
     draw = np.random.default_rng(0)
     designs = {name: v * draw.uniform(0.8, 1.2, DESIGNS) for name, v in POINT.items()}
-    kernel = _kernel(build, {"first": first}, True, 1)
+    kernel = _kernel(build, {"first": first}, True, 1, threads=cores())
     compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(designs, DESIGNS)[0])]
     slopes, differences = np.asarray(both(at)[1] * at), []
     for i in range(len(at)):

@@ -17,7 +17,7 @@ RUNS = 7
 TOLERANCES = (1e-3, 3e-4, 1e-4, 1e-5)
 STROKE = 1e-3
 # A first call, compiling included, that takes longer is not repeated [s].
-SLOW = 40.0
+SLOW = 5.0
 FIRST = """
 import time
 import numpy as np

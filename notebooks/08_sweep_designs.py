@@ -44,7 +44,6 @@ def guide(thickness, length, width, mass):
 design = {"thickness": 0.5e-3, "length": 0.1, "width": 0.018, "mass": 0.206}
 answers = {
     "frequency": lambda model: fm.frequencies(model)[0],
-    "drive": lambda model: fm.stiffness(model, "B", "x"),
     "buckling": lambda model: fm.buckling_loads(model)[0],
 }
 
@@ -62,8 +61,8 @@ sensitivities = fm.sensitivities(guide, answers, design)
 print(sensitivities)
 
 # %% [markdown]
-# Thickness and length count most, with powers of three in the stiffness; the width enters all answers in the first
-# power.
+# Thickness and length count most, with powers of three in the stiffness and so half as much in the frequency; the width
+# enters both answers at most in the first power.
 #
 # ## Tolerances
 #
@@ -124,16 +123,14 @@ plt.show()
 # With the moving mass $M = m + \mu$, $\mu = \tfrac{26}{35}\rho wtl$, the frequency is
 # $\frac{1}{2\pi}\sqrt{2Ewt^3/(l^3M)}$. So its sensitivities are $\tfrac32 - \tfrac{\mu}{2M}$ by the thickness,
 # $-\tfrac32 - \tfrac{\mu}{2M}$ by the length, $\tfrac12 - \tfrac{\mu}{2M}$ by the width and $-\tfrac{m}{2M}$ by the
-# mass. The drive stiffness is $2Ewt^3/l^3$. One cubic beam buckles at $10EI/l^2$ (exactly it is $\pi^2EI/l^2$), with
+# mass. One cubic beam buckles at $10EI/l^2$ (exactly it is $\pi^2EI/l^2$), with
 # the power 3 of the thickness, −2 of the length and 1 of the width.
 
 # %%
 t, length, w, m = design.values()
 mu = 26 / 35 * rho * w * t * length
 share = mu / (m + mu)
-expected = np.array(
-    [[1.5 - share / 2, -1.5 - share / 2, 0.5 - share / 2, (share - 1) / 2], [3, -3, 1, 0], [3, -2, 1, 0]]
-)
+expected = np.array([[1.5 - share / 2, -1.5 - share / 2, 0.5 - share / 2, (share - 1) / 2], [3, -2, 1, 0]])
 assert np.allclose(sensitivities.table, expected, rtol=0, atol=1e-7)
 
 relative = np.array([deviations[name] / value for name, value in design.items()])

@@ -30,7 +30,7 @@ rotation = np.radians(10)
 
 
 # %%
-def pivot(ratio, half, *, order=4, beams=1, increment=False):
+def pivot(ratio, half, *, order=4, beams=1, rotation=rotation):
     b = fm.Builder()
     b.node("pivot", (0, 0))
     for side, sign in (("left", -1), ("right", 1)):
@@ -43,7 +43,7 @@ def pivot(ratio, half, *, order=4, beams=1, increment=False):
             )
         b.fix(f"{side}0")
         b.add(planar.beam, "pivot", f"{side}{beams}", name=f"body {side}")  # no section: rigid
-    b.prescribe("pivot", "rotation", rotation, increment=increment)
+    b.prescribe("pivot", "rotation", rotation)
     return b.build()
 
 
@@ -134,9 +134,7 @@ print(f"half angle {np.degrees(found.dimensions['half']):.2f}°")
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
 degrees = np.linspace(0, 10, 11)
 for label, dimensions in (("start", start), ("found", found.dimensions)):
-    model = pivot(**dimensions, increment=True)
-    at = model.labels.known("pivot")
-    shifts = [float(jnp.linalg.norm(fm.equilibrium(model, increment=d / 10).x[at])) for d in degrees]
+    shifts = [float(shift(fm.linearize(pivot(**dimensions, rotation=np.radians(d))))) for d in degrees]
     axes[1].plot(degrees, 1e3 * np.array(shifts), label=label)
 axes[1].set_xlabel("rotation [°]")
 axes[1].set_ylabel("shift of the centre [mm]")

@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import ModelError
 from ..io.files import save_arrays, write_whole
 from ..math.compile import jit
+from ..math.threads import cores, each
 from ..progress import reporting
 from ..results import RESULTS
 from .designs import Designs
@@ -188,7 +189,7 @@ Part = tuple[dict[str, np.ndarray], int]
 Values = tuple[dict[str, np.ndarray], np.ndarray]
 
 
-def _part(designs: Designs, start: int, chunk: int) -> Part:
+def _part(designs: Mapping[str, np.ndarray], start: int, chunk: int) -> Part:
     """One chunk, filled up with its last design so that all have one size, and how many of it count."""
     part = {name: array[start : start + chunk] for name, array in designs.items()}
     real = len(next(iter(part.values())))
@@ -197,7 +198,7 @@ def _part(designs: Designs, start: int, chunk: int) -> Part:
 
 def _run(task: tuple, parts: list[Part], executor: Executor | None) -> Iterable[tuple[int, Values]]:
     if executor is None:
-        kernel = _kernel(*task)
+        kernel = _kernel(*task, threads=cores())
         for index, part in enumerate(parts):
             yield index, kernel(*part)
         return
@@ -245,17 +246,23 @@ def _unpacked(sent: bytes) -> Callable[..., Values]:
     return _kernel(*pickle.loads(sent))
 
 
-def _kernel(build: Build, functions: dict, compiled: bool, together: int) -> Callable[..., Values]:
-    """What computes one chunk."""
+def _kernel(build: Build, functions: dict, compiled: bool, together: int, *, threads: int = 1) -> Callable[..., Values]:
+    """What computes one chunk, in so many threads."""
     if not compiled:
         return functools.partial(_one_by_one, build, functions)
     program: list[Any] = []
 
     def call(part: dict[str, np.ndarray], real: int) -> Values:
+        count = len(next(iter(part.values())))
+        size = -(-count // threads)
+        pieces, done = [_part(part, start, size)[0] for start in range(0, count, size)], []
         if not program:
             program.append(jit(_mapped(build, functions, _first_models(build, part), together)))
-        values, codes = program[0](part)
-        return {name: np.array(v)[:real] for name, v in values.items()}, np.array(codes)[:real]
+            # Compiled here, before several threads ask for it.
+            done = [program[0](pieces[0])]
+        done += each(program[0], pieces[len(done) :], threads)
+        values = {name: np.concatenate([own[name] for own, _ in done])[:real] for name in done[0][0]}
+        return values, np.concatenate([codes for _, codes in done])[:real]
 
     return call
 
