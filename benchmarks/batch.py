@@ -51,6 +51,7 @@ def main() -> None:
     from flexmb.design.evaluate import build_once
 
     fm.enable_x64()
+    fm.enable_cache()
     build = guide(BEAMS)
     models, draw = build_once(build, POINT), np.random.default_rng(0)
     designs = np.array(list(POINT.values())) * draw.uniform(0.8, 1.2, (SIZES[-1], len(POINT)))

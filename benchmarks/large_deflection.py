@@ -6,6 +6,7 @@ where it is installed (``pip install -e '.[peers]'``), in the same run.
 """
 
 import sys
+import time
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -13,8 +14,12 @@ FORCE = 9.5
 LENGTH = DISTANCE = 0.1
 BEAMS = (1, 2, 4, 8, 16, 32)
 ORDERS = (2, 3, 4, 5, 6)
-RUNS = 15
+RUNS = 7
 EXUDYN = "Exudyn, geometrically exact beams"
+SCIPY = "SPACAR beams, scipy.optimize.root"
+# More beams take SciPy half a minute and more. Methods and load steps are tried until one gets there.
+SCIPY_BEAMS = (1, 2)
+WAYS = (("hybr", 20), ("lm", 1), ("lm", 5))
 
 
 def leaf(shear=False):
@@ -67,6 +72,57 @@ def stroke(model, beams):
 
     solved = fm.equilibrium(model)
     return float(solved.at(f"right{beams}")[1]) - DISTANCE, solved
+
+
+def general(model, beams):
+    """Equilibrium by SciPy's general solver: our equations and their Jacobian, compiled, in all coordinates.
+
+    Args:
+        model: As from :func:`guide`.
+        beams: Elements a leaf spring.
+
+    Returns:
+        Function of a method and a number of load steps that solves, and gives the stroke [m].
+    """
+    import dataclasses
+
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+    import scipy.optimize
+
+    from flexmb.mechanics.coordinates_form import coordinates_form
+    from flexmb.mechanics.second_order import MotionState
+
+    form = coordinates_form(model.topology, model.parameters)
+    n, m, memory = form.size, form.held.shape[0], form.state_of(model.parameters.reference, 0 * form.sizes, None).memory
+    place = int(model.labels.known(f"right{beams}")[1])
+
+    def out_of_balance(y, share):
+        loads = dataclasses.replace(form.parameters.loads, force=share * model.parameters.loads.force)
+        parameters = dataclasses.replace(form.parameters, loads=loads)
+        state = MotionState(y[:n], jnp.zeros(n), memory)
+        at = dataclasses.replace(form, parameters=parameters)
+        force = at.residual(0.0, state, jnp.concatenate([jnp.zeros(n), y[n:]]))[:n]
+        return jnp.concatenate([force, at.gap(0.0, state)])
+
+    function, jacobian = jax.jit(out_of_balance), jax.jit(jax.jacfwd(out_of_balance))
+
+    def solve(method, steps):
+        y = np.zeros(n + m)
+        for share in np.arange(1, steps + 1) / steps:
+            found = scipy.optimize.root(
+                lambda y: np.asarray(function(y, share)),  # noqa: B023
+                y,
+                jac=lambda y: np.asarray(jacobian(y, share)),  # noqa: B023
+                method=method,
+            )
+            if not found.success:
+                raise RuntimeError(found.message)
+            y = found.x
+        return float(form.whole(0.0, y[:n], jnp.zeros(n), jnp.zeros(n)).x[place]) - DISTANCE
+
+    return solve
 
 
 def peers(found, run):
@@ -128,8 +184,27 @@ def main() -> None:
                 "degrees_of_freedom": model.topology.n_q,
             }
             run[f"{family}: {size}"] = lambda model=model: fm.equilibrium(model).x.block_until_ready()
+    once = {}
+    for n in SCIPY_BEAMS:
+        model = guide(spatial.beam, n)
+        solve = general(model, n)
+        for method, steps in WAYS:
+            try:
+                solve(method, steps)
+                begin = time.perf_counter()
+                reached = solve(method, steps)
+            except RuntimeError as fault:
+                print(f"SciPy, {n} beams, {method}, {steps} steps: {' '.join(str(fault).split())}")
+                continue
+            took = time.perf_counter() - begin
+            # Our equations: the same answer.
+            np.testing.assert_allclose(reached, stroke(model, n)[0], rtol=1e-9)
+            how = {"degrees_of_freedom": model.topology.n_q, "settings": f"{method}, {steps} load steps"}
+            found[f"{SCIPY}: {n}"] = {"error": abs(reached / exact - 1), **how}
+            once[f"{SCIPY}: {n}"] = {"median": took, "min": took, "max": took}
+            break
     took_part = peers(found, run)
-    timed = interleaved(run, RUNS)
+    timed = interleaved(run, RUNS) | once
     show(f"Equilibrium at a stroke of {exact:.6f} m, compiled", timed)
     for name, entry in found.items():
         how = entry.get("settings") or f"{entry['iterations']:3d} iterations"

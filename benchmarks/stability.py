@@ -184,29 +184,33 @@ def outcome(model, times, node, options, exact, size):
     return name, error
 
 
-def survey() -> dict:
-    """Outcomes by scene and method, one for each step."""
+def survey(scene: str) -> dict:
+    """Outcomes of a scene by method, one for each step; in a process of its own.
+
+    Args:
+        scene: Its name.
+    """
     import numpy as np
 
     import flexmb as fm
 
-    found: dict[str, dict] = {}
-    for scene, make in SCENES.items():
-        model, period, times, node, own, size = make()
-        jumps = {"jumps": np.array([0.31830989])} if "jumps" in scene else {}
-        exact = np.asarray(fm.simulate(model, times, rtol=1e-10, atol=1e-12, **own, **jumps).at(node))
-        found[scene] = {}
-        for method, options in methods().items():
-            begin = time.perf_counter()
-            if not options:
-                # The jump is named, as README says.
-                cells = [outcome(model, times, node, own | jumps, exact, size)] * len(STEPS)
-            else:
-                run = functools.partial(outcome, model, times, node, exact=exact, size=size)
-                cells = [run(options=own | options | {"dt0": h * period}) for h in STEPS]
-            found[scene][method] = cells
-            names = " ".join(f"{name:>8}" for name, _ in cells)
-            print(f"{scene:<24}{method:<28}{names}   {time.perf_counter() - begin:6.1f} s", flush=True)
+    fm.enable_x64()
+    fm.enable_cache(thorough=False)
+    model, period, times, node, own, size = SCENES[scene]()
+    jumps = {"jumps": np.array([0.31830989])} if "jumps" in scene else {}
+    exact = np.asarray(fm.simulate(model, times, rtol=1e-10, atol=1e-12, **own, **jumps).at(node))
+    found = {}
+    for method, options in methods().items():
+        begin = time.perf_counter()
+        if not options:
+            # The jump is named, as README says.
+            cells = [outcome(model, times, node, own | jumps, exact, size)] * len(STEPS)
+        else:
+            run = functools.partial(outcome, model, times, node, exact=exact, size=size)
+            cells = [run(options=own | options | {"dt0": h * period}) for h in STEPS]
+        found[method] = cells
+        names = " ".join(f"{name:>8}" for name, _ in cells)
+        print(f"{scene:<24}{method:<28}{names}   {time.perf_counter() - begin:6.1f} s", flush=True)
     return found
 
 
@@ -216,6 +220,8 @@ def long_run() -> dict:
 
     import flexmb as fm
 
+    fm.enable_x64()
+    fm.enable_cache(thorough=False)
     model, *_ = falling_strip()
     times = np.linspace(0, LONG * 1e-3, 1001)
     begin = time.perf_counter()
@@ -262,17 +268,21 @@ def draw(found: dict) -> None:
 
 def main() -> None:
     """Survey, print, check the default, save and draw."""
+    import multiprocessing
+    import os
+    from concurrent.futures import ProcessPoolExecutor
+
     from record import PACKAGES, save
 
-    import flexmb as fm
-
-    fm.enable_x64()
-    fm.enable_cache(thorough=False)
-    found = survey()
+    # Nothing is timed here, so that scenes run side by side.
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        energy = pool.submit(long_run)
+        found = dict(zip(SCENES, pool.map(survey, SCENES), strict=True))
+        long = energy.result()
     for scene, rows in found.items():
         # The default choice is not wrong without saying so; a motion as sensitive as a flip is rough.
         assert rows["default, steps of its own"][0][0] != "wrong", scene
-    save("stability", {"steps": STEPS, "found": found, "long": long_run()}, (*PACKAGES, "diffrax"))
+    save("stability", {"steps": STEPS, "found": found, "long": long}, (*PACKAGES, "diffrax"))
     draw(found)
 
 

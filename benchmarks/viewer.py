@@ -4,6 +4,8 @@
 chromium-driver, and selenium.
 """
 
+import importlib.util
+import shutil
 import tempfile
 import time
 from pathlib import Path
@@ -109,6 +111,10 @@ def main() -> None:
 
     import flexmb as fm
 
+    browser = shutil.which("chromium") and shutil.which("chromedriver")
+    if not browser or importlib.util.find_spec("selenium") is None:
+        print("Left out: it takes chromium, chromium-driver and selenium (pip install -e '.[test]').")
+        return
     fm.enable_x64()
     found = {}
     with tempfile.TemporaryDirectory() as folder:

@@ -53,7 +53,7 @@ _ROOMS = {
     "design.tune": ("Tuned", "tune"),
     "design.lean": ("Lean", "lean"),
     "design.too_lean": ("too_lean",),
-    "design.objectives": ("mass", "stiffness"),
+    "design.objectives": ("mass", "settling_time", "stiffness"),
     "iosystem": ("to_nonlinear_system",),
     "statespace": ("state_matrices", "to_statespace"),
     "io.motion_file": ("save_motion",),

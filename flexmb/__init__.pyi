@@ -47,6 +47,7 @@ from .design.designs import monte_carlo as monte_carlo
 from .design.lean import Lean as Lean
 from .design.lean import lean as lean
 from .design.objectives import mass as mass
+from .design.objectives import settling_time as settling_time
 from .design.objectives import stiffness as stiffness
 from .design.sensitivities import Sensitivities as Sensitivities
 from .design.sensitivities import Tolerances as Tolerances

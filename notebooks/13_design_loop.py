@@ -222,6 +222,12 @@ print(f"lowest vibration of the leaf springs: {np.min(np.abs(poles[fast])) / (2 
 print(f"decay rate {abscissa['together'] / abscissa['gain alone']:.2f} times that with the gain alone")
 print(f"settling {1e3 * settling['gain alone']:.1f} ms, then {1e3 * settling['together']:.1f} ms")
 
+# The settling time of the linear loop, for the same release; the motion was looked at every half millisecond.
+released = jnp.array([release, 0.0, 0.0, 0.0])
+for label, dimensions in designs.items():
+    linear = fm.settling_time(loop(**dimensions)["matrix"], released, jnp.eye(4)[0], 0.02 * release, horizon=times[-1])
+    assert abs(float(linear) - settling[label]) < 1e-3, label
+
 assert together.answers["holding force"] <= 30.0
 assert together.answers["stress"] <= 300e6
 assert abscissa["together"] > -1 / (2 * tau) - 1

@@ -1,6 +1,8 @@
 """Answers that designs are asked for, where no analysis is called so already."""
 
+import jax
 import jax.numpy as jnp
+import jax.scipy.linalg
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -59,3 +61,58 @@ def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool
         raise ValueError(f"Node '{node}' has no axis '{axis}': it is one of {', '.join(axes)}.")
     i = axes.index(axis)
     return 1 / found[i, i]
+
+
+def settling_time(
+    matrix: Float[Array, "n n"],
+    start: Float[Array, "n"],
+    output: Float[Array, "n"],
+    level: Float[Array, ""] | float,
+    *,
+    horizon: float,
+    samples: int = 500,
+) -> Float[Array, ""]:
+    """Time after which an output of a linear system stays within a level.
+
+    The system z' = A z starts from z(0), the output is c z: for a step, z is counted from where it comes to rest.
+
+    Args:
+        matrix: A of the closed loop, (n, n) [1/s].
+        start: z(0), (n,).
+        output: c, (n,).
+        level: What |c z| is to stay within, () [unit of the output].
+        horizon: Time to look at [s].
+        samples: Times at which the output is looked at first; vibrations of shorter periods than some of them are seen
+            by chance.
+
+    Returns:
+        () [s]; zero where the level is never exceeded, infinite where the output is still outside at the horizon. It
+        jumps where one more swing leaves the level; in between it is differentiable.
+
+    Raises:
+        ValueError: horizon is not positive, or fewer than two samples.
+
+    Source:
+        Definition; z(t) = exp(A t) z(0), and Newton's method for the last crossing.
+    """
+    if not horizon > 0 or samples < 2:
+        raise ValueError("Arguments `horizon` and `samples` must be positive, and at least two samples.")
+    a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
+    times = horizon * np.arange(samples + 1) / samples
+    onward = jax.scipy.linalg.expm(a * times[1])
+    _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
+    y = jax.lax.stop_gradient(z @ c)
+    outside = jnp.abs(y) > level
+    last = samples - jnp.argmax(outside[::-1])
+    side, after = jnp.sign(y[last]), jnp.minimum(last + 1, samples)
+    begin, end = jnp.asarray(times)[last], jnp.asarray(times)[after]
+    before, past = jnp.abs(y[last]) - level, side * y[after] - level
+    t = begin + (end - begin) * before / jnp.where(before == past, 1.0, before - past)
+    for _ in range(4):
+        # From a fixed time, so that the last step carries the whole derivative.
+        t = jnp.clip(jax.lax.stop_gradient(t), begin, end)
+        at = jax.scipy.linalg.expm(a * t) @ z0
+        rate = side * (c @ a @ at)
+        t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)
+    t = jnp.where(jnp.any(outside), t, 0.0)
+    return jnp.where(outside[samples], jnp.inf, t)

@@ -1,6 +1,5 @@
 """Independent work on all cores."""
 
-import functools
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -11,16 +10,13 @@ import jax
 
 def cores() -> int:
     """How many threads independent compiled calls are worth: the cores, where arrays live on them."""
-    # Settings that hold in one thread only, such as x64 within a context, do not reach others.
-    alone = jax.default_backend() != "cpu" or not jax.config.values["jax_enable_x64"]
-    return 1 if alone else len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@functools.cache
-def _libraries() -> Any:
-    from threadpoolctl import ThreadpoolController
-
-    return ThreadpoolController()
+    if jax.default_backend() != "cpu":
+        return 1
+    with ThreadPoolExecutor(1) as pool:
+        # What is set within a context holds in its own thread only.
+        if pool.submit(jax.dtypes.canonicalize_dtype, float).result() != jax.dtypes.canonicalize_dtype(float):
+            return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
@@ -37,11 +33,12 @@ def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int)
     Returns:
         Results in the order of the arguments.
     """
+    from threadpoolctl import threadpool_limits
 
     def finished(argument):
         return jax.block_until_ready(function(argument))
 
-    with _libraries().limit(limits=1, user_api="blas"):
+    with threadpool_limits(1, user_api="blas"):
         if threads == 1:
             return [finished(argument) for argument in arguments]
         with ThreadPoolExecutor(threads) as pool:

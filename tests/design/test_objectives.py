@@ -1,0 +1,53 @@
+"""Answers that designs are asked for, against closed forms."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+
+
+def swing(omega, damping):
+    return jnp.array([[0.0, 1.0], [-(omega**2), -2 * damping * omega]])
+
+
+def settled(omega, damping, **options):
+    return fm.settling_time(
+        swing(omega, damping), jnp.array([1.0, 0.0]), jnp.array([1.0, 0.0]), 0.02, horizon=10.0, **options
+    )
+
+
+def test_settling_of_a_decay():
+    """exp(-a t) = 0.02 at t = ln(50)/a."""
+
+    def of(a):
+        return fm.settling_time(-a[None, None], jnp.ones(1), jnp.ones(1), 0.02, horizon=10.0)
+
+    at = jnp.asarray(1.7)
+    exact = np.log(50) / 1.7
+    assert float(jax.jit(of)(at)) == pytest.approx(exact, rel=1e-12)
+    for derivative in (jax.jacfwd(of), jax.jacrev(of)):
+        assert float(derivative(at)) == pytest.approx(-exact / 1.7, rel=1e-10)
+
+
+def test_settling_of_a_swing():
+    """Release of a damped oscillator, closed form on a grid of a microsecond."""
+    omega, damping = 12.0, 0.13
+    t = np.linspace(0, 10, 10_000_001)
+    free = omega * np.sqrt(1 - damping**2)
+    y = np.exp(-damping * omega * t) * (np.cos(free * t) + damping * omega / free * np.sin(free * t))
+    exact = t[np.flatnonzero(np.abs(y) > 0.02)[-1]]
+    assert float(settled(omega, damping)) == pytest.approx(exact, abs=2e-6)
+    h = 1e-5
+    difference = (float(settled(omega, damping + h)) - float(settled(omega, damping - h))) / (2 * h)
+    for derivative in (jax.jacfwd(settled, argnums=1), jax.jacrev(settled, argnums=1)):
+        assert float(derivative(omega, damping)) == pytest.approx(difference, rel=1e-6)
+
+
+def test_what_does_not_settle():
+    assert float(settled(12.0, 0.0)) == np.inf
+    assert float(settled(12.0, -0.1)) == np.inf
+    assert float(fm.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=1.0)) == 0.0
+    with pytest.raises(ValueError, match="must be positive"):
+        fm.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=0.0)
