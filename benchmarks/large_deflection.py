@@ -17,7 +17,7 @@ ORDERS = (2, 3, 4, 5, 6)
 RUNS = 7
 EXUDYN = "Exudyn, geometrically exact beams"
 SCIPY = "SPACAR beams, scipy.optimize.root"
-# More beams take SciPy half a minute and more. Methods and load steps are tried until one gets there.
+# More beams take SciPy twenty seconds and more. Methods and load steps are tried until one gets there.
 SCIPY_BEAMS = (1, 2)
 WAYS = (("hybr", 20), ("lm", 1), ("lm", 5))
 
@@ -108,15 +108,16 @@ def general(model, beams):
 
     function, jacobian = jax.jit(out_of_balance), jax.jit(jax.jacfwd(out_of_balance))
 
+    def values(y, share):
+        return np.asarray(function(y, share))
+
+    def slopes(y, share):
+        return np.asarray(jacobian(y, share))
+
     def solve(method, steps):
         y = np.zeros(n + m)
         for share in np.arange(1, steps + 1) / steps:
-            found = scipy.optimize.root(
-                lambda y: np.asarray(function(y, share)),  # noqa: B023
-                y,
-                jac=lambda y: np.asarray(jacobian(y, share)),  # noqa: B023
-                method=method,
-            )
+            found = scipy.optimize.root(values, y, args=(share,), jac=slopes, method=method)
             if not found.success:
                 raise RuntimeError(found.message)
             y = found.x

@@ -289,13 +289,15 @@ class Builder:
             inertia: See :meth:`mass`.
 
         Raises:
-            ModelError: Another number of values.
+            ModelError: Another number of values, or a matrix that is not symmetric.
         """
         rotation, shape = self._rotation_of(node), np.shape(inertia)
         if self.nodes[rotation].kind is ANGLE:
             if shape != ():
                 raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
         elif shape == (3, 3):
+            if is_concrete(inertia) and not np.allclose(inertia, np.transpose(inertia), rtol=1e-9, atol=0):
+                raise ModelError(f"The inertia of node '{node}' must be a symmetric matrix, not {inertia}.")
             inertia = stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))])
         elif shape != (6,):
             raise ModelError(

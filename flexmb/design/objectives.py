@@ -102,7 +102,8 @@ def settling_time(
     onward = jax.scipy.linalg.expm(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
     y = jax.lax.stop_gradient(z @ c)
-    outside = jnp.abs(y) > level
+    # Also what has grown past all numbers.
+    outside = ~(jnp.abs(y) <= level)
     last = samples - jnp.argmax(outside[::-1])
     side, after = jnp.sign(y[last]), jnp.minimum(last + 1, samples)
     begin, end = jnp.asarray(times)[last], jnp.asarray(times)[after]

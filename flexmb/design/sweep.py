@@ -131,8 +131,8 @@ def sweep(
 ) -> Sweep:
     """Answers of many designs.
 
-    The kernel is compiled once and runs over ``chunk`` designs at a time, which bounds the memory, with checkpoints and
-    progress in between.
+    The kernel is compiled once and runs on all cores over ``chunk`` designs at a time, which bounds the memory, with
+    checkpoints and progress in between.
 
     Args:
         build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are

@@ -278,6 +278,8 @@ def test_inertia_is_six_numbers_or_their_matrix():
         np.testing.assert_array_equal(one, other)
     with pytest.raises(fm.ModelError, match=r"inertia of node 'hub' must be .* not of shape \(3,\)"):
         wheel([1.0, 2.0, 3.0])
+    with pytest.raises(fm.ModelError, match="inertia of node 'hub' must be a symmetric matrix"):
+        wheel(np.triu(matrix))
 
 
 def test_inertia_in_the_plane_is_one_number():

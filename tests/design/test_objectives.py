@@ -48,6 +48,8 @@ def test_settling_of_a_swing():
 def test_what_does_not_settle():
     assert float(settled(12.0, 0.0)) == np.inf
     assert float(settled(12.0, -0.1)) == np.inf
+    # Grows past all numbers within the horizon.
+    assert float(settled(1e4, -0.5)) == np.inf
     assert float(fm.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=1.0)) == 0.0
     with pytest.raises(ValueError, match="must be positive"):
         fm.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=0.0)
