@@ -32,6 +32,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     import jax
 
     from .math.compile import compile_thoroughly
+    from .math.kept import keep_traces
 
     compile_thoroughly(thorough)
     if "equinox" not in sys.modules:
@@ -40,6 +41,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
         os.environ.setdefault("EQX_ON_ERROR", "nan")
     path = Path(folder) if folder is not None else cache_folder()
     path.mkdir(parents=True, exist_ok=True)
+    keep_traces(path / "traces" if thorough else None)
     jax.config.update("jax_compilation_cache_dir", str(path))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)

@@ -60,11 +60,13 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     import diffrax
 
     from ..solvers.projected import Projected
-    from ..solvers.rosenbrock import Rosenbrock
+    from ..solvers.rosenbrock import Rodas5P, Rosenbrock
     from ..solvers.term import MotionTerm
 
     rtol, atol = settings["rtol"], settings["atol"]
-    controller, solver = settings["controller"], settings["solver"]
+    controller, jumps = settings["controller"], settings["jumps"]
+    solver = Rodas5P(jumps=jumps is not None) if settings["solver"] is None else settings["solver"]
+    adjoint = diffrax.RecursiveCheckpointAdjoint() if settings["adjoint"] is None else settings["adjoint"]
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
     if controller is None and not adapts:
         controller = diffrax.ConstantStepSize()
@@ -75,8 +77,8 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
     failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
-    if settings["jumps"] is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
-        controller = diffrax.ClipStepSizeController(controller, jump_ts=settings["jumps"])
+    if jumps is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
+        controller = diffrax.ClipStepSizeController(controller, jump_ts=jumps)
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
     # Over the first step acceleration moves the mechanism by some ten tolerances, unless a step is given.
@@ -96,7 +98,7 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         start,
         saveat=diffrax.SaveAt(ts=times),
         stepsize_controller=controller,
-        adjoint=settings["adjoint"],
+        adjoint=adjoint,
         event=settings["event"],
         max_steps=settings["max_steps"],
         solver_state=z0 if isinstance(solver, Rosenbrock) else None,

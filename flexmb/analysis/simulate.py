@@ -257,13 +257,6 @@ def simulate(
     Source:
         FORMULATION.md 5 and 9.
     """
-    import diffrax
-
-    from ..solvers.base import MotionSolver
-    from ..solvers.energy_keeping import EnergyKeeping
-    from ..solvers.projected import Projected
-    from ..solvers.rosenbrock import Rodas5P
-
     if form not in ("coordinates", "reduced"):
         raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
     if control is not None and form == "reduced":
@@ -277,16 +270,9 @@ def simulate(
     start = _initial(model, initial)
     if progress and any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves((model, times, start, loads))):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
-    chosen = Rodas5P(jumps=bool(kinks)) if solver is None else solver
-    if isinstance(chosen, EnergyKeeping) and (form == "reduced" or control is not None):
-        raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
-    if not isinstance(chosen, diffrax.AbstractAdaptiveSolver) and controller is None:
-        name = type(chosen).__name__
-        if dt0 is None:
-            raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
-        if kinks:
-            raise ValueError(f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`.")
-    used = chosen if isinstance(chosen, MotionSolver | Projected) else Projected(chosen)
+    name = "Rodas5P" if solver is None else type(solver).__name__
+    if solver is not None:
+        solver = _checked_solver(solver, controller, form == "coordinates" and control is None, dt0, bool(kinks))
     settings = {
         "form": form,
         "feedback": None if control is None else as_feedback(model, control, reference),
@@ -294,9 +280,9 @@ def simulate(
         "atol": jnp.asarray(ABSOLUTE * rtol if atol is None else atol, float),
         "controller": controller,
         "jumps": jnp.sort(jnp.concatenate(kinks)) if kinks else None,
-        "solver": used,
+        "solver": solver,
         "dt0": jnp.asarray(0.0 if dt0 is None else dt0, float),
-        "adjoint": diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+        "adjoint": adjoint,
         "event": event,
         "max_steps": max_steps,
         "first": 50.0,
@@ -322,9 +308,28 @@ def simulate(
     elif progress:
         columns = [jnp.pad(c, ((0, len(times) - reached), (0, 0)), constant_values=jnp.inf) for c in columns]
     x, xd, near, u = columns
-    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, form, type(chosen).__name__)
+    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, form, name)
     check(found.result, throw and not stopped)
     return found
+
+
+def _checked_solver(solver, controller, plain: bool, dt0, jumps: bool):
+    """A solver that was given, with its steps brought back onto the constraints."""
+    import diffrax
+
+    from ..solvers.base import MotionSolver
+    from ..solvers.energy_keeping import EnergyKeeping
+    from ..solvers.projected import Projected
+
+    if isinstance(solver, EnergyKeeping) and not plain:
+        raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
+    if not isinstance(solver, diffrax.AbstractAdaptiveSolver) and controller is None:
+        name = type(solver).__name__
+        if dt0 is None:
+            raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
+        if jumps:
+            raise ValueError(f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`.")
+    return solver if isinstance(solver, MotionSolver | Projected) else Projected(solver)
 
 
 def _checked_times(times):

@@ -49,21 +49,20 @@ def combine(coefficients, matrices) -> Float[Array, "n n"]:
     return jnp.tensordot(jnp.stack([jnp.asarray(c, float) for c in coefficients]), matrices, 1)
 
 
-def bending_shortening(ep, eq, l0) -> Float[Array, ""]:
+def bending_shortening(ends, l0) -> Float[Array, "*planes"]:
     """Shortening of the chord by bending in one plane, second order: (2 ep^2 + ep eq + 2 eq^2)/(30 l0).
 
     Args:
-        ep: Bending deformation at end p, () [m].
-        eq: Bending deformation at end q, () [m].
+        ends: Bending deformations at the ends, (*planes, 2) [m].
         l0: Undeformed length, () [m].
 
     Returns:
-        () [m].
+        (*planes,) [m].
 
     Source:
         Integral of half the squared slope of the cubic deflection with end slopes ep/l0 and -eq/l0.
     """
-    return (2 * ep**2 + ep * eq + 2 * eq**2) / (30 * l0)
+    return (3 * jnp.sum(ends**2, axis=-1) + jnp.sum(ends, axis=-1) ** 2) / (60 * l0)
 
 
 def beam_length(ref) -> Float[Array, ""]:

@@ -40,11 +40,16 @@ truss = Element(
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
 
-def _axes(rot: Angle, ref_rot: Angle, ref) -> Float[Array, "2 2"]:
-    """Local x and y axes of a triad that lay along the undeformed element, as rows."""
+# Turns the rows of a frame by a right angle.
+QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
+
+def _axes(rot_p: Angle, rot_q: Angle, ref) -> Float[Array, "2 2 2"]:
+    """Local x and y axes at both ends, as rows, of triads that lay along the undeformed element."""
     x0 = (ref.q - ref.p) / beams.beam_length(ref)
-    x = rotation_plane(rot[0] - ref_rot[0]) @ x0
-    return jnp.stack([x, jnp.stack([-x[1], x[0]])])
+    frame = jnp.stack([x0, jnp.stack([-x0[1], x0[0]])])
+    angles = jnp.stack([rot_p - ref.rot_p, rot_q - ref.rot_q])[:, None]
+    return jnp.cos(angles) * frame + jnp.sin(angles) * (QUARTER_TURN @ frame)
 
 
 def _beam(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order: bool = True) -> Float[Array, "3"]:
@@ -52,14 +57,12 @@ def _beam(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order
 
     Without that term a guide of two leaf springs buckles at 94.5 N where 78.75 N is right (REFERENCES.md T3).
     """
-    chord = q - p
-    e2 = -(_axes(rot_p, ref.rot_p, ref)[1] @ chord)
-    e3 = _axes(rot_q, ref.rot_q, ref)[1] @ chord
-    l0 = beams.beam_length(ref)
-    e1 = beams.length(chord) - l0
+    l0, chord = beams.beam_length(ref), q - p
+    across = np.array([-1.0, 1.0]) * jnp.sum(_axes(rot_p, rot_q, ref)[:, 1] * chord, axis=1)
+    elongation = beams.length(chord) - l0
     if second_order:
-        e1 = e1 + beams.bending_shortening(e2, e3, l0)
-    return jnp.stack([e1, e2, e3])
+        elongation = elongation + beams.bending_shortening(across, l0)
+    return jnp.concatenate([elongation[None], across])
 
 
 # Places of EA/l0 and of the two coefficients of beams.bending_coefficients.
@@ -79,17 +82,17 @@ def _beam_damping(*, ref, damping: Damping) -> Float[Array, "3 3"]:
 
 
 # Places of the mass per length and of the rotary inertia per length, times l0, among the vectors
-# (p, l0 x_p, q, l0 x_q, y_p, y_q).
+# (p, q, l0 x_p, l0 x_q, y_p, y_q).
 INERTIA = np.zeros((2, 6, 6))
-INERTIA[0, :4, :4] = beams.CUBIC_MASS
+INERTIA[0, :4, :4] = beams.CUBIC_MASS[np.ix_([0, 2, 1, 3], [0, 2, 1, 3])]
 INERTIA[1, 4:, 4:] = beams.LINEAR_MASS
 
 
 def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, section: Section):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's normal."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
-    axes_p, axes_q = _axes(rot_p, ref.rot_p, ref), _axes(rot_q, ref.rot_q, ref)
-    vectors = jnp.stack([p, l0 * axes_p[0], q, l0 * axes_q[0], axes_p[1], axes_q[1]])
+    axes = _axes(rot_p, rot_q, ref)
+    vectors = jnp.concatenate([jnp.stack([p, q]), l0 * axes[:, 0], axes[:, 1]])
     return vectors, l0 * beams.combine([s.mass, s.Jy], INERTIA)
 
 
@@ -106,8 +109,7 @@ def _beam_resultants(
         return _beam(*nodes, ref=ref, second_order=second_order)
 
     _, moment_p, force, moment_q = jax.vjp(deformations, p, rot_p, q, rot_q)[1](sigma)
-    axes = jnp.stack([_axes(rot_p, ref.rot_p, ref), _axes(rot_q, ref.rot_q, ref)])
-    normal, across = (axes @ force).T
+    normal, across = (_axes(rot_p, rot_q, ref) @ force).T
     zero, bending = jnp.zeros(2), jnp.concatenate([moment_p, -moment_q])
     return beams.along(jnp.stack([normal, zero, across, zero, bending, zero], axis=1), place)
 

@@ -65,21 +65,21 @@ def _beam(
     l0 = beams.beam_length(ref)
     triads = _triads(rot_p, rot_q, ref, y)
     chord = q - p
-    at_p, at_q = jnp.einsum("i,nij->nj", chord, triads)
-    between = triads[0].T @ triads[1]
-    twist = 0.5 * l0 * (between[2, 1] - between[1, 2])
-    e = jnp.stack([beams.length(chord) - l0, twist, -at_p[2], at_q[2], at_p[1], -at_q[1]])
-    return e + (SECOND_ORDER @ e) @ e / l0 if second_order else e
+    # Local z and y at the ends, and what the chord has along them: (planes, ends).
+    across = triads[:, :, :0:-1]
+    twist = 0.5 * l0 * jnp.sum(across[0] * across[1, :, ::-1] * -SIGN)
+    bending = -SIGN[:, None] * SIGN * jnp.sum(chord[:, None] * across, axis=1).T
+    elongation = beams.length(chord) - l0
+    if second_order:
+        elongation = elongation + jnp.sum(beams.bending_shortening(bending, l0))
+        coupled = jnp.sum(bending[0] * bending[1, ::-1] * SIGN) / l0
+        ends = jnp.sum(bending, axis=1)[::-1] * SIGN
+        bending = bending + twist / (6 * l0) * ends[:, None] * SIGN
+        twist = twist + coupled
+    return jnp.concatenate([jnp.stack([elongation, twist]), bending.reshape(-1)])
 
 
-# e_i = ebar_i + ebar . SECOND_ORDER[i] . ebar / l0, numbered from 0.
-SECOND_ORDER = np.zeros((6, 6, 6))
-for _p, _q in ((2, 3), (4, 5)):
-    SECOND_ORDER[0, _p, _p] = SECOND_ORDER[0, _q, _q] = 2 / 30
-    SECOND_ORDER[0, _p, _q] = 1 / 30
-SECOND_ORDER[1, 3, 4], SECOND_ORDER[1, 2, 5] = 1.0, -1.0
-for _i, _sign, _others in ((2, 1, (4, 5)), (3, -1, (4, 5)), (4, -1, (2, 3)), (5, 1, (2, 3))):
-    SECOND_ORDER[_i, 1, _others] = _sign / 6
+SIGN = np.array([-1.0, 1.0])
 
 
 # Places of EA/l0, GIt/l0^3 and, for each bending plane, of the two coefficients of beams.bending_coefficients.

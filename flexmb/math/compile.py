@@ -1,12 +1,15 @@
 """Compilation of the kernels behind the public functions."""
 
 import functools
+import gc
 from collections.abc import Callable
 from typing import Any
 
 import jax
 import jax.core
 import numpy as np
+
+from .kept import kept
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
@@ -49,16 +52,13 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     def flat(structure, options, *leaves):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
-    quick, thorough = (jax.jit(flat, static_argnums=(0, 1), compiler_options=o) for o in (QUICK, THOROUGH))
-    nested = jax.jit(flat, static_argnums=(0, 1))
+    compiled = _compiled(flat)
 
     @functools.wraps(function)
     def call(*arguments, **options):
         # Flattened once, here: a model is a tree of some thirty arrays.
         leaves, structure = jax.tree.flatten(arguments)
-        traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
-        chosen = nested if traced else thorough if _thorough else quick
-        return chosen(structure, tuple(sorted(options.items())), *leaves)
+        return compiled(leaves)(structure, tuple(sorted(options.items())), *leaves)
 
     return call
 
@@ -81,8 +81,7 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
         whole = [next(numbers) if leaf is _NUMBER else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, whole))
 
-    quick, thorough = (jax.jit(flat, static_argnums=(0, 1), compiler_options=o) for o in (QUICK, THOROUGH))
-    nested = jax.jit(flat, static_argnums=(0, 1))
+    compiled = _compiled(flat)
 
     @functools.wraps(function)
     def call(*arguments):
@@ -90,10 +89,36 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
         is_number = [isinstance(leaf, jax.Array | np.ndarray) for leaf in leaves]
         fixed = tuple(_NUMBER if number else leaf for leaf, number in zip(leaves, is_number, strict=True))
         numbers = [leaf for leaf, number in zip(leaves, is_number, strict=True) if number]
-        traced = any(isinstance(leaf, jax.core.Tracer) for leaf in numbers)
-        return (nested if traced else thorough if _thorough else quick)(structure, fixed, *numbers)
+        return compiled(numbers)(structure, fixed, *numbers)
 
     return call
+
+
+def _compiled(function: Callable[..., Any]) -> Callable[[list], Callable[..., Any]]:
+    """Compiled variants of ``function(structure, fixed, *leaves)``, to be chosen by what the leaves are."""
+
+    @functools.wraps(function)
+    def traced(*arguments):
+        # Tracing makes objects that live on, by the hundred thousand: to look for garbage among them takes a quarter
+        # of its time.
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            return function(*arguments)
+        finally:
+            if collects:
+                gc.enable()
+
+    quick = jax.jit(traced, static_argnums=(0, 1), compiler_options=QUICK)
+    thorough = jax.jit(kept(traced), static_argnums=(0, 1), compiler_options=THOROUGH)
+    nested = jax.jit(traced, static_argnums=(0, 1))
+
+    def chosen(leaves):
+        if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+            return nested
+        return thorough if _thorough else quick
+
+    return chosen
 
 
 class _Number:

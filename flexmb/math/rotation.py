@@ -115,7 +115,7 @@ def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
     Source:
         See :func:`lbar`; homogeneous of degree two, so a norm that is off by d scales R by 1 + 2 d.
     """
-    return (jnp.asarray(ROTATION) @ lam) @ lam
+    return jnp.sum(lbar(lam)[:, None] * lbody(lam), axis=-1)
 
 
 def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Array, "3 n"]) -> Float[Array, "3 n"]:
@@ -132,7 +132,8 @@ def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Ar
     Source:
         R(rot) R(ref_rot)^T.
     """
-    return rotation_matrix(rot) @ (rotation_matrix(ref_rot).T @ vectors)
+    started = rotation_matrix(ref_rot).T @ vectors
+    return jnp.sum(rotation_matrix(rot)[:, :, None] * started, axis=1)
 
 
 def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:

@@ -65,7 +65,8 @@ def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving,
     found = []
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         deformation, known = companion_of(block, properties, "deformation")
-        inertia, heavy = companion_of(block, properties, "inertia")
+        inertia, own = companion_of(block, properties, "inertia")
+        own = known if inertia is None else own
         if not block.e.shape[1]:
             deformation = None
         if deformation is None and inertia is None:
@@ -74,19 +75,19 @@ def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving,
         ref = parameters.reference[block.x]
 
         def both(x, *rest, deformation=deformation, inertia=inertia, counts=counts):
-            *near, ref, known, heavy = rest
-            e = None if deformation is None else deformation(x, ref, known, **({"near": near[0]} if counts else {}))
-            return e, None if inertia is None else inertia(x, ref, heavy)[0]
+            *near, ref, own = rest
+            e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
+            return e, None if inertia is None else inertia(x, ref, own)[0]
 
-        first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, known, heavy))
+        first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
         like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
         varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
         early, late = split(both, varying, first)
-        kept = jax.vmap(early)(ref, known, heavy)
-        mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, heavy)
+        kept = jax.vmap(early)(ref, own)
+        mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, own)
         # Another block computes the deformations of elements whose companions differ.
-        own = block.e if deformation is not None else block.e[:, :0]
-        found.append(Moving(late, block.x, own, kept, mass, counts))
+        measured = block.e if deformation is not None else block.e[:, :0]
+        found.append(Moving(late, block.x, measured, kept, mass, counts))
     return tuple(found)
 
 
@@ -302,13 +303,14 @@ def acting_matrices(
     return acting, scatter_matrix((near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
 
 
-def _derivatives(f, x, v, a, falling, sigma, weight):
-    """Of one element the derivatives of (e, s), of their rates and second rates, and of D_x^T sigma + J^T weight."""
+def _derived_rates(f, x, v, a, falling):
+    """As :func:`_rates`, and their derivatives by the coordinates."""
+    return _jacobian(lambda x: _rates(f, x, v, a, falling))(x)
 
-    def everything(x):
-        return _rates(f, x, v, a, falling), _pulled(f, x, sigma, weight)
 
-    return jax.jacfwd(everything)(x)
+def _derived_forces(f, x, sigma, weight):
+    """Derivative of D_x^T sigma + J^T weight of one element."""
+    return jax.jacfwd(lambda x: _pulled(f, x, sigma, weight))(x)
 
 
 def force_derivatives(
@@ -338,14 +340,12 @@ def force_derivatives(
         Derivative of :func:`acting_forces`.
     """
     n_e, n_x = near.shape[0], x.shape[0]
-    found = [(block, block.over(_rates, near, *_along(block, x, v, a, falling))) for block in elements]
-    kinematics = _kinematics(found, near)
+    found = [(block, *block.over(_derived_rates, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], near)
     sigma = stress(kinematics.e, kinematics.ed)
     rows, squares = [], []
-    for block, (_, _, (_, sdd)) in found:
-        along = _along(block, x, v, a, falling)
-        forces = (_stressed(block, sigma), _weight(block, sdd))
-        ((d, j), (dd, jd), (d2, j2)), by_x = block.over(_derivatives, near, *along, *forces)
+    for block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) in found:
+        by_x = block.over(_derived_forces, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
         if d is not None:
             rows.append((block.e, block.x, (d, dd, d2)))
         by_v = mass = jnp.zeros_like(by_x)
