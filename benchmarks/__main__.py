@@ -22,6 +22,7 @@ SCRIPTS = (
     "batch",
     "large_deflection",
     "viewer",
+    "swing",
     "motion",
     "stability",
 )

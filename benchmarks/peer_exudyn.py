@@ -217,15 +217,10 @@ def released(built, times, step: float) -> Callable[[], Any]:
         raise RuntimeError("not converged")
     system.SetLoadParameter(0, "loadVector", [0.0, 0.0, 0.0])
     start = system.systemData.GetODE2Coordinates()
-    # Tighter tolerances, its own too, end in Newton's method not converging at small steps or with more elements.
-    chosen = exudyn.SimulationSettings()
-    chosen.linearSolver.solverType = getattr(exudyn.LinearSolverType, SOLVERS[1])
-    chosen.solution.file.write = False
+    chosen = in_time(times[-1], round(times[-1] / step))
     chosen.solution.sensors.active = True
     chosen.solution.sensors.writePeriod = times[1] - times[0]
-    chosen.timeIntegration.endTime = times[-1]
-    chosen.timeIntegration.numberOfSteps = round(times[-1] / step)
-    chosen.timeIntegration.verboseMode = 0
+    # Tighter tolerances, its own too, end in Newton's method not converging at small steps or with more elements.
     chosen.timeIntegration.newton.relativeTolerance = 1e-4
     chosen.timeIntegration.newton.absoluteTolerance = 1e-6
     chosen.timeIntegration.generalizedAlpha.spectralRadius = 0.8
@@ -237,3 +232,125 @@ def released(built, times, step: float) -> Callable[[], Any]:
 
     run.built = built  # type: ignore[attr-defined]
     return run
+
+
+def in_time(end: float, steps: int):
+    """Settings of the generalised-alpha method: fixed steps, no files, nothing printed.
+
+    Args:
+        end: Time [s].
+        steps: Number of time steps.
+    """
+    exudyn = _exudyn()
+    chosen = exudyn.SimulationSettings()
+    chosen.linearSolver.solverType = getattr(exudyn.LinearSolverType, SOLVERS[1])
+    chosen.solution.file.write = False
+    chosen.solution.sensors.active = False
+    chosen.timeIntegration.endTime = end
+    chosen.timeIntegration.numberOfSteps = steps
+    chosen.timeIntegration.verboseMode = 0
+    return chosen
+
+
+def _motion(built, end: float, steps: int, read) -> Callable[[], Any]:
+    """A function that integrates from the undeformed state at rest, and gives what ``read()`` then finds."""
+    exudyn = _exudyn()
+    chosen, (_, system) = in_time(end, steps), built
+
+    def run():
+        if not system.SolveDynamic(chosen, solverType=exudyn.DynamicSolverType.GeneralizedAlpha):
+            raise RuntimeError("not converged")
+        return read()
+
+    run.built = built  # type: ignore[attr-defined]
+    return run
+
+
+def pendulum(length, mass, bending, stretching, gravity, elements: int, end: float, steps: int) -> Callable[[], Any]:
+    """A function that lets a rod fall about its end from the horizontal, and gives the place of its tip.
+
+    Args:
+        length: Of the rod [m].
+        mass: Per length [kg/m].
+        bending: Rigidity [N m^2].
+        stretching: Rigidity [N].
+        gravity: [m/s^2].
+        elements: Cables in the plane.
+        end: Time [s].
+        steps: Number of time steps.
+    """
+    from exudyn import itemInterface as item
+
+    exudyn = _exudyn()
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    ground = system.AddNode(item.NodePointGround())
+    own = length / elements
+    nodes = [
+        system.AddNode(item.NodePoint2DSlope1(referenceCoordinates=[own * i, 0.0, 1.0, 0.0]))
+        for i in range(elements + 1)
+    ]
+    for ends in itertools.pairwise(nodes):
+        cable = item.ObjectANCFCable2D(
+            physicsLength=own,
+            physicsMassPerLength=mass,
+            physicsBendingStiffness=bending,
+            physicsAxialStiffness=stretching,
+            nodeNumbers=list(ends),
+        )
+        marker = system.AddMarker(item.MarkerBodyMass(bodyNumber=system.AddObject(cable)))
+        system.AddLoad(item.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
+    fixed = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+    for axis in (0, 1):
+        held = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=axis))
+        system.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, held]))
+    system.Assemble()
+    place = exudyn.OutputVariableType.Position
+    return _motion((container, system), end, steps, lambda: system.GetNodeOutput(nodes[-1], place)[:2])
+
+
+def spaghetti(elements: int, end: float, load: float, steps: int) -> Callable[[], Any]:
+    """A function that moves the free rod of REFERENCES.md D1 up to the peak of its load, and gives its ends.
+
+    Drawn along x, so that the frames of the nodes are those of the space.
+
+    Args:
+        elements: Beams.
+        end: Time of the peak [s].
+        load: T at the peak.
+        steps: Number of time steps.
+    """
+    import numpy as np
+    from exudyn import itemInterface as item
+
+    exudyn = _exudyn()
+    section = exudyn.BeamSection()
+    section.stiffnessMatrix = np.diag([1e4, 1e4, 1e4, 500.0, 500.0, 500.0])
+    section.massPerLength = 1.0
+    section.inertia = np.diag([20.0, 10.0, 10.0])
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    turn = [0.0, 0.0, 0.0]
+    nodes = [
+        system.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=[10.0 * i / elements, 0.0, 0.0, *turn]))
+        for i in range(elements + 1)
+    ]
+    for ends in itertools.pairwise(nodes):
+        system.AddObject(
+            item.ObjectBeamGeometricallyExact(nodeNumbers=list(ends), length=10.0 / elements, sectionData=section)
+        )
+    # Axes of the drawing in space: the rod lies from (6, 0, 0) to (0, 8, 0).
+    axes = np.array([[-0.6, 0.8, 0.0], [-0.8, -0.6, 0.0], [0.0, 0.0, 1.0]])
+    start = np.array([6.0, 0.0, 0.0])
+    force, moment = axes @ [load / 10, 0.0, 0.0], axes @ [0.0, -load / 2, -load]
+    marker = system.AddMarker(item.MarkerNodeRigid(nodeNumber=nodes[0]))
+    for kind, peak in ((item.LoadForceVector, force), (item.LoadTorqueVector, moment)):
+        rises = {"loadVectorUserFunction": lambda _, t, given: [t / end * number for number in given]}
+        system.AddLoad(kind(markerNumber=marker, loadVector=list(peak), **rises))
+    system.Assemble()
+    place = exudyn.OutputVariableType.Position
+
+    def ends_in_space():
+        return np.concatenate([start + axes.T @ system.GetNodeOutput(node, place) for node in (nodes[0], nodes[-1])])
+
+    return _motion((container, system), end, steps, ends_in_space)

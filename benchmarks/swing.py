@@ -1,0 +1,188 @@
+"""Error against time of large motions of flexible rods, beside Exudyn: a pendulum in the plane, a free rod in space.
+
+Both packages take beams and Exudyn its generalised-alpha method; what is compared is the whole error, of beams and of time
+steps, against one rod that many terms describe, or REFERENCES.md D1.
+
+    python -m benchmarks swing
+"""
+
+import functools
+import time
+
+# Flexible pendulum: length [m], mass per length [kg/m], EI [N m^2], EA [N], gravity [m/s^2], released horizontally.
+LENGTH, MASS, BENDING, STRETCHING, GRAVITY = 1.0, 1.0, 1.0, 1e5, 9.81
+END = 1.0
+# REFERENCES.md D1: the lower and the upper end at the peak of the load.
+PEAK, LOAD = 2.5, 200.0
+LOWER, UPPER = (3.60683, 0.04469, -0.42725), (3.98176, 8.53172, -0.54047)
+RUNS = 7
+
+
+def pendulum(elements: int, order: int | None = None):
+    """Flexible pendulum of flexmb.
+
+    Args:
+        elements: Number of beams.
+        order: Of spectral beams; None: the ordinary beam.
+    """
+    import flexmb as fm
+    from flexmb import planar
+
+    section = fm.Rigidity(EA=STRETCHING, EIy=BENDING, mass=MASS)
+    b = fm.Builder()
+    for i in range(elements + 1):
+        b.node(f"n{i}", (LENGTH * i / elements, 0.0))
+    element = planar.beam if order is None else planar.spectral_beam(order)
+    for i in range(elements):
+        b.add(element, f"n{i}", f"n{i + 1}", name=f"rod {i + 1}", section=section)
+    b.fix("n0", "position")
+    b.gravity((0.0, -GRAVITY))
+    return b.build()
+
+
+def spaghetti(elements: int, order: int):
+    """Free rod of flexmb in space.
+
+    Args:
+        elements: Number of spectral beams.
+        order: Of them.
+    """
+    import numpy as np
+
+    import flexmb as fm
+    from flexmb import spatial
+
+    section = fm.Rigidity(
+        EA=1e4, EIy=500.0, EIz=500.0, GIt=500.0, shear_y=0.05, shear_z=0.05, mass=1.0, Jx=20.0, Jy=10.0, Jz=10.0
+    )
+    b = fm.Builder()
+    for i, place in enumerate(np.linspace((6.0, 0.0, 0.0), (0.0, 8.0, 0.0), elements + 1)):
+        b.node(f"n{i}", tuple(place))
+    for i in range(elements):
+        element = spatial.spectral_beam(order, shear=True)
+        b.add(element, f"n{i}", f"n{i + 1}", name=f"rod {i + 1}", section=section, y=(0, 0, 1))
+    return b.build()
+
+
+def of_pendulum(found: dict, run: dict) -> float:
+    """Add flexmb's pendulums, and give the height of the tip at the end [m].
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+    """
+    import numpy as np
+
+    import flexmb as fm
+
+    def tip(model, elements, rtol):
+        return np.asarray(fm.simulate(model, [0.0, END], rtol=rtol).at(f"n{elements}"))[-1]
+
+    exact = tip(pendulum(4, 5), 4, 1e-9)
+    apart = float(np.linalg.norm(tip(pendulum(6, 5), 6, 1e-9) - exact))
+    print(f"Pendulum: {exact}, with more beams {apart:.1e} from there")
+    for family, elements, order, tolerances in (
+        ("16 beams", 16, None, (1e-3, 1e-4, 1e-5)),
+        ("2 spectral beams of order 4", 2, 4, (1e-3, 1e-4, 1e-5, 1e-6)),
+    ):
+        model = pendulum(elements, order)
+        for rtol in tolerances:
+            call = functools.partial(tip, model, elements, rtol)
+            add(found, run, f"pendulum, flexmb, {family}: {rtol:g}", call, exact)
+    return exact
+
+
+def of_spaghetti(found: dict, run: dict) -> None:
+    """Add flexmb's free rods.
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+    """
+    import diffrax
+    import numpy as np
+
+    import flexmb as fm
+
+    ramp = np.array([0.0, PEAK, 2 * PEAK])
+    force, moment = np.zeros((2, 3, 3))
+    force[1], moment[1] = (LOAD / 10, 0, 0), (0, -LOAD / 2, -LOAD)
+    loads = {"n0": fm.Table(ramp, force), "n0.rotation": fm.Table(ramp, moment)}
+
+    def ends(model, elements, rtol):
+        motion = fm.simulate(model, [0.0, PEAK], loads=loads, rtol=rtol, solver=diffrax.Dopri5())
+        return np.concatenate([np.asarray(motion.at(f"n{i}"))[-1] for i in (0, elements)])
+
+    for elements, order, rtol in ((1, 2, 1e-4), (1, 4, 1e-4), (1, 6, 1e-4), (1, 6, 1e-5)):
+        call = functools.partial(ends, spaghetti(elements, order), elements, rtol)
+        name = f"spaghetti, flexmb, {elements} spectral beam at {rtol:g}: order {order}"
+        add(found, run, name, call, np.array([*LOWER, *UPPER]))
+
+
+def add(found: dict, run: dict, name: str, call, exact) -> None:
+    """Note the error of a variant, and that it is to be timed.
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+        name: Name.
+        call: Gives what ``exact`` is.
+        exact: Positions [m].
+    """
+    import numpy as np
+
+    begin = time.perf_counter()
+    error = float(np.linalg.norm(call() - exact))
+    found[name] = {"error": error, "first_s": time.perf_counter() - begin}
+    run[name] = call
+    print(f"{name:<60} error {error:.1e} m, first {found[name]['first_s']:.1f} s", flush=True)
+
+
+def of_exudyn(found: dict, run: dict, exact) -> tuple[str, ...]:
+    """Add Exudyn's pendulums and rods, where it is installed.
+
+    Args:
+        found: Entries by name, added to.
+        run: Functions to time by name, added to.
+        exact: Tip of the pendulum at the end [m].
+
+    Returns:
+        Names of the packages that took part.
+    """
+    import numpy as np
+    import peer_exudyn
+
+    if not peer_exudyn.installed():
+        print("Exudyn is not installed and is left out: pip install -e '.[peers]' brings it.")
+        return ()
+    sizes = (LENGTH, MASS, BENDING, STRETCHING, GRAVITY)
+    for elements, steps in ((16, 250), (16, 1000), (16, 4000), (32, 4000), (64, 4000)):
+        call = peer_exudyn.pendulum(*sizes, elements, END, steps)
+        add(found, run, f"pendulum, Exudyn, {elements} cables: {steps} steps", call, exact)
+    for elements, steps in ((8, 250), (8, 1000), (16, 1000), (32, 2000)):
+        call = peer_exudyn.spaghetti(elements, PEAK, LOAD, steps)
+        add(found, run, f"spaghetti, Exudyn, {elements} beams: {steps} steps", call, np.array([*LOWER, *UPPER]))
+    return ("exudyn",)
+
+
+def main() -> None:
+    """Compute, time, print, save and draw."""
+    from record import PACKAGES, chart, interleaved, save, show
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    fm.enable_cache()
+    found, run = {}, {}
+    exact = of_pendulum(found, run)
+    of_spaghetti(found, run)
+    took_part = of_exudyn(found, run, exact)
+    timed = interleaved(run, RUNS)
+    show("Large motions, compiled", timed)
+    save("swing", {"found": found, "times": timed}, (*PACKAGES, "diffrax", *took_part))
+    title = "Flexible pendulum, 1 s, and free rod in space, 2.5 s"
+    chart("swing", found, timed, title, "time of the motion", "error of the ends at the end [m]")
+
+
+if __name__ == "__main__":
+    main()
