@@ -16,8 +16,12 @@ import jax.core
 import numpy as np
 
 # What these packages define is known by its name: their versions are part of every fingerprint.
-PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "diffrax", "equinox", "lineax", "optimistix", "optax")
-TRUSTED = frozenset(("flexmb", *PACKAGES, *sys.stdlib_module_names)) - {"random", "time", "datetime", "secrets"}
+PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "diffrax", "equinox", "lineax", "optimistix", "optax", "jaxtyping")
+PURE = ("builtins", "math", "cmath", "functools", "operator", "itertools", "collections", "typing", "types", "enum")
+TRUSTED = frozenset(("flexmb", *PACKAGES, *PURE, "numbers", "dataclasses", "abc"))
+# Names by which a function may reach what is not to be seen in it.
+REACHING = {"random", "open", "input", "eval", "exec", "globals", "locals", "vars", "getattr", "load", "memmap"}
+REACHING |= {"loadtxt", "genfromtxt", "fromfile", "__import__"}
 SETTINGS = ("jax_enable_x64", "jax_default_matmul_precision", "jax_numpy_dtype_promotion", "jax_debug_nans")
 NUMBERS = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
 
@@ -83,6 +87,8 @@ def _parts(thing: Any) -> list[Any]:
         return [repr(thing).encode()]
     if isinstance(thing, np.ndarray | np.generic | jax.Array) and not isinstance(thing, jax.core.Tracer):
         array = np.asarray(thing)
+        if array.dtype.hasobject:
+            raise UnknownError("an array of objects")
         return [f"{array.dtype} {array.shape}".encode(), np.ascontiguousarray(array).tobytes()]
     if isinstance(thing, tuple | list):
         return list(thing)
@@ -105,9 +111,8 @@ def _parts(thing: Any) -> list[Any]:
         return _parts_of_function(thing)
     if isinstance(thing, types.CodeType):
         return _parts_of_code(thing)
-    wrapped = getattr(thing, "__wrapped__", None)
-    if callable(thing) and wrapped is not None and _root(type(thing)) in TRUSTED:
-        return [wrapped]
+    if callable(thing) and hasattr(thing, "__wrapped__") and _root(type(thing)) in TRUSTED:
+        return _parts_of_wrapper(thing)
     state = getattr(thing, "__dict__", None)
     if state is not None and _root(type(thing)) in TRUSTED:
         return [_trusted_name(type(thing)), state]
@@ -128,8 +133,18 @@ def _trusted_name(thing: Any) -> bytes:
     return f"{module}:{getattr(thing, '__qualname__', thing.__name__)}".encode()
 
 
+def _parts_of_wrapper(thing: Any) -> list[Any]:
+    """Of a function that a package has wrapped: compiled, remembered."""
+    if isinstance(thing, jax.custom_jvp | jax.custom_vjp) and _root(thing) not in TRUSTED:
+        raise UnknownError("a function with derivatives of its own")
+    return [_trusted_name(thing)] if _root(thing) in TRUSTED else [thing.__wrapped__]
+
+
 def _parts_of_function(function: types.FunctionType) -> list[Any]:
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    try:
+        cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    except ValueError:
+        raise UnknownError("a function that refers to what is not there yet") from None
     bound = [cells, function.__defaults__, function.__kwdefaults__]
     if _root(function) in TRUSTED:
         return [f"{function.__module__}:{function.__qualname__}".encode(), *bound]
@@ -141,9 +156,11 @@ def _parts_of_function(function: types.FunctionType) -> list[Any]:
 def _parts_of_code(code: types.CodeType) -> list[Any]:
     if any(instruction.opname in ("IMPORT_NAME", "STORE_GLOBAL") for instruction in dis.get_instructions(code)):
         raise UnknownError("a function that imports, or changes what is global")
-    if "random" in code.co_names:
-        raise UnknownError("a function that is not the same each time")
-    return [code.co_code, code.co_consts, code.co_names, code.co_varnames, code.co_freevars, code.co_argcount]
+    if reaching := REACHING.intersection(code.co_names):
+        raise UnknownError(f"a function that uses {', '.join(sorted(reaching))}")
+    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    return [code.co_code, code.co_exceptiontable, code.co_consts, names, counts]
 
 
 def _names(code: types.CodeType) -> set[str]:

@@ -96,15 +96,17 @@ def _write(path: Path, function, leaves):
 
     arguments = [jax.ShapeDtypeStruct(leaf.shape, leaf.dtype) for leaf in map(jax.typeof, leaves)]
     try:
-        program = export(jax.jit(flat))(*arguments)
-        serialized = program.serialize()
+        serialized = export(jax.jit(flat))(*arguments).serialize()
         whole = pickle.dumps((shapes[-1], bytes(serialized)))
-    except (pickle.PicklingError, AttributeError, NotImplementedError) as reason:
+        shape, _ = pickle.loads(whole)
+        if jax.tree.structure(shape) != jax.tree.structure(shapes[-1]):
+            raise TypeError("its result holds what is only equal to itself")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(whole)
+        os.replace(name, path)
+    except Exception as reason:  # A fault of the function itself is raised again where it is traced without this.
         LOG.debug("%s is not kept: %s", path, reason)
         return None
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent)
-    with os.fdopen(handle, "wb") as file:
-        file.write(whole)
-    os.replace(name, path)
-    return deserialize(serialized), shapes[-1]
+    return deserialize(serialized), shape
