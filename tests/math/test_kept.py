@@ -1,5 +1,8 @@
 """Traced functions are kept on disk, and taken from there by what they depend on alone."""
 
+import random
+import time
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -122,18 +125,81 @@ def test_fingerprint_of_functions():
     assert fingerprint(planar.spectral_beam(2)) != fingerprint(planar.spectral_beam(3))
     assert fingerprint(Rodas5P()) != fingerprint(Rodas5P(jumps=True))
     assert fingerprint(np.zeros(2)) != fingerprint(np.ones(2)) != fingerprint(np.ones(2, int))
-    with pytest.raises(UnknownError):
-        fingerprint(lambda: __import__("random").random())
-    with pytest.raises(UnknownError):
-        fingerprint(Amplitude(1.0))
 
-    def importing(x):
-        import json
 
-        return json.loads(x)
+def importing(x):
+    import json
 
+    return json.loads(x)
+
+
+def counting(x):
+    global SCALE
+    SCALE = x
+    return x
+
+
+def before_it_is_there():
+    def function(x):
+        return later * x
+
+    refused = [function]
+    if not refused:
+        later = 1.0
+    return function
+
+
+@jax.custom_jvp
+def with_its_own_derivative(x):
+    return x
+
+
+@pytest.mark.parametrize(
+    "thing",
+    [
+        Amplitude(1.0),
+        Amplitude(1.0).__init__,
+        np.array([Amplitude(1.0)], object),
+        importing,
+        counting,
+        before_it_is_there(),
+        with_its_own_derivative,
+        lambda: random.random(),
+        lambda x: np.load(x),
+        lambda x: getattr(np, x),
+        lambda x: [open(x) for x in x],
+        time.time,
+        time,
+    ],
+)
+def test_what_may_change_unseen_has_no_fingerprint(thing):
     with pytest.raises(UnknownError):
-        fingerprint(importing)
+        fingerprint(thing)
+
+
+@jax.tree_util.register_pytree_node_class
+class Marked:
+    """Record with a static part that is equal to itself alone."""
+
+    mark = None
+
+    def __init__(self, value, mark):
+        self.value, self.mark = value, mark
+
+    def tree_flatten(self):
+        return (self.value,), self.mark
+
+    @classmethod
+    def tree_unflatten(cls, mark, children):
+        return cls(*children, mark)
+
+
+def test_a_result_that_is_only_equal_to_itself_is_not_kept(folder):
+    mark = Amplitude(2.0)
+    made = jit(lambda x: Marked(2 * x, mark))(jnp.ones(2))
+    assert made.mark is mark
+    np.testing.assert_array_equal(made.value, 2.0)
+    assert not list(folder.iterdir())
 
 
 def test_a_simulation_is_kept_and_right(folder, written):
