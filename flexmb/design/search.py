@@ -19,8 +19,8 @@ FIRST_WEIGHT, WEIGHT_GROWTH, LARGEST_WEIGHT = 10.0, 10.0, 1e8
 # The weight of the penalty grows where a round does not bring the violation down to this share.
 ENOUGH = 0.25
 MAX_ROUNDS = 40
-# Projected derivative of the scaled Lagrangian at the end, and in the first round.
-STATIONARY, FIRST_STATIONARY = 1e-7, 1e-2
+# Projected derivative of the scaled Lagrangian at the end, in the first round, and where nothing lower is found.
+STATIONARY, FIRST_STATIONARY, NEARLY_STATIONARY = 1e-7, 1e-2, 1e-4
 
 
 @dataclasses.dataclass
@@ -222,9 +222,10 @@ def _augmented(problem: Problem, evaluate: _Evaluations, start: np.ndarray, inne
     multipliers = np.zeros(len(problem.equal.names)), np.zeros(len(problem.limits.names))
     constrained = bool(problem.equal.names or problem.limits.names)
     weight, wanted, before, unit = FIRST_WEIGHT, FIRST_STATIONARY if constrained else STATIONARY, np.inf, start
+    nearest = np.inf, unit
     try:
         for _ in range(MAX_ROUNDS):
-            unit = inner(unit, multipliers, weight, wanted)
+            last, unit = unit, inner(unit, multipliers, weight, wanted)
             found = evaluate(unit)
             if found is None:
                 return (
@@ -238,16 +239,22 @@ def _augmented(problem: Problem, evaluate: _Evaluations, start: np.ndarray, inne
             # A limit that is not reached has no multiplier in the end.
             updated = problem.updated(values, multipliers, weight)
             slack = np.max(np.abs(updated[1] * problem.limits(values)), initial=0.0)
-            if violation <= tolerance and left <= 10 * STATIONARY and slack <= 10 * tolerance:
-                return unit, "the conditions of an optimum hold", RESULTS.successful
-            if not constrained:
-                why = "no further descent was found; the objective may have a kink there"
-                return unit, why, RESULTS.successful if left <= 1e3 * STATIONARY else RESULTS.not_optimal
+            if violation <= tolerance and slack <= 10 * tolerance:
+                if left <= 10 * STATIONARY:
+                    return unit, "the conditions of an optimum hold", RESULTS.successful
+                nearest = min(nearest, (left, unit), key=lambda one: one[0])
+            # Where round-off of the answers hides the descent, no multipliers help.
+            stuck = violation <= tolerance and left > wanted and np.array_equal(unit, last)
+            if stuck or not constrained:
+                break
             if violation > max(ENOUGH * before, tolerance) and weight < LARGEST_WEIGHT:
                 weight *= WEIGHT_GROWTH
             multipliers, before, wanted = updated, violation, max(0.1 * wanted, STATIONARY)
     except _Stop:
         return _best(problem, evaluate.history, tolerance), "max_evaluations reached", RESULTS.not_optimal
+    if nearest[0] <= NEARLY_STATIONARY or not constrained:
+        why = "no further descent was found: the objective may have a kink there, or be known no better"
+        return nearest[1], why, RESULTS.successful if nearest[0] <= NEARLY_STATIONARY else RESULTS.not_optimal
     end = _best(problem, evaluate.history, tolerance)
     if problem.violation(evaluate.history[-1][1]) > tolerance:
         return unit, "the limits cannot be kept", RESULTS.infeasible
