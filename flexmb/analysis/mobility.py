@@ -13,6 +13,8 @@ from ..model.model import Model
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
+# Entries closer than this share of the largest are equal but for round-off.
+ALIKE = 1e-6
 
 
 @jit
@@ -98,7 +100,7 @@ class Mobility:
 
 
 def _shares(vector: np.ndarray, entries) -> list[Share]:
-    order = np.argsort(-np.abs(vector), kind="stable")
+    order = np.argsort(-np.round(np.abs(vector) / ALIKE), kind="stable")
     shown = [i for i in order if abs(vector[i]) > SHOWN and entries[i].kind != "norm"]
     return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]
 
@@ -131,8 +133,12 @@ class Constraints:
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:
-    largest = np.argmax(np.abs(columns), axis=0) if columns.size else np.zeros(columns.shape[1], int)
-    return columns / columns[largest, np.arange(columns.shape[1])] if columns.size else columns
+    """Columns whose largest entry is 1, the first of several that only round-off tells apart."""
+    if not columns.size:
+        return columns
+    sizes = np.abs(columns)
+    first = np.argmax(sizes > (1 - ALIKE) * sizes.max(axis=0), axis=0)
+    return columns / columns[first, np.arange(columns.shape[1])]
 
 
 def constraints(model: Model) -> Constraints:
