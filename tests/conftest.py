@@ -8,7 +8,9 @@ import flexmb as fm
 from flexmb.setup import cache_folder
 
 fm.enable_x64()
+# Compiled code is kept beside the user's own, so that a second run is quick.
 CACHE = cache_folder() / "tests"
+fm.enable_cache(CACHE, thorough=False)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
@@ -24,7 +26,7 @@ hypothesis.settings.load_profile("flexmb")
 @pytest.fixture(scope="module", autouse=True)
 def _compiled_code_is_given_back():
     """Each compiled function holds a dozen memory maps, of which a process has 65530: beyond them compiling crashes."""
-    # Compiled code is kept beside the user's own, so that a second run is quick. What a command runs has its own idea.
+    # A command that an earlier module ran has switched to its own.
     fm.enable_cache(CACHE, thorough=False)
     yield
     jax.clear_caches()
