@@ -22,6 +22,9 @@ def cache_folder() -> Path:
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
     """Keep compiled code on disk, so that a fresh process starts quickly.
 
+    What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
+    environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept.
+
     Args:
         folder: Where; by default :func:`cache_folder`.
         thorough: Compile for half the run time in twice the compile time, as code that is kept deserves.
@@ -35,10 +38,11 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     from .math.kept import keep_traces
 
     compile_thoroughly(thorough)
-    if "equinox" not in sys.modules:
-        # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
-        # checked for finiteness here. Equinox reads this once, when it is imported.
-        os.environ.setdefault("EQX_ON_ERROR", "nan")
+    # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
+    # checked for finiteness here. Equinox reads this once, when it is imported, which may have been before.
+    on_error = os.environ.setdefault("EQX_ON_ERROR", "nan")
+    if "equinox._errors" in sys.modules:
+        vars(sys.modules["equinox._errors"])["EQX_ON_ERROR"] = on_error
     path = Path(folder) if folder is not None else cache_folder()
     path.mkdir(parents=True, exist_ok=True)
     keep_traces(path / "traces" if thorough else None)

@@ -194,8 +194,15 @@ def test_a_result_that_is_only_equal_to_itself_is_not_kept(folder):
     assert not list(folder.iterdir())
 
 
-def test_a_simulation_is_kept_and_right(folder, written):
-    """Pendulum by its own function of time: the kept program gives what the traced one gives."""
+def test_a_simulation_is_kept_and_right(folder, written, monkeypatch):
+    """Pendulum by its own function of time: the kept program gives what the traced one gives.
+
+    It is kept although equinox was imported before, in its own setting.
+    """
+    monkeypatch.delenv("EQX_ON_ERROR")
+    monkeypatch.setattr("equinox._errors.EQX_ON_ERROR", "raise")
+    fm.enable_cache(folder)
+    kept.keep_traces(folder)
     b = fm.Builder()
     b.gravity((0.0, -9.81))
     b.node("pivot", (0.0, 0.0))
