@@ -29,7 +29,7 @@ from ..math.quadrature import (
     legendre_values_at,
     lobatto,
 )
-from ..math.rigid import exponential, product, products, screws
+from ..math.rigid import exponential, multiplied, product, products, screws
 from ..math.rotation import CROSS, initial_frame, rotation_matrix, rotation_plane
 from . import beams
 from .element import Element
@@ -302,17 +302,20 @@ def _spatial_beam(order: int, shear: bool) -> Element:
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     inner = ends[:-1, None] + lengths[:, None] * gauss(3)[0]
-    values = legendre_values(order, inner.ravel())
     # Six-vectors (twist, curvatures, stretch, shears) of the fields, and the rigidity that each works against.
     places = np.eye(6)[[3, 0, 1, 2, 4, 5][: layout.fields]]
+    whole = np.einsum("pk,fs->psfk", legendre_values(order, inner.ravel()), places)
 
-    def strains(c, length, curvature, place=1.0, on_the_way=None):
-        """Screw motions of the steps from end p to a place, with the values of the polynomials on the way to it."""
-        own = (values if on_the_way is None else on_the_way) @ c.reshape(layout.fields, order).T @ places / length
-        own = own + np.array([0.0, 0, 0, 1, 0, 0])
+    def strains(c, length, curvature, place=1.0, basis=whole):
+        """Screw motions of the steps from end p to a place, with the polynomials on the way to it."""
+        own = (basis.reshape(-1, layout.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
         if curvature is not None:
             own = own + jnp.concatenate([curvature, jnp.zeros(3)])
         return exponential(screws(own.reshape(steps, 3, 6) * (length * place), lengths))
+
+    def on_the_way(place):
+        """The polynomials at the nodes on the way to a place, as strains, (nodes, 6, fields, order)."""
+        return jnp.einsum("pk,fs->psfk", legendre_values_at(order, place * inner.ravel()), places)
 
     def _length(ref, curvature):
         chord = beams.beam_length(ref)
@@ -323,8 +326,8 @@ def _spatial_beam(order: int, shear: bool) -> Element:
     def frames(rot_p, rot_q, ref, y, curvature, length):
         """Section axes at both ends as columns."""
         frame = initial_frame(ref.p, ref.q, y)
-        at_p = rotation_matrix(rot_p) @ (rotation_matrix(ref.rot_p).T @ frame)
-        at_q = rotation_matrix(rot_q) @ (rotation_matrix(ref.rot_q).T @ frame)
+        at_p = multiplied(rotation_matrix(rot_p), rotation_matrix(ref.rot_p).T @ frame)
+        at_q = multiplied(rotation_matrix(rot_q), rotation_matrix(ref.rot_q).T @ frame)
         if curvature is None:
             return at_p, at_q
         half = exponential(jnp.concatenate([curvature * length / 2, jnp.zeros(3)])[None])[0, :3, :3]
@@ -344,9 +347,9 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         length = _length(ref, curvature)
         at_p, at_q = frames(rot_p, rot_q, ref, y, curvature, length)
         pose = product(strains(c, length, curvature))
-        displacement = at_p.T @ (q - p) - pose[:3, 3]
-        between = (at_p @ pose[:3, :3]).T @ at_q
-        tilt = 0.5 * jnp.einsum("ijk,kj->i", CROSS, between)
+        displacement = jnp.sum(at_p * (q - p)[:, None], axis=0) - pose[:3, 3]
+        between = multiplied(multiplied(at_p, pose[:3, :3]).T, at_q)
+        tilt = 0.5 * jnp.sum(CROSS * between.T, axis=(1, 2))
         return layout.deformations(jnp.concatenate([displacement, tilt]), c)
 
     def _stiffness(*, ref, section: Section, curvature: Float[Array, "3"] | None = None):
@@ -375,9 +378,8 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         s, length = section.rigidity(), _length(ref, curvature)
         at_p, _ = frames(rot_p, rot_q, ref, y, curvature, length)
         poses = jnp.concatenate([jnp.eye(4)[None], products(strains(c, length, curvature))])
-        positions = p + poses[:, :3, 3] @ at_p.T
-        axes = at_p @ poses[:, :3, :3]
-        vectors = jnp.concatenate([positions, jnp.swapaxes(axes, 1, 2).reshape(-1, 3)])
+        turned = multiplied(at_p, poses[:, :3])
+        vectors = jnp.concatenate([p + turned[:, :, 3], jnp.swapaxes(turned[:, :, :3], 1, 2).reshape(-1, 3)])
         moments = beams.combine([s.Jx, s.Jy, s.Jz, s.Jyz], beams.SECOND_MOMENTS)
         n = steps + 1
         h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(s.mass * np.diag(weights))
@@ -398,8 +400,7 @@ def _spatial_beam(order: int, shear: bool) -> Element:
     ) -> Float[Array, "6"]:
         length = _length(ref, curvature)
         at_p, at_q = frames(rot_p, rot_q, ref, y, curvature, length)
-        on_the_way = legendre_values_at(order, place * inner.ravel())
-        pose = product(strains(c, length, curvature, place, on_the_way))
+        pose = product(strains(c, length, curvature, place, on_the_way(place)))
         force, moment = jnp.split(_closure_of(sigma, 6), 2)
         lever = at_p.T @ (q - p) - pose[:3, 3]
         moment = at_p.T @ (at_q @ moment) + (CROSS @ force) @ lever
@@ -430,7 +431,7 @@ def _spatial_beam(order: int, shear: bool) -> Element:
     ) -> Float[Array, "3"]:
         length = _length(ref, curvature)
         at_p, _ = frames(rot_p, rot_q, ref, y, curvature, length)
-        pose = product(strains(c, length, curvature, place, legendre_values_at(order, place * inner.ravel())))
+        pose = product(strains(c, length, curvature, place, on_the_way(place)))
         return p + at_p @ pose[:3, 3]
 
     def _check(

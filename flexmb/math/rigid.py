@@ -4,7 +4,6 @@ A pose is a homogeneous matrix [[R, r], [0, 1]]; along a rod dH/ds = H A(s) with
 (curvatures, stretches) in axes of the section.
 """
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -15,11 +14,9 @@ from .rotation import CROSS
 HAT = np.zeros((4, 4, 6))
 HAT[:3, :3, :3] = np.einsum("ikj->ijk", CROSS)
 HAT[:3, 3, 3:] = np.eye(3)
-# Lie bracket of two six-vectors, matrix(a) matrix(b) - matrix(b) matrix(a) = matrix(BRACKET a b).
-BRACKET = np.zeros((6, 6, 6))
-BRACKET[:3, :3, :3] = CROSS
-BRACKET[3:, :3, 3:] = CROSS
-BRACKET[3:, 3:, :3] = CROSS
+# Lie bracket of two six-vectors: matrix(a) matrix(b) - matrix(b) matrix(a) = matrix(A b) with A = a . ADJOINT.
+ADJOINT = np.zeros((6, 6, 6))
+ADJOINT[:3, :3, :3] = ADJOINT[:3, 3:, 3:] = ADJOINT[3:, 3:, :3] = np.moveaxis(CROSS, 1, 0)
 # (1 - cos t)/t^2 and (t - sin t)/t^3 as power series in -t^2; ten terms are exact to rounding up to t = 2.
 TERMS = 10
 SERIES = np.array([[1.0 / float(np.prod(np.arange(1.0, 2 * k + j))) for j in (3, 4)] for k in range(TERMS)])
@@ -43,13 +40,24 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
     total = jnp.broadcast_to(SERIES[-1], (v.shape[0], 2))
     for coefficients in SERIES[-2::-1]:
         total = total * z + coefficients
-    square = matrix @ matrix
+    square = multiplied(matrix, matrix)
     b, c = total[:, 0, None, None], total[:, 1, None, None]
-    return jnp.eye(4) + matrix + b * square + c * (square @ matrix)
+    return jnp.eye(4) + matrix + b * square + c * multiplied(square, matrix)
 
 
 def _bracket(a, b):
-    return jnp.einsum("ijk,nj,nk->ni", BRACKET, a, b)
+    adjoint = (a @ ADJOINT.reshape(6, 36)).reshape(-1, 6, 6)
+    return jnp.sum(adjoint * b[:, None], axis=2)
+
+
+def multiplied(a, b):
+    """Matrix products of small matrices as sums of products, which the compiler fuses with what is around them.
+
+    Args:
+        a: (..., i, j).
+        b: (..., j, k).
+    """
+    return jnp.sum(a[..., :, :, None] * b[..., None, :, :], axis=-2)
 
 
 def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:
@@ -82,14 +90,18 @@ def product(poses: Float[Array, "n 4 4"]) -> Float[Array, "4 4"]:
         poses: (n, 4, 4).
     """
     while poses.shape[0] > 1:
-        poses = poses[0::2] @ poses[1::2]
+        poses = multiplied(poses[0::2], poses[1::2])
     return poses[0]
 
 
 def products(poses: Float[Array, "n 4 4"]) -> Float[Array, "n 4 4"]:
-    """Products of the first 1, 2, .. n poses.
+    """Products of the first 1, 2, .. n poses, n a power of two; the last is computed as :func:`product` does.
 
     Args:
         poses: (n, 4, 4).
     """
-    return jax.lax.associative_scan(jnp.matmul, poses)
+    if poses.shape[0] == 1:
+        return poses
+    pairs = products(multiplied(poses[0::2], poses[1::2]))
+    between = jnp.concatenate([poses[:1], multiplied(pairs[:-1], poses[2::2])])
+    return jnp.stack([between, pairs], axis=1).reshape(poses.shape)
