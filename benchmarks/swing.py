@@ -12,8 +12,8 @@ import time
 # Flexible pendulum: length [m], mass per length [kg/m], EI [N m^2], EA [N], gravity [m/s^2], released horizontally.
 LENGTH, MASS, BENDING, STRETCHING, GRAVITY = 1.0, 1.0, 1.0, 1e5, 9.81
 END = 1.0
-# REFERENCES.md D1: the lower and the upper end at the peak of the load.
-PEAK, LOAD = 2.5, 200.0
+# REFERENCES.md D1: length [m], time of the peak of the load [s], load; the lower and the upper end then [m].
+ROD, PEAK, LOAD = 10.0, 2.5, 200.0
 LOWER, UPPER = (3.60683, 0.04469, -0.42725), (3.98176, 8.53172, -0.54047)
 RUNS, SLOW = 7, 2.0
 
@@ -99,7 +99,6 @@ def of_spaghetti(found: dict, run: dict) -> None:
         found: Entries by name, added to.
         run: Functions to time by name, added to.
     """
-    import diffrax
     import numpy as np
 
     import flexmb as fm
@@ -110,15 +109,15 @@ def of_spaghetti(found: dict, run: dict) -> None:
     loads = {"n0": fm.Table(ramp, force), "n0.rotation": fm.Table(ramp, moment)}
 
     def ends(model, elements, rtol):
-        motion = fm.simulate(model, [0.0, PEAK], loads=loads, rtol=rtol, solver=diffrax.Dopri5())
+        motion = fm.simulate(model, [0.0, PEAK], loads=loads, rtol=rtol)
         return np.concatenate([np.asarray(motion.at(f"n{i}"))[-1] for i in (0, elements)])
 
     for order in (2, 4, 6):
         call = functools.partial(ends, spaghetti(1, order), 1, 1e-4)
-        add(found, run, f"spaghetti, flexmb, one spectral beam: order {order}", call, np.array([*LOWER, *UPPER]))
+        add(found, run, f"spaghetti, flexmb, one spectral beam: order {order}", call, np.array([*LOWER, *UPPER]), ROD)
 
 
-def add(found: dict, run: dict, name: str, call, exact) -> None:
+def add(found: dict, run: dict, name: str, call, exact, length: float = LENGTH) -> None:
     """Note the error of a variant, and that it is to be timed.
 
     Args:
@@ -127,18 +126,19 @@ def add(found: dict, run: dict, name: str, call, exact) -> None:
         name: Name.
         call: Gives what ``exact`` is.
         exact: Positions [m].
+        length: Of the rod, which the error is divided by [m].
     """
     import numpy as np
 
     begin = time.perf_counter()
-    error = float(np.linalg.norm(call() - exact))
+    error = float(np.linalg.norm(call() - exact)) / length
     first = time.perf_counter() - begin
     begin = time.perf_counter()
     call()
     found[name] = {"error": error, "first_s": first, "again_s": time.perf_counter() - begin}
     run[name] = call
     again = found[name]["again_s"]
-    print(f"{name:<60} error {error:.1e} m, first {first:.1f} s, again {again:.2f} s", flush=True)
+    print(f"{name:<60} error {error:.1e}, first {first:.1f} s, again {again:.2f} s", flush=True)
 
 
 def of_exudyn(found: dict, run: dict, exact) -> tuple[str, ...]:
@@ -161,10 +161,10 @@ def of_exudyn(found: dict, run: dict, exact) -> tuple[str, ...]:
     sizes = (LENGTH, MASS, BENDING, STRETCHING, GRAVITY)
     for elements, steps in ((16, 250), (16, 1000), (16, 4000), (32, 4000), (64, 4000)):
         call = peer_exudyn.pendulum(*sizes, elements, END, steps)
-        add(found, run, f"pendulum, Exudyn, {elements} cables: {steps} steps", call, exact)
+        add(found, run, f"pendulum, Exudyn: {elements} cables, {steps}", call, exact)
     for elements, steps in ((8, 250), (8, 1000), (16, 1000), (32, 2000)):
         call = peer_exudyn.spaghetti(elements, PEAK, LOAD, steps)
-        add(found, run, f"spaghetti, Exudyn, {elements} beams: {steps} steps", call, np.array([*LOWER, *UPPER]))
+        add(found, run, f"spaghetti, Exudyn: {elements} beams, {steps}", call, np.array([*LOWER, *UPPER]), ROD)
     return ("exudyn",)
 
 
@@ -188,7 +188,7 @@ def main() -> None:
     show("Large motions, compiled", timed)
     save("swing", {"found": found, "times": timed}, (*PACKAGES, "diffrax", *took_part))
     title = "Flexible pendulum, 1 s, and free rod in space, 2.5 s"
-    chart("swing", found, timed, title, "time of the motion", "error of the ends at the end [m]")
+    chart("swing", found, timed, title, "time of the motion", "error of the ends at the end, over the length")
 
 
 if __name__ == "__main__":
