@@ -65,7 +65,7 @@ def spaghetti(elements: int, order: int):
 
 
 def of_pendulum(found: dict, run: dict) -> float:
-    """Add flexmb's pendulums, and give the height of the tip at the end [m].
+    """Add flexmb's pendulums, and give where the tip is at the end [m].
 
     Args:
         found: Entries by name, added to.
@@ -75,8 +75,8 @@ def of_pendulum(found: dict, run: dict) -> float:
 
     import flexmb as fm
 
-    def tip(model, elements, rtol):
-        return np.asarray(fm.simulate(model, [0.0, END], rtol=rtol).at(f"n{elements}"))[-1]
+    def tip(model, elements, rtol, atol=None):
+        return np.asarray(fm.simulate(model, [0.0, END], rtol=rtol, atol=atol).at(f"n{elements}"))[-1]
 
     exact = tip(pendulum(4, 5), 4, 1e-9)
     apart = float(np.linalg.norm(tip(pendulum(6, 5), 6, 1e-9) - exact))
@@ -89,6 +89,10 @@ def of_pendulum(found: dict, run: dict) -> float:
         for rtol in tolerances:
             call = functools.partial(tip, model, elements, rtol)
             add(found, run, f"pendulum, flexmb, {family}: {rtol:g}", call, exact)
+    model = pendulum(16)
+    for both in (1e-4, 1e-5, 1e-6, 1e-7):
+        call = functools.partial(tip, model, 16, both, both)
+        add(found, run, f"pendulum, flexmb, 16 beams, atol = rtol: {both:g}", call, exact)
     return exact
 
 

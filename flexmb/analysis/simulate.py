@@ -233,7 +233,8 @@ def simulate(
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
         rtol: Relative tolerance of displacements, of one step. Over many steps and large motions, ten to a thousand
             times as much comes together (``benchmarks/stability.py``); 1e-4 will do for small ones.
-        atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given.
+        atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given. Motions as large
+            as the mechanism take half the steps for the same error with ``atol=rtol`` (``benchmarks/swing.py``).
         solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
             ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
         controller: Step size controller of diffrax; a PIDController with rtol and atol, or fixed steps, unless given.
