@@ -217,14 +217,15 @@ def test_what_cannot_be_kept_is_told():
     assert short.reason == "max_evaluations reached"
 
 
-def test_a_search_ends_where_round_off_hides_the_descent():
-    # Narrow curved valley with answers known to 2e-8. On the line x + y = 2(1 - 1e-6), the limit tightened by its
+@pytest.mark.parametrize("unit", [5e-8, 1e-7])
+def test_a_search_ends_where_round_off_hides_the_descent(unit):
+    # Narrow curved valley with answers in whole units. On the line x + y = 2(1 - 1e-6), the limit tightened by its
     # tolerance, x = 1 + d with 2(x - 2) + 2e5 (3d + 2e-6) 3 = 0 to first order.
-    noise, curvature = 2e-8, 1.8e6
+    curvature = 1.8e6
 
     def cost(made):
         exact = 1 + (made["x"] - 2) ** 2 + 1e5 * (made["y"] - made["x"] ** 2) ** 2
-        return exact + jax.lax.stop_gradient(noise * jnp.sin(1e13 * exact))
+        return exact + jax.lax.stop_gradient(unit * jnp.round(exact / unit) - exact)
 
     found = fm.tune(
         lambda x, y: {"x": x, "y": y},
@@ -234,7 +235,7 @@ def test_a_search_ends_where_round_off_hides_the_descent():
         minimize="cost",
         limits={"sum": (None, 2.0)},
     )
-    assert found.reason.startswith("no further descent was found")
-    assert found.evaluations < 300
-    # Where the cost rises by less than twice its noise.
-    assert found.dimensions["x"] - 1 == pytest.approx((1e-5 / 3 - 2e-6) / 3, abs=np.sqrt(4 * noise / curvature))
+    # Rounds that go on without descent take 470 and 800 evaluations, depending on the compiler's rounding.
+    assert found.evaluations < 400
+    # Where the cost rises by less than two units.
+    assert found.dimensions["x"] - 1 == pytest.approx((1e-5 / 3 - 2e-6) / 3, abs=np.sqrt(4 * unit / curvature))
