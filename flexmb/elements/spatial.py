@@ -79,6 +79,7 @@ def _beam(
     return jnp.concatenate([jnp.stack([elongation, twist]), bending.reshape(-1)])
 
 
+# Of the ends p and q in the bendings along the local z; those along the local y have the other sign.
 SIGN = np.array([-1.0, 1.0])
 
 

@@ -29,8 +29,8 @@ from ..math.quadrature import (
     legendre_values_at,
     lobatto,
 )
-from ..math.rigid import exponential, multiplied, product, products, screws
-from ..math.rotation import CROSS, initial_frame, rotation_matrix, rotation_plane
+from ..math.rigid import exponential, product, products, screws
+from ..math.rotation import CROSS, initial_frame, multiplied, rotation_matrix, rotation_plane
 from . import beams
 from .element import Element
 from .nodes import Angle, Internal, Point2, Point3, Rotation3

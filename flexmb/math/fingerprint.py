@@ -114,7 +114,7 @@ def _parts(thing: Any) -> list[Any]:
     if callable(thing) and hasattr(thing, "__wrapped__") and _root(type(thing)) in TRUSTED:
         return _parts_of_wrapper(thing)
     state = getattr(thing, "__dict__", None)
-    if state is not None and _root(type(thing)) in TRUSTED:
+    if state is not None:
         return [_trusted_name(type(thing)), state]
     raise UnknownError(f"{type(thing).__module__}.{type(thing).__qualname__}")
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .rotation import CROSS
+from .rotation import CROSS, multiplied
 
 # matrix(v)[i, j] = HAT[i, j, k] v[k]
 HAT = np.zeros((4, 4, 6))
@@ -48,16 +48,6 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
 def _bracket(a, b):
     adjoint = (a @ ADJOINT.reshape(6, 36)).reshape(-1, 6, 6)
     return jnp.sum(adjoint * b[:, None], axis=2)
-
-
-def multiplied(a, b):
-    """Matrix products of small matrices as sums of products, which the compiler fuses with what is around them.
-
-    Args:
-        a: (..., i, j).
-        b: (..., j, k).
-    """
-    return jnp.sum(a[..., :, :, None] * b[..., None, :, :], axis=-2)
 
 
 def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:

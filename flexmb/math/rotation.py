@@ -103,6 +103,16 @@ def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     return jnp.asarray(LBODY) @ lam
 
 
+def multiplied(a: Float[Array, "*n i j"], b: Float[Array, "*n j k"]) -> Float[Array, "*n i k"]:
+    """Matrix products of small matrices as sums of products, which the compiler fuses with what is around them.
+
+    Args:
+        a: (..., i, j).
+        b: (..., j, k).
+    """
+    return jnp.sum(a[..., :, :, None] * b[..., None, :, :], axis=-2)
+
+
 def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
     """Rotation matrix of Euler parameters, ``R = lbar(lam) @ lbody(lam).T``.
 
@@ -132,8 +142,7 @@ def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Ar
     Source:
         R(rot) R(ref_rot)^T.
     """
-    started = rotation_matrix(ref_rot).T @ vectors
-    return jnp.sum(rotation_matrix(rot)[:, :, None] * started, axis=1)
+    return multiplied(rotation_matrix(rot), rotation_matrix(ref_rot).T @ vectors)
 
 
 def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:
