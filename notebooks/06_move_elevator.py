@@ -40,7 +40,7 @@ print(read.settings["TIMESTEP"], read.settings["ERROR"])
 
 # %%
 times = np.linspace(0, 2.5, 251)
-motion = fm.simulate(model, times, rtol=1e-6)
+motion = fm.simulate(model, times, rtol=1e-7)
 rows = {str(entry): i for i, entry in enumerate(model.labels.e)}
 turn, left, right = (np.asarray(motion.near[:, rows[name]]) for name in ("1.e1", "2.e1", "3.e1"))
 

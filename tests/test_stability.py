@@ -118,7 +118,7 @@ def test_stiffness_ratio_in_motion(ratio):
     b.dof("mass", "y")
     b.start("mass", "x", 1e-3)
     period = 2 * np.pi / np.sqrt(50.0)
-    found = fm.simulate(b.build(), np.array([0.0, period / 2, period]), rtol=1e-6, max_steps=20_000)
+    found = fm.simulate(b.build(), np.array([0.0, period / 2, period]), max_steps=5_000)
     np.testing.assert_allclose(found.at("mass")[:, 0], [1e-3, -1e-3, 1e-3], atol=1e-5)
 
 

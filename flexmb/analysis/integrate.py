@@ -30,6 +30,7 @@ class Run(NamedTuple):
         steps: Number of time steps.
         result: Code of RESULTS.
         last: State at the end, and what a sampled controller remembers, to go on from.
+        moved: Greatest displacement so far, at most 1 (extents, radians), if step sizes go by it.
     """
 
     x: Float[Array, "n_t n_x"]
@@ -39,6 +40,7 @@ class Run(NamedTuple):
     steps: Int[Array, ""]
     result: Int[Array, ""]
     last: tuple[MotionState, Any]
+    moved: Float[Array, ""]
 
 
 class Start(NamedTuple):
@@ -56,11 +58,13 @@ class Start(NamedTuple):
 
 
 def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regular):
-    """States at times between t0 and t1, number of steps, and code of the result."""
+    """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     import diffrax
+    import optimistix as optx
 
     from ..solvers.projected import Projected
     from ..solvers.rosenbrock import Rodas5P, Rosenbrock
+    from ..solvers.step_size import DisplacementController
     from ..solvers.term import MotionTerm
 
     rtol, atol = settings["rtol"], settings["atol"]
@@ -71,8 +75,16 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     if controller is None and not adapts:
         controller = diffrax.ConstantStepSize()
     elif controller is None:
-        controller = diffrax.PIDController(
-            rtol=rtol, atol=atol, pcoeff=0.1, icoeff=0.3, dtmin=SMALLEST_STEP * (t1 - t0), force_dtmin=False
+        controller = DisplacementController(
+            rtol=rtol,
+            atol=atol,
+            norm=optx.max_norm,
+            pcoeff=0.1,
+            icoeff=0.3,
+            dtmin=SMALLEST_STEP * (t1 - t0),
+            force_dtmin=False,
+            moved=settings["moved"],
+            states=form.states,
         )
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
@@ -96,7 +108,7 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         t1,
         dt0,
         start,
-        saveat=diffrax.SaveAt(ts=times),
+        saveat=diffrax.SaveAt(ts=times, controller_state=True),
         stepsize_controller=controller,
         adjoint=adjoint,
         event=settings["event"],
@@ -114,7 +126,11 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
         result = jnp.where(wrong, failed, result)
     result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
-    return states, solution.stats["num_steps"], result
+    state: Any = solution.controller_state
+    if isinstance(controller, diffrax.ClipStepSizeController):
+        controller, state = controller.controller, state.inner_state
+    moved = state[1] if isinstance(controller, DisplacementController) else settings["moved"]
+    return states, moved, solution.stats["num_steps"], result
 
 
 def _form(model: Model, driven, settings) -> Any:
@@ -168,7 +184,7 @@ def integrate(
     form = _form(model, driven, settings)
     start = _start(form, driven, span[0], given[0])
     z0, regular = form.begin(span[0], start)
-    states, steps, result = _solved(form, settings, span[0], span[1], times, start, z0, regular)
+    states, moved, steps, result = _solved(form, settings, span[0], span[1], times, start, z0, regular)
 
     def whole(at):
         # Between steps the state is interpolated, off the constraints.
@@ -177,7 +193,7 @@ def integrate(
         return *form.whole_motion(at[0], state), inputs
 
     x, xd, near, u = jax.lax.map(whole, (times, states))
-    return Run(x, xd, near, u, steps, result, (_last(states), None))
+    return Run(x, xd, near, u, steps, result, (_last(states), None), moved)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -221,17 +237,18 @@ def integrate_sampled(
     sensors = measuring(model, undriven)
 
     def interval(carry, at):
-        state, memory = carry
+        state, memory, moved = carry
         begin, end, wanted = at
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         form = under_inputs(model, undriven, u)
         z0, regular = form.begin(begin, state)
-        states, steps, result = _solved(form, settings, begin, end, wanted, state, z0, regular)
-        return (_last(states), memory), (states, u, steps, result)
+        before = settings | {"moved": moved}
+        states, moved, steps, result = _solved(form, before, begin, end, wanted, state, z0, regular)
+        return (_last(states), memory, moved), (states, u, steps, result)
 
-    start = _start(undriven, driven, grid.begin[0], given[0]), given[1]
-    last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
+    start = _start(undriven, driven, grid.begin[0], given[0]), given[1], settings["moved"]
+    (state, memory, moved), (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     x, xd, near = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
-    return Run(x, xd, near, u[grid.interval], jnp.sum(steps), jnp.max(result), last)
+    return Run(x, xd, near, u[grid.interval], jnp.sum(steps), jnp.max(result), (state, memory), moved)

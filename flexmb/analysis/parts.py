@@ -94,6 +94,7 @@ def integrate_in_parts(
                     run = integrate(model, driven, span, jnp.asarray(filled), at, settings)
                 rows.append([np.asarray(column)[: len(own)] for column in run[:4]])
                 steps, result, at = steps + int(run.steps), RESULTS(int(run.result)), run.last
+                settings = settings | {"moved": run.moved}
                 if report is not None:
                     report(i + 1, len(bounds) - 1)
                 if result != RESULTS.successful or not np.all(np.isfinite(np.asarray(at[0].u))):
@@ -105,7 +106,7 @@ def integrate_in_parts(
             result = RESULTS.stopped
     joined = [np.concatenate(column) for column in zip(*rows, strict=True)] if rows else _nothing(model, settings)
     x, xd, near, u = (jnp.asarray(column) for column in joined)
-    return Run(x, xd, near, u, jnp.asarray(steps), jnp.asarray(int(result)), at)
+    return Run(x, xd, near, u, jnp.asarray(steps), jnp.asarray(int(result)), at, settings["moved"])
 
 
 def _nothing(model: Model, settings) -> list[np.ndarray]:

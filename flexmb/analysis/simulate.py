@@ -31,8 +31,8 @@ from .parts import integrate_in_parts, sampled_intervals
 if TYPE_CHECKING:
     import diffrax
 
-# Absolute tolerance of a position, as share of the mechanism's extent, and of a rotation, over the relative one.
-ABSOLUTE = 1e-3
+# Absolute tolerance of a position, as share of the mechanism's extent, and of a rotation: above round-off.
+ABSOLUTE = 1e-13
 
 
 class Motion(Record):
@@ -231,13 +231,14 @@ def simulate(
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
             constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
-        rtol: Relative tolerance of displacements, of one step. Over many steps and large motions, ten to a thousand
-            times as much comes together (``benchmarks/stability.py``); 1e-4 will do for small ones.
-        atol: The same as share of the mechanism's extent, and in radians; ``1e-3 rtol`` unless given. Motions as large
-            as the mechanism take half the steps for the same error with ``atol=rtol`` (``benchmarks/swing.py``).
+        rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over the
+            mechanism's extent (a radian) where that is less. What comes together over a motion is of the same size
+            where it is damped or short, and more where it is neither (``benchmarks/stability.py``).
+        atol: Part of that error which is allowed of a mechanism that has not moved, as share of its extent, and in
+            radians; 1e-13 unless given.
         solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
             ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
-        controller: Step size controller of diffrax; a PIDController with rtol and atol, or fixed steps, unless given.
+        controller: Step size controller of diffrax, in place of the one of rtol and atol, or of fixed steps.
         dt0: First step, or the step of a solver of fixed steps [s].
         adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
         event: Event of diffrax that ends the motion; later times are then given as not finite.
@@ -278,7 +279,8 @@ def simulate(
         "form": form,
         "feedback": None if control is None else as_feedback(model, control, reference),
         "rtol": jnp.asarray(rtol, float),
-        "atol": jnp.asarray(ABSOLUTE * rtol if atol is None else atol, float),
+        "atol": jnp.asarray(ABSOLUTE if atol is None else atol, float),
+        "moved": jnp.array(0.0),
         "controller": controller,
         "jumps": jnp.sort(jnp.concatenate(kinks)) if kinks else None,
         "solver": solver,

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.rotation import rotation_plane
+from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams, spectral, transmission
 from .element import ALL, Element
 from .laws import diagonal_damping, diagonal_stiffness, spring_damper_of
@@ -48,8 +48,9 @@ def _axes(rot_p: Angle, rot_q: Angle, ref) -> Float[Array, "2 2 2"]:
     """Local x and y axes at both ends, as rows, of triads that lay along the undeformed element."""
     x0 = (ref.q - ref.p) / beams.beam_length(ref)
     frame = jnp.stack([x0, jnp.stack([-x0[1], x0[0]])])
-    angles = jnp.stack([rot_p - ref.rot_p, rot_q - ref.rot_q])[:, None]
-    return jnp.cos(angles) * frame + jnp.sin(angles) * (QUARTER_TURN @ frame)
+    angles = jnp.concatenate([rot_p - ref.rot_p, rot_q - ref.rot_q])
+    c, s = cosine_and_sine(angles)
+    return c[:, None, None] * frame + s[:, None, None] * (QUARTER_TURN @ frame)
 
 
 def _beam(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order: bool = True) -> Float[Array, "3"]:

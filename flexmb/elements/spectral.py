@@ -20,6 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..math.linear import multiplied
 from ..math.quadrature import (
     gauss,
     integration_matrix,
@@ -30,7 +31,7 @@ from ..math.quadrature import (
     lobatto,
 )
 from ..math.rigid import exponential, product, products, screws
-from ..math.rotation import CROSS, initial_frame, multiplied, rotation_matrix, rotation_plane
+from ..math.rotation import CROSS, initial_frame, rotation_matrix, rotation_plane
 from . import beams
 from .element import Element
 from .nodes import Angle, Internal, Point2, Point3, Rotation3

@@ -10,6 +10,21 @@ from jaxtyping import Array, Bool, Float
 
 from .indices import TRUSTED, put
 
+# A product of matrices costs a call of a library, as long as so many multiplications.
+SMALL = 700
+
+
+def multiplied(a: Float[Array, "*n i j"], b: Float[Array, "*n j k"]) -> Float[Array, "*n i k"]:
+    """Matrix products; of small matrices as sums of products, which the compiler fuses with what is around them.
+
+    Args:
+        a: (..., i, j).
+        b: (..., j, k).
+    """
+    if a.shape[-2] * a.shape[-1] * b.shape[-1] > SMALL:
+        return a @ b
+    return jnp.sum(a[..., :, :, None] * b[..., None, :, :], axis=-2)
+
 
 class Factors(NamedTuple):
     """LU factors of a square matrix, to solve with it and with its transpose.

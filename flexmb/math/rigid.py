@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .rotation import CROSS, multiplied
+from .linear import multiplied
+from .rotation import CROSS
 
 # matrix(v)[i, j] = HAT[i, j, k] v[k]
 HAT = np.zeros((4, 4, 6))

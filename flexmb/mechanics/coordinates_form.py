@@ -305,23 +305,18 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, z[:n])
         near = self.near(state.memory)
         stress = self.stress_of(t, z[n:])
-        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.falling, near, stress)
-        # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
-        keep = put(jnp.ones(top.n_e), held, 0.0)[:, None]
-        stiffness, damping = self.tangents(by_x.kinematics.e, by_x.kinematics.ed)
-        strained = stiffness @ by_x.e
+
+        def following(e, ed):
+            # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
+            return [None if of is None else put(of, held, 0.0) for of in self.tangents(e, ed)]
+
+        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.falling, near, stress, following)
         drive = self.drive(t)
         k = by_x.by_x - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
         if drive.turning is not None:
             k = k - drive.turning
-        c = by_x.by_v
-        if damping is not None:
-            damped = damping @ by_x.e
-            strained = strained + damping @ by_x.ed
-            c = c + by_x.e.T @ (keep * damped)
-        k = k + by_x.e.T @ (keep * strained)
         by_u = jnp.concatenate([self.scaled(k), self.columns(by_x.edd)])
-        by_w = jnp.concatenate([self.scaled(c), 2 * self.columns(by_x.ed)])
+        by_w = jnp.concatenate([self.scaled(by_x.by_v), 2 * self.columns(by_x.ed)])
         by_t = None
         if self.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]

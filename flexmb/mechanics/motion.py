@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..math.linear import multiplied
 from ..math.program import split
 from ..math.record import Record, static
 from ..model.parameters import Parameters
@@ -150,7 +151,7 @@ class Derivatives(NamedTuple):
         e: D_x, (n_e, n_x); of the rates by the velocities and of the second rates by the accelerations too.
         ed: Of the rates by the coordinates, (n_e, n_x); of the second rates by the velocities it is twice this.
         edd: Of the second rates by the coordinates, (n_e, n_x).
-        by_x: Of the forces by the coordinates, at constant sigma, (n_x, n_x) [N/m].
+        by_x: Of the forces by the coordinates, (n_x, n_x) [N/m].
         by_v: By the velocities, (n_x, n_x) [N s/m].
         mass: By the accelerations: mass matrix, (n_x, n_x) [kg].
         kinematics: Deformations and their rates.
@@ -210,12 +211,17 @@ def _pulled(f, x, sigma, weight):
 
 def _weight(block: Moving, sdd):
     """H s_ddot of every element, (elements, k, d), or None."""
-    return None if sdd is None else block.mass @ sdd
+    return None if block.mass is None else multiplied(block.mass, sdd)
 
 
 def _stressed(block: Moving, sigma):
     """Stress resultants of every element, (elements, deformations), or None."""
     return sigma[block.e] if block.e.shape[1] else None
+
+
+def _own(block: Moving, matrix):
+    """What a matrix of all deformations has for each element, (elements, deformations, deformations)."""
+    return matrix[block.e[:, :, None], block.e[:, None, :]]
 
 
 def _along(block: Moving, x, v, a, falling):
@@ -321,8 +327,9 @@ def force_derivatives(
     falling: Float[Array, "n_x"] | None,
     near: Float[Array, "n_e"],
     stress: Callable[..., Any],
+    tangents: Callable[..., Any] | None = None,
 ) -> Derivatives:
-    """Derivatives of all that :func:`acting_forces` gives, at constant sigma.
+    """Derivatives of all that :func:`acting_forces` gives.
 
     Args:
         elements: Elements.
@@ -332,6 +339,8 @@ def force_derivatives(
         falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
+        tangents: Derivatives of sigma by e and e_dot as a function of these, two matrices (n_e, n_e) without entries
+            between elements, the second or None; None: sigma stays as it is.
 
     Returns:
         Derivatives.
@@ -343,16 +352,25 @@ def force_derivatives(
     found = [(block, *block.over(_derived_rates, near, *_along(block, x, v, a, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], near)
     sigma = stress(kinematics.e, kinematics.ed)
+    stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
     rows, squares = [], []
     for block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) in found:
         by_x = block.over(_derived_forces, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
+        by_v = mass = jnp.zeros_like(by_x)
         if d is not None:
             rows.append((block.e, block.x, (d, dd, d2)))
-        by_v = mass = jnp.zeros_like(by_x)
-        if j is not None:
-            lever = jnp.einsum("nkl,nldx->nkdx", block.mass, j)
-            mass, by_v, more = (jnp.einsum("nkdx,nkdy->nxy", lever, of) for of in (j, 2 * jd, j2))
-            by_x = by_x + more
+        if d is not None and stiffness is not None:
+            strained = multiplied(_own(block, stiffness), d)
+            if damping is not None:
+                strained = strained + multiplied(_own(block, damping), dd)
+                by_v = multiplied(d.mT, multiplied(_own(block, damping), d))
+            by_x = by_x + multiplied(d.mT, strained)
+        if block.mass is not None:
+            count, k, axes, columns = j.shape
+            lever = (block.mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
+            every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
+            mass, more_v, more_x = jnp.split(lever.mT @ every, 3, axis=2)
+            by_x, by_v = by_x + more_x, by_v + more_v
         squares.append((block.x, block.x, (by_x, by_v, mass)))
     by_e = scatter_matrices((n_e, n_x), rows, 3)
     forces = scatter_matrices((n_x, n_x), squares, 3)

@@ -165,35 +165,32 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         tangent = equations.tangent(t0, y0, z0)
         hg = h * tab.gamma
         factors = factorise(tangent.by_z.at[:, :n].add(hg * tangent.by_w + hg**2 * tangent.by_u))
-        a, c, alpha, gammas = (jnp.asarray(numbers) for numbers in (tab.a, tab.c, tab.alpha, tab.gammas))
+        by_both = jnp.concatenate([tangent.by_w, tangent.by_u], axis=1)
+        a, c, alpha, gammas = (jnp.asarray(of) for of in (tab.a, tab.c, tab.alpha, tab.gammas))
+
+        def apart(row):
+            return row[:n], row[n : 2 * n], row[2 * n :]
 
         def stage(i, increments):
-            ku, kw, kz = increments
-            u, w, z = y0.u + a[i] @ ku, y0.w + a[i] @ kw, z0 + a[i] @ kz
+            # Of u, w and z, of all earlier stages.
+            (du, dw, dz), (cu, cw, _) = (apart(of[i] @ increments) for of in (a, c))
+            u, w, z = y0.u + du, y0.w + dw, z0 + dz
             r = equations.residual(t0 + alpha[i] * h, MotionState(u, w, y0.memory), z)
             if tangent.by_t is not None:
                 r = r + gammas[i] * h * tangent.by_t
             # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
-            right_u, right_w = w + c[i] @ ku / h, z[:n] + c[i] @ kw / h
-            right = r + tangent.by_w @ (hg * right_w) + tangent.by_u @ (hg * (right_u + hg * right_w))
+            right_u, right_w = w + cu / h, z[:n] + cw / h
+            right = r + by_both @ jnp.concatenate([hg * right_w, hg * (right_u + hg * right_w)])
             own_z = -factors.solve(right)
             own_w = hg * (own_z[:n] + right_w)
             own_u = hg * (own_w + right_u)
-            own = (own_u, own_w, own_z)
-            return tuple(jax.lax.dynamic_update_index_in_dim(k, o, i, 0) for k, o in zip(increments, own, strict=True))
+            return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([own_u, own_w, own_z]), i, 0)
 
-        start = tuple(jnp.zeros((stages, size)) for size in (n, n, z0.shape[0]))
-        ku, kw, kz = jax.lax.fori_loop(0, stages, stage, start)
-        u1, w1, z1 = y0.u + tab.m @ ku, y0.w + tab.m @ kw, z0 + tab.m @ kz
-        error_u, error_w = tab.error @ ku, tab.error @ kw
+        increments = jax.lax.fori_loop(0, stages, stage, jnp.zeros((stages, 2 * n + z0.shape[0])))
+        (du, dw, dz), (error_u, error_w, _) = (apart(of @ increments) for of in (tab.m, tab.error))
+        u1, w1, z1 = y0.u + du, y0.w + dw, z0 + dz
         y1 = equations.settle(t1, MotionState(u1, w1, y0.memory), tangent.by_z[:n, :n])
-        # What the error of a velocity does to the position within the step: so the ringing of stiff parts counts by its
-        # displacement, and tolerances are those of positions.
-        error_u = _finite(jnp.maximum(jnp.abs(error_u), h * jnp.abs(error_w)))
-        # States of a controller are velocities that nothing else is measured by.
-        error_w = jnp.where(jnp.arange(n) < n - equations.states, 0.0, _finite(error_w))
-        error_u = jnp.where(jnp.arange(n) < n - equations.states, error_u, 0.0)
-        error = MotionState(error_u, error_w, jnp.zeros_like(y0.memory))
+        error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(y0.memory))
         dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=z1[:n])
         return y1, error, dense, z1, diffrax.RESULTS.successful
 
