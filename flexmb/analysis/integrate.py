@@ -30,7 +30,7 @@ class Run(NamedTuple):
         steps: Number of time steps.
         result: Code of RESULTS.
         last: State at the end, and what a sampled controller remembers, to go on from.
-        moved: Greatest displacement so far, at most 1 (extents, radians), if step sizes go by it.
+        moved: Greatest displacement so far (extents, radians), if step sizes go by it.
     """
 
     x: Float[Array, "n_t n_x"]

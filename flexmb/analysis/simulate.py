@@ -231,8 +231,8 @@ def simulate(
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
             constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
-        rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over the
-            mechanism's extent (a radian) where that is less. What comes together over a motion is of the same size
+        rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
+            mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
             where it is damped or short, and more where it is neither (``benchmarks/stability.py``).
         atol: Part of that error which is allowed of a mechanism that has not moved, as share of its extent, and in
             radians; 1e-13 unless given.

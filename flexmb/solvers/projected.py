@@ -2,8 +2,12 @@
 
 import diffrax
 import equinox as eqx
+import jax.numpy as jnp
 
 from .term import equations_of
+
+# Share of the mechanism's extent, over the relative tolerance, that a root finder may leave.
+LEFT = 1e-3
 
 
 class Projected(diffrax.AbstractWrappedSolver):
@@ -39,12 +43,15 @@ class Projected(diffrax.AbstractWrappedSolver):
         if not isinstance(self.solver, diffrax.AbstractImplicitSolver) or not hasattr(controller, "rtol"):
             return self
         unset = diffrax.Kvaerno3().root_finder.rtol  # pyright: ignore[reportAttributeAccessIssue]
-        names = [n for n in ("rtol", "atol", "norm") if getattr(self.solver.root_finder, n) is unset]
+        # Far below what a step may be off by, but not down to round-off, which Newton's method would not reach.
+        given = {"rtol": controller.rtol, "atol": jnp.maximum(controller.atol, LEFT * controller.rtol)}
+        given |= {"norm": controller.norm}
+        names = [name for name in given if getattr(self.solver.root_finder, name) is unset]
 
         def tolerances(projected):
             return [getattr(projected.solver.root_finder, name) for name in names]
 
-        return eqx.tree_at(tolerances, self, [getattr(controller, name) for name in names])
+        return eqx.tree_at(tolerances, self, [given[name] for name in names])
 
     def order(self, terms):
         """As the solver."""

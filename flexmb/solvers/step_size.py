@@ -10,14 +10,17 @@ from jaxtyping import Array, Float
 
 from ..mechanics.second_order import MotionState
 
+# Displacement beyond which a tolerance grows no more (extents, radians).
+LARGE = 0.5
+
 
 class DisplacementController(diffrax.PIDController):
     """A PID controller whose tolerance is a share of the greatest displacement so far, the same for all displacements.
 
     A displacement that is zero for a moment, or still small where others are not, asks for no smaller steps. The error
     of a velocity counts by what it does to a position within the step, so that stiff parts that ring count by their
-    displacement. Beyond the mechanism's extent, or a radian, the tolerance grows no more. States of a controller are
-    measured each by its own size. Give it the norm ``optimistix.max_norm``: then no displacement has a larger error,
+    displacement. Beyond half the mechanism's extent, or half a radian (an Euler parameter is half an angle), the
+    tolerance grows no more. States of a controller are measured each by its own size. Give it the norm ``optimistix.max_norm``: then no displacement has a larger error,
     however many there are.
 
     Attributes:
@@ -73,6 +76,6 @@ class DisplacementController(diffrax.PIDController):
 
 
 def _greatest(before, state: MotionState):
-    """Greatest displacement so far, at most 1."""
+    """Greatest displacement so far, at most what is large."""
     now = jnp.max(jnp.abs(jax.lax.stop_gradient(state.u)), initial=0.0)
-    return jnp.where(jnp.isfinite(now), jnp.clip(now, before, 1.0), before)
+    return jnp.where(jnp.isfinite(now), jnp.clip(now, before, LARGE), before)

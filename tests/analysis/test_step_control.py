@@ -8,7 +8,7 @@ import pytest
 import flexmb as fm
 from flexmb import planar
 from flexmb.mechanics.second_order import MotionState
-from flexmb.solvers.step_size import DisplacementController
+from flexmb.solvers.step_size import LARGE, DisplacementController
 
 RTOL = 1e-5
 # Of a mass of 2 kg on a bar of 1 m [N].
@@ -71,8 +71,8 @@ def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
         (([0, 0.9e-8], [0, 0]), {}, True),  # for another that has not moved as well,
         (([0, 1.1e-8], [0, 0]), {}, False),
         (([0, 1.1e-8], [0, 0]), {"moved": 2e-3}, True),  # or of what it was before,
-        (([0, 0.9e-5], [0, 0]), {"moved": 50.0}, True),  # but no more than of 1,
-        (([0, 1.1e-5], [0, 0]), {"moved": 50.0}, False),
+        (([0, 0.9 * LARGE * 1e-5], [0, 0]), {"moved": 50.0}, True),  # but no more than of what is large,
+        (([0, 1.1 * LARGE * 1e-5], [0, 0]), {"moved": 50.0}, False),
         (([0, 0], [0.9e-7, 0]), {}, True),  # velocities by what they do in a step of 0.1 s,
         (([0, 0], [1.1e-7, 0]), {}, False),
         (([0, 0], [0, 0.9e-5]), {"states": 1}, True),  # states of a controller each by its own size.
@@ -86,7 +86,7 @@ def test_what_is_kept(errors, settings, kept):
     keep, after = judged(*(np.asarray(error, float) for error in errors), **settings)
     assert keep == kept
     # A refused step does not count as a motion.
-    before = min(settings.get("moved", 0.0), 1.0)
+    before = min(settings.get("moved", 0.0), LARGE)
     assert after == (max(before, 1e-3) if kept else before)
 
 
