@@ -20,8 +20,8 @@ class DisplacementController(diffrax.PIDController):
     A displacement that is zero for a moment, or still small where others are not, asks for no smaller steps. The error
     of a velocity counts by what it does to a position within the step, so that stiff parts that ring count by their
     displacement. Beyond half the mechanism's extent, or half a radian (an Euler parameter is half an angle), the
-    tolerance grows no more. States of a controller are measured each by its own size. Give it the norm ``optimistix.max_norm``: then no displacement has a larger error,
-    however many there are.
+    tolerance grows no more. States of a controller are measured each by its own size. Give it the norm
+    ``optimistix.max_norm``: then no displacement has a larger error, however many there are.
 
     Attributes:
         moved: Greatest displacement before the start (extents, radians).
