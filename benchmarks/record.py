@@ -100,7 +100,7 @@ def chart(
     families: dict[str, list[str]] = {}
     for variant in found:
         families.setdefault(variant.rsplit(": ", 1)[0], []).append(variant)
-    figure, axes = plt.subplots(figsize=(6.8, 4.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(6.8, 5.2), layout="constrained")
     for (family, variants), marker in zip(families.items(), "osD^v<>Pp*", strict=False):
         x, y = [1e3 * timed[v]["median"] for v in variants], [found[v]["error"] for v in variants]
         axes.loglog(x, y, marker=marker, label=family)
@@ -111,6 +111,7 @@ def chart(
     axes.set_ylabel(f"{error} [-]")
     axes.set_title(title, fontsize=11)
     axes.grid(True, which="major", alpha=0.4)
-    axes.legend(fontsize=8)
+    # Below the axes, where it hides no point.
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     RESULTS.mkdir(exist_ok=True)
     figure.savefig(RESULTS / f"{name}.png", dpi=120)

@@ -30,10 +30,12 @@ class Factors(NamedTuple):
     """LU factors of a square matrix, to solve with it and with its transpose.
 
     Attributes:
+        matrix: The matrix, of which derivatives are taken, (n, n).
         lu: Factors in one matrix, (n, n).
         permutation: Row order, (n,).
     """
 
+    matrix: Float[Array, "n n"]
     lu: Float[Array, "n n"]
     permutation: Array
 
@@ -43,9 +45,7 @@ class Factors(NamedTuple):
         Args:
             right: Right-hand side, (n,) or (n, k).
         """
-        y = right[self.permutation]
-        y = _triangular(self.lu, y, lower=True, unit_diagonal=True)
-        return _triangular(self.lu, y, lower=False)
+        return _solved(False, *self, right)
 
     def solve_transposed(self, right: Float[Array, "n *k"]) -> Float[Array, "n *k"]:
         """Solve A^T X = right.
@@ -53,9 +53,7 @@ class Factors(NamedTuple):
         Args:
             right: Right-hand side, (n,) or (n, k).
         """
-        y = _triangular(self.lu, right, lower=False, transpose_a=True)
-        y = _triangular(self.lu, y, lower=True, unit_diagonal=True, transpose_a=True)
-        return put(jnp.zeros_like(y), self.permutation, y)
+        return _solved(True, *self, right)
 
     def regular(self) -> Bool[Array, ""]:
         """Whether all pivots are finite and none is below 1e-13 of the largest."""
@@ -71,8 +69,28 @@ def factorise(matrix: Float[Array, "n n"]) -> Factors:
     Args:
         matrix: (n, n).
     """
-    lu, _, permutation = jax.lax.linalg.lu(matrix)
-    return Factors(lu, permutation)
+    lu, _, permutation = jax.lax.linalg.lu(jax.lax.stop_gradient(matrix))
+    return Factors(matrix, lu, permutation)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _solved(transposed, matrix, lu, permutation, right):
+    """Solution by factors of a matrix or of its transpose, with derivatives that cost a solve and no new factors."""
+    if transposed:
+        y = _triangular(lu, right, lower=False, transpose_a=True)
+        y = _triangular(lu, y, lower=True, unit_diagonal=True, transpose_a=True)
+        return put(jnp.zeros_like(y), permutation, y)
+    y = _triangular(lu, right[permutation], lower=True, unit_diagonal=True)
+    return _triangular(lu, y, lower=False)
+
+
+@_solved.defjvp
+def _solved_jvp(transposed, primals, tangents):
+    matrix, lu, permutation, _ = primals
+    change, _, _, moved = tangents
+    found = _solved(transposed, *primals)
+    # A dX = dB - dA X.
+    return found, _solved(transposed, matrix, lu, permutation, moved - (change.T if transposed else change) @ found)
 
 
 def _triangular(matrix, right, **options):

@@ -68,9 +68,13 @@ def _derivatives(method):
         return getattr(factorise(matrix), method)(right)
 
     def both(matrix, change):
-        along = jax.jvp(solution, (matrix,), (change,))[1]
-        gradient = jax.grad(lambda m: weights @ solution(m))(matrix)
-        return along, weights @ along, jnp.sum(gradient * change)
+        def along(matrix):
+            return jax.jvp(solution, (matrix,), (change,))[1]
+
+        gradient, second = (jax.grad(lambda m, f=f: weights @ f(m))(matrix) for f in (solution, along))
+        found, again = jax.jvp(along, (matrix,), (change,))
+        of = [weights @ found, jnp.sum(gradient * change), weights @ again, jnp.sum(second * change)]
+        return found, again, jnp.stack(of)
 
     return fm.jit(both)
 
@@ -83,12 +87,14 @@ def test_derivative_of_a_solution(matrix, change):
     assume(np.linalg.cond(matrix) < 100)
     inverse = np.linalg.inv(matrix)
     for method, a, da in (("solve", inverse, change), ("solve_transposed", inverse.T, change.T)):
-        found, forward, reverse = derivatives[method](matrix, change)
+        found, again, of = derivatives[method](matrix, change)
         expected = -a @ da @ a @ np.arange(1.0, N + 1)
+        curved = -2 * a @ da @ expected
         # eps times the square of the condition number.
-        atol = 100 * EPS * 1e4 * np.max(np.abs(expected), initial=1)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=atol)
-        assert reverse == pytest.approx(float(forward), rel=0, abs=10 * atol)
+        for answer, value, (forward, reverse) in ((found, expected, of[:2]), (again, curved, of[2:])):
+            atol = 100 * EPS * 1e4 * max(np.max(np.abs(each), initial=1) for each in (expected, curved))
+            np.testing.assert_allclose(answer, value, rtol=0, atol=atol)
+            assert float(reverse) == pytest.approx(float(forward), rel=0, abs=10 * atol)
 
 
 @given(definite)

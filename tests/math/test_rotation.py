@@ -43,6 +43,23 @@ def test_plane(angle):
     np.testing.assert_allclose(r.rotation_plane(angle), expected, atol=20 * EPS)
 
 
+@given(npst.arrays(float, 3, elements=st.floats(-10, 10)))
+def test_cosine_and_sine(angles):
+    """They and their derivatives, forward, reverse and both, are those of NumPy's."""
+    c, s = np.cos(angles), np.sin(angles)
+
+    def sine(angles):
+        return r.cosine_and_sine(angles)[1].sum()
+
+    def slope(angles):
+        return jax.grad(sine)(angles).sum()
+
+    np.testing.assert_allclose(r.cosine_and_sine(angles), (c, s), atol=EPS)
+    np.testing.assert_allclose(jax.grad(sine)(angles), c, atol=EPS)
+    np.testing.assert_allclose(jax.jvp(slope, (angles,), (np.ones(3),))[1], -s.sum(), atol=4 * EPS)
+    np.testing.assert_allclose(jax.grad(slope)(angles), -s, atol=EPS)
+
+
 @given(turns, vectors)
 def test_angular_velocity_from_the_rates(turn, omega):
     """Central difference of a finite turn about omega: 2 lbar lam_dot = omega, 2 lbody lam_dot = R^T omega."""
