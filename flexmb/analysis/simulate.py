@@ -233,7 +233,8 @@ def simulate(
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
             mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
-            where it is damped or short, and more where it is neither (``benchmarks/stability.py``).
+            where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
+            beside a large motion want a smaller one.
         atol: Part of that error which is allowed of a mechanism that has not moved, as share of its extent, and in
             radians; 1e-13 unless given.
         solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
