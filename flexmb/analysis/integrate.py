@@ -60,7 +60,6 @@ class Start(NamedTuple):
 def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regular):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     import diffrax
-    import optimistix as optx
 
     from ..solvers.projected import Projected
     from ..solvers.rosenbrock import Rodas5P, Rosenbrock
@@ -78,7 +77,6 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         controller = DisplacementController(
             rtol=rtol,
             atol=atol,
-            norm=optx.max_norm,
             pcoeff=0.1,
             icoeff=0.3,
             dtmin=SMALLEST_STEP * (t1 - t0),

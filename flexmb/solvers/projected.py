@@ -44,8 +44,8 @@ class Projected(diffrax.AbstractWrappedSolver):
             return self
         unset = diffrax.Kvaerno3().root_finder.rtol  # pyright: ignore[reportAttributeAccessIssue]
         # Far below what a step may be off by, but not down to round-off, which Newton's method would not reach.
-        given = {"rtol": controller.rtol, "atol": jnp.maximum(controller.atol, LEFT * controller.rtol)}
-        given |= {"norm": controller.norm}
+        atol = jnp.maximum(controller.atol, LEFT * controller.rtol)
+        given = {"rtol": controller.rtol, "atol": atol, "norm": controller.norm}
         names = [name for name in given if getattr(self.solver.root_finder, name) is unset]
 
         def tolerances(projected):

@@ -1,11 +1,13 @@
 """Step size control by the displacements of a motion."""
 
+from collections.abc import Callable
 from typing import Any
 
 import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import optimistix as optx
 from jaxtyping import Array, Float
 
 from ..mechanics.second_order import MotionState
@@ -20,10 +22,11 @@ class DisplacementController(diffrax.PIDController):
     A displacement that is zero for a moment, or still small where others are not, asks for no smaller steps. The error
     of a velocity counts by what it does to a position within the step, so that stiff parts that ring count by their
     displacement. Beyond half the mechanism's extent, or half a radian (an Euler parameter is half an angle), the
-    tolerance grows no more. States of a controller are measured each by its own size. Give it the norm
-    ``optimistix.max_norm``: then no displacement has a larger error, however many there are.
+    tolerance grows no more. States of a controller are measured each by its own size. The norm is the greatest
+    of all: then no displacement has a larger error, however many there are.
 
     Attributes:
+        norm: Of the errors over their tolerances.
         moved: Greatest displacement before the start (extents, radians).
         states: Number of states of a controller, the last of the velocities.
 
@@ -31,6 +34,7 @@ class DisplacementController(diffrax.PIDController):
         Hairer, Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.4; measures derived here.
     """
 
+    norm: Callable[[Any], Any] = optx.max_norm
     moved: Float[Array, ""] | float = 0.0
     states: int = eqx.field(static=True, default=0)
 
