@@ -48,7 +48,10 @@ def test_small_motions_are_as_accurate_as_large_ones():
 
 
 def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
-    """Whether a step of 0.1 s with these errors is kept; displacements reach ``size``, velocities ``speed``."""
+    """Whether a step of 0.1 s with these errors is kept, the next step, and the greatest displacement after it.
+
+    Displacements reach ``size``, velocities ``speed``.
+    """
     controller = DisplacementController(rtol=RTOL, atol=1e-12, moved=jnp.asarray(moved), states=states)
     n = len(error_u)
     zero = MotionState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(0))
@@ -56,8 +59,8 @@ def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
     error = MotionState(jnp.asarray(error_u), jnp.asarray(error_w), jnp.zeros(0))
     begin = jnp.asarray(0.0)
     first, state = controller.init(None, begin, begin + 1, zero, jnp.asarray(0.1), None, None, 5)
-    keep, *_, state, _ = controller.adapt_step_size(begin, first, zero, end, None, error, 5, state)
-    return bool(keep), float(state[1])
+    keep, after, then, _, state, _ = controller.adapt_step_size(begin, first, zero, end, None, error, 5, state)
+    return bool(keep), float(then - after), float(state[1])
 
 
 @pytest.mark.parametrize(
@@ -80,9 +83,10 @@ def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
     ],
 )
 def test_what_is_kept(errors, settings, kept):
-    keep, after = judged(*(np.asarray(error, float) for error in errors), **settings)
+    keep, step, after = judged(*(np.asarray(error, float) for error in errors), **settings)
     assert keep == kept
-    # A refused step does not count as a motion.
+    # A refused step is shortened, and does not count as a motion.
+    assert (step >= 0.1) if kept else (0 < step < 0.1)
     before = min(settings.get("moved", 0.0), LARGE)
     assert after == (max(before, 1e-3) if kept else before)
 
