@@ -5,7 +5,8 @@ from typing import Any
 
 import jax
 import jax.core
-from jax.extend.core import Literal
+import numpy as np
+from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
 
 def split(
@@ -82,14 +83,33 @@ def _without_repeats(jaxpr) -> tuple[list, list]:
 
     for equation in jaxpr.eqns:
         inputs = replaced(equation.invars)
-        names = tuple((str(v.aval), str(v.val)) if isinstance(v, Literal) else v for v in inputs)
-        key = (equation.primitive, names, str(equation.params))
+        key = _meaning(equation, inputs)
         if key in known and not equation.effects:
             same.update(zip(equation.outvars, known[key], strict=True))
         else:
             known[key] = equation.outvars
             found.append(equation.replace(invars=inputs))
     return found, replaced(jaxpr.outvars)
+
+
+def _meaning(equation, inputs: list) -> tuple:
+    """Equal for equations that do the same: by value where values compare, otherwise by identity.
+
+    What prints alike need not be alike: compiled helpers that differ in an array they capture do.
+    """
+    names = tuple((v.aval, np.asarray(v.val).tobytes()) if isinstance(v, Literal) else v for v in inputs)
+    return equation.primitive, names, tuple((k, *_value(v)) for k, v in sorted(equation.params.items()))
+
+
+def _value(parameter) -> tuple:
+    try:
+        hash(parameter)
+    except TypeError:
+        return (id(parameter),)
+    if isinstance(parameter, Jaxpr | ClosedJaxpr) or callable(parameter):
+        return (parameter,)
+    # The text as well: 1, 1.0 and True are equal, as are zeros of either sign.
+    return parameter, repr(parameter)
 
 
 def _needed(equations: list, results: list) -> tuple[list, dict]:
