@@ -5,6 +5,9 @@ import sys
 from pathlib import Path
 
 
+LARGEST_CACHE = 2_000_000_000
+
+
 def enable_x64() -> None:
     """Switch JAX to double precision, for the whole process."""
     import jax
@@ -19,33 +22,56 @@ def cache_folder() -> Path:
     return Path(given) if given else Path(base) / "flexmb"
 
 
+def _prepared(path: Path) -> None:
+    """Make the folder; refuse one that others may have written code into; drop the oldest files beyond the limit."""
+    path.mkdir(parents=True, exist_ok=True, mode=0o700)
+    if hasattr(os, "getuid"):
+        state = path.stat()
+        if state.st_uid != os.getuid():
+            raise PermissionError(f"The folder '{path}' belongs to another user: compiled code in it could be theirs.")
+        if state.st_mode & 0o022:
+            raise PermissionError(f"Others may write into '{path}', whose code would be run: take chmod 700 first.")
+    files = [(file.stat(), file) for file in (*path.iterdir(), *path.glob("traces/*")) if file.is_file()]
+    files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
+    kept = 0
+    for state, file in files:
+        kept += state.st_size
+        if kept > LARGEST_CACHE:
+            file.unlink(missing_ok=True)
+
+
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
     """Keep compiled code on disk, so that a fresh process starts quickly.
 
     What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
-    environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept.
+    environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Files beyond 2 GB in all are
+    removed by this call, those that were not used for the longest time first.
 
     Args:
-        folder: Where; by default :func:`cache_folder`.
-        thorough: Compile for half the run time in twice the compile time, as code that is kept deserves.
+        folder: Where, a folder of its own that belongs to you and that no other can write into; by default
+            :func:`cache_folder`.
+        thorough: Compile for half the run time in twice the compile time, as code that is kept deserves; traced
+            programs are kept then too, except where functions or objects of yours take part in them.
 
     Returns:
         The folder.
+
+    Raises:
+        PermissionError: The folder is another user's, or others may write into it.
+        OSError: It cannot be made.
     """
     import jax
 
     from .math.compile import compile_thoroughly
-    from .math.kept import keep_traces
 
+    path = Path(folder) if folder is not None else cache_folder()
+    _prepared(path)
     compile_thoroughly(thorough)
     # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
     # checked for finiteness here. Equinox reads this once, when it is imported, which may have been before.
     on_error = os.environ.setdefault("EQX_ON_ERROR", "nan")
     if "equinox._errors" in sys.modules:
         vars(sys.modules["equinox._errors"])["EQX_ON_ERROR"] = on_error
-    path = Path(folder) if folder is not None else cache_folder()
-    path.mkdir(parents=True, exist_ok=True)
-    keep_traces(path / "traces" if thorough else None)
     jax.config.update("jax_compilation_cache_dir", str(path))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)

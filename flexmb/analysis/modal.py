@@ -1,9 +1,5 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
-import functools
-from collections.abc import Callable
-from typing import Any
-
 import jax.core
 import jax.numpy as jnp
 import numpy as np
@@ -144,19 +140,19 @@ def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
     return jnp.where(usual, jnp.sign(eigenvalues) * root, eigenvalues)
 
 
-@functools.cache
-def _compiled(function: Callable[..., Any], count: int | None) -> Callable[..., Any]:
-    """One of the two functions below for so many frequencies."""
-    return jit(functools.partial(function, count=count))
-
-
-def _frequencies(topology: Topology, parameters: Parameters, count: int | None):
-    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count)
-
-
-def _frequencies_at(found: Matrices, count: int | None):
+def _of_matrices(found: Matrices, count: int | None):
     values, _, _, result = spectrum(found.K, found.M0, count)
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
+
+
+@jit
+def _frequencies(topology: Topology, parameters: Parameters, *, count: int | None):
+    return _of_matrices(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count)
+
+
+@jit
+def _frequencies_at(found: Matrices, *, count: int | None):
+    return _of_matrices(found, count)
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:
@@ -207,10 +203,10 @@ def frequencies(
         return to_frequency(sparse_eigenvalues(model, load_factors(), count))
     if isinstance(model, Linearization):
         refuse_unsymmetric(model.matrices.symmetric)
-        values, result = _compiled(_frequencies_at, count)(model.matrices)
+        values, result = _frequencies_at(model.matrices, count=count)
     else:
         refuse_unsymmetric(not lacks_potential(model.topology))
-        values, result = _compiled(_frequencies, count)(model.topology, model.parameters)
+        values, result = _frequencies(model.topology, model.parameters, count=count)
     check(result, throw)
     return values
 

@@ -7,9 +7,11 @@ from typing import Any
 
 import jax
 import jax.core
+import jax.numpy as jnp
 import numpy as np
 
 from .kept import kept
+from .threads import one_thread
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
@@ -52,13 +54,13 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     def flat(structure, options, *leaves):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
-    compiled = _compiled(flat)
+    run = _compiled(flat, getattr(function, "__name__", "kernel"))
 
     @functools.wraps(function)
     def call(*arguments, **options):
         # Flattened once, here: a model is a tree of some thirty arrays.
         leaves, structure = jax.tree.flatten(arguments)
-        return compiled(leaves)(structure, tuple(sorted(options.items())), *leaves)
+        return run(structure, tuple(sorted(options.items())), leaves)
 
     return call
 
@@ -78,54 +80,61 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def flat(structure, fixed, *leaves):
         numbers = iter(leaves)
-        whole = [next(numbers) if leaf is _NUMBER else leaf for leaf in fixed]
+        whole = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, whole))
 
-    compiled = _compiled(flat)
+    run = _compiled(flat, getattr(function, "__name__", "kernel"))
 
     @functools.wraps(function)
     def call(*arguments):
         leaves, structure = jax.tree.flatten(arguments)
         is_number = [isinstance(leaf, jax.Array | np.ndarray) for leaf in leaves]
-        fixed = tuple(_NUMBER if number else leaf for leaf, number in zip(leaves, is_number, strict=True))
-        numbers = [leaf for leaf, number in zip(leaves, is_number, strict=True) if number]
-        return compiled(numbers)(structure, fixed, *numbers)
+        fixed = tuple(_Number if number else leaf for leaf, number in zip(leaves, is_number, strict=True))
+        return run(structure, fixed, [leaf for leaf, number in zip(leaves, is_number, strict=True) if number])
 
     return call
 
 
-def _compiled(function: Callable[..., Any]) -> Callable[[list], Callable[..., Any]]:
-    """Compiled variants of ``function(structure, fixed, *leaves)``, to be chosen by what the leaves are."""
+def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
+    """Call ``function(structure, fixed, *leaves)`` with a list of leaves, compiled as they and the settings ask for."""
 
-    @functools.wraps(function)
     def traced(*arguments):
         # Tracing makes objects that live on, by the hundred thousand: to look for garbage among them takes a quarter
         # of its time.
         collects = gc.isenabled()
         gc.disable()
         try:
-            return function(*arguments)
+            return jax.tree.map(_strong, function(*arguments))
         finally:
             if collects:
                 gc.enable()
 
+    taken = kept(traced)
+    # Programs are listed under this name.
+    traced.__name__ = taken.__name__ = name
     quick = jax.jit(traced, static_argnums=(0, 1), compiler_options=QUICK)
-    thorough = jax.jit(kept(traced), static_argnums=(0, 1), compiler_options=THOROUGH)
+    thorough = jax.jit(taken, static_argnums=(0, 1), compiler_options=THOROUGH)
     nested = jax.jit(traced, static_argnums=(0, 1))
 
-    def chosen(leaves):
+    def run(structure, fixed, leaves):
+        # A number whose type is weak, such as a float of Python's, is another type: a program of its own.
+        leaves = [_strong(leaf) for leaf in leaves]
         if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
-            return nested
-        return thorough if _thorough else quick
+            return nested(structure, fixed, *leaves)
+        with one_thread():
+            return jax.block_until_ready((thorough if _thorough else quick)(structure, fixed, *leaves))
 
-    return chosen
+    return run
+
+
+def _strong(number):
+    """An array or number as it is, but of a type that does not give way to others."""
+    weak = number.weak_type if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
+    return jnp.asarray(number, jnp.result_type(number)) if weak else number
 
 
 class _Number:
-    """Stands for an array among the leaves that are compared."""
-
-
-_NUMBER = _Number()
+    """The class stands for an array among the leaves that are compared."""
 
 
 def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:

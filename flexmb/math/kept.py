@@ -1,112 +1,140 @@
-"""Traced functions kept on disk: a fresh process that asks for the same neither traces nor compiles.
+"""Traces on disk of what is made of plain values and this package's own functions: nothing of a user's is kept."""
 
-The compiler's cache saves a fresh process the compiler's work, not Python's of tracing, which for a simulation is most
-of the rest.
-"""
-
+import functools
+import hashlib
+import importlib.metadata
+import json
 import logging
 import os
-import pickle
-import tempfile
+import re
+import sys
+import types
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import jax
+import numpy as np
 
-from .fingerprint import UnknownError, fingerprint, of_package
-
-LOG = logging.getLogger("flexmb")
-
-_folder: Path | None = None
-
-
-def keep_traces(folder: Path | None) -> None:
-    """Where to keep traced functions, from now on.
-
-    Args:
-        folder: None: nowhere.
-    """
-    global _folder
-    _folder = folder
+PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
+LIBRARIES = ("jax", "jaxlib", "numpy", "scipy", *PURE[1:])
+KNOWN = {"flexmb", *LIBRARIES, *sys.stdlib_module_names}
+PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
+WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")
 
 
 def kept(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function to be compiled, which takes its traced program from disk where that is kept.
-
-    What cannot be known from process to process, such as an object of a user's class among the arguments, is traced as
-    ever.
-
-    Args:
-        function: ``function(*chosen, *leaves)`` with what chooses code, followed by arrays, given to ``jax.jit`` with
-            the former static.
-    """
+    """A function ``(structure, fixed, *leaves)`` to be compiled, whose trace is kept beside the compiler's cache."""
 
     def call(structure, fixed, *leaves):
-        path = _place(function, structure, fixed, leaves)
-        if path is None:
+        try:
+            key = _surroundings(), described((function, structure, fixed)), [str(jax.typeof(leaf)) for leaf in leaves]
+            name = f"traces/{_check(repr(key).encode()).decode()}.trace"
+            path = Path(str(jax.config.values["jax_compilation_cache_dir"]), name)
+            if not path.exists():
+                _write(path, lambda *leaves: function(structure, fixed, *leaves), leaves)
+            check, names, program = path.read_bytes().split(b"\n", 2)
+            if check != _check(path.name.encode(), names, program):
+                path.unlink()
+                raise ValueError(f"{path} was damaged")
+            results = jax.tree.structure(_built(json.loads(names)))
+            return jax.tree.unflatten(results, jax.export.deserialize(bytearray(program)).call(*leaves))
+        except Exception as reason:  # A fault of the function itself is raised again where it is traced.
+            logging.getLogger("flexmb").debug("%s is traced: %s", function, reason)
             return function(structure, fixed, *leaves)
-        found = _read(path)
-        if found is None:
-            found = _write(path, lambda *leaves: function(structure, fixed, *leaves), leaves)
-        if found is None:
-            return function(structure, fixed, *leaves)
-        program, shape = found
-        return jax.tree.unflatten(jax.tree.structure(shape), program.call(*leaves))
 
     return call
 
 
-def _place(function, structure, fixed, leaves) -> Path | None:
-    """File that the traced function is kept in."""
-    if _folder is None:
-        return None
-    shapes = [(leaf.shape, leaf.dtype, leaf.weak_type) for leaf in map(jax.typeof, leaves)]
-    try:
-        return _folder / f"{fingerprint(of_package(), function, structure, fixed, shapes)}.trace"
-    except UnknownError as reason:
-        LOG.debug("%s is traced in every process: %s", function, reason)
-        return None
-
-
-def _read(path: Path):
-    """Traced function and the shape of its result; None where there is none that can be read."""
-    from jax.export import deserialize
-
-    try:
-        shape, program = pickle.loads(path.read_bytes())
-        return deserialize(bytearray(program)), shape
-    except FileNotFoundError:
-        return None
-    except Exception as reason:  # Whatever a damaged file leads to: it is made anew.
-        LOG.warning("%s cannot be read and is made anew: %s", path, reason)
-        return None
-
-
-def _write(path: Path, function, leaves):
-    """Trace a function and keep it; None where its result or what it calls cannot be kept."""
-    from jax.export import deserialize, export
-
-    shapes = []
+def _write(path: Path, function, leaves) -> None:
+    found: Any = []
 
     def flat(*leaves):
-        found, structure = jax.tree.flatten(function(*leaves))
-        shapes.append(jax.tree.unflatten(structure, range(len(found))))
-        return found
+        found[:] = jax.tree.flatten(function(*leaves))
+        return found[0]
 
-    arguments = [jax.ShapeDtypeStruct(leaf.shape, leaf.dtype) for leaf in map(jax.typeof, leaves)]
-    try:
-        serialized = export(jax.jit(flat))(*arguments).serialize()
-        whole = pickle.dumps((shapes[-1], bytes(serialized)))
-        shape, _ = pickle.loads(whole)
-        if jax.tree.structure(shape) != jax.tree.structure(shapes[-1]):
-            raise TypeError("its result holds what is only equal to itself")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent)
-        with os.fdopen(handle, "wb") as file:
-            file.write(whole)
-        os.replace(name, path)
-    except Exception as reason:  # A fault of the function itself is raised again where it is traced without this.
-        LOG.debug("%s is not kept: %s", path, reason)
-        return None
-    return deserialize(serialized), shape
+    program = bytes(jax.export.export(jax.jit(flat))(*map(jax.typeof, leaves)).serialize())
+    names = json.dumps(_named(jax.tree.unflatten(found[1], range(len(found[0]))))).encode()
+    if jax.tree.structure(_built(json.loads(names))) != found[1]:
+        raise TypeError("its result holds what cannot be written down")
+    path.parent.mkdir(exist_ok=True)
+    part = path.with_suffix(f".{os.getpid()}-{id(found)}")
+    part.write_bytes(b"\n".join([_check(path.name.encode(), names, program), names, program]))
+    part.replace(path)
+
+
+def _check(*parts: bytes) -> bytes:
+    return hashlib.sha256(b"\n".join(parts)).hexdigest().encode()
+
+
+def _named(tree: Any) -> Any:
+    """A result as what JSON can hold; numbers stand for arrays."""
+    if type(tree) in (int, bool, str, type(None)):
+        return tree
+    fields = tree if type(tree) is dict else getattr(tree, "_asdict", lambda: getattr(tree, "__dict__", None))()
+    return [*described(type(tree)), [_named(part) for part in (tree if fields is None else fields.items())]]
+
+
+def _built(names: Any) -> Any:
+    if not isinstance(names, list):
+        return names
+    kind, parts = getattr(sys.modules[names[0]], names[1]), map(_built, names[2])
+    return kind(parts) if names[0] == "builtins" else kind(**dict(parts))
+
+
+@functools.cache
+def _text() -> tuple[str, dict[str | None, list[tuple[str, str]]]]:
+    """Versions of what is traced with and text of this package, as one number; numbers that stand in each file."""
+    found, numbers = hashlib.sha256(repr([sys.version, *map(importlib.metadata.version, LIBRARIES)]).encode()), {}
+    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        found.update(f"{path.parent.name}/{path.name}\n{text}".encode())
+        numbers[str(path)] = re.findall(r"^([A-Z]\w*) = (-?[\d.]\S*)$", text, re.M)
+    return found.hexdigest(), numbers
+
+
+def _surroundings() -> Any:
+    """What a traced program depends on beside its arguments; an error where someone replaced functions or numbers."""
+    text, numbers = _text()
+    for module in [m for name, m in sorted(sys.modules.items()) if name in WATCHED or name.startswith("flexmb.")]:
+        if any(getattr(module, name) != float(value) for name, value in numbers.get(module.__file__, ())):
+            raise TypeError(f"a number of {module.__name__} was replaced")
+        values = list(vars(module).values())
+        own = [value for value in values if isinstance(value, type) and value.__module__ == module.__name__]
+        for one in [*values, *(method for kind in own for method in vars(kind).values())]:
+            one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)
+            if isinstance(one, types.FunctionType) and not one.__name__.startswith("__"):
+                _place(one)
+    settings = [(k, getattr(jax.config, k, None)) for k in sorted(jax.config.values) if "cache" not in k]
+    return text, settings, os.environ.get("EQX_ON_ERROR"), jax.default_backend()
+
+
+def described(thing: Any) -> Any:
+    """A thing as text in tuples and lists, equal for equal things everywhere; a TypeError where parts are hidden."""
+    kind: Any = type(thing)
+    if kind in PLAIN or thing is type(None):
+        return kind.__name__, repr(thing)
+    if kind in (tuple, list, dict):
+        return kind.__name__, [described(one) for one in (thing.items() if kind is dict else thing)]
+    if kind is jax.tree_util.PyTreeDef:
+        return thing.num_leaves, described(thing.node_data()), [described(one) for one in thing.children()]
+    if kind is types.FunctionType:
+        cells = [cell.cell_contents for cell in thing.__closure__ or ()]
+        return _place(thing), described([cells, thing.__defaults__, thing.__kwdefaults__, vars(thing)])
+    if kind is np.ndarray and not thing.dtype.hasobject:
+        return str(thing.dtype), thing.shape, thing.tobytes()
+    if isinstance(thing, type) and thing.__module__.partition(".")[0] in KNOWN:
+        if functools.reduce(getattr, thing.__qualname__.split("."), sys.modules[thing.__module__]) is thing:
+            return thing.__module__, thing.__qualname__
+    elif kind.__module__.partition(".")[0] in PURE:
+        return described(kind), described(dict(getattr(thing, "_asdict", lambda: vars(thing))()))
+    raise TypeError(f"{kind.__module__}.{kind.__qualname__} cannot be known in another process")
+
+
+def _place(function: types.FunctionType) -> tuple:
+    """Where the text of a function stands, in the package, a library, or Python's own."""
+    name, code = function.__globals__.get("__name__", ""), function.__code__
+    module: Any = sys.modules.get(name) if name.partition(".")[0] in KNOWN else None
+    if module is None or vars(module) is not function.__globals__ or code.co_filename != module.__file__:
+        raise TypeError(f"{name}.{function.__qualname__} cannot be known in another process")
+    return name, code.co_qualname, code.co_firstlineno

@@ -1,11 +1,50 @@
-"""Independent work on all cores."""
+"""Threads: one for LAPACK, all cores for independent work."""
 
+import contextlib
+import functools
+import importlib
 import os
-from collections.abc import Callable, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
+
+_lock = threading.Lock()
+_inside = 0
+_limit: Any = None
+
+
+@functools.cache
+def _controller() -> Any:
+    from threadpoolctl import ThreadpoolController
+
+    # What it finds are the libraries that are loaded; jax loads SciPy's LAPACK with its first use.
+    importlib.import_module("scipy.linalg")
+
+    return ThreadpoolController()
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """Within, LAPACK works in the thread that calls it, in the whole process; after the last one, as before.
+
+    Matrices of a mechanism are too small for more (``benchmarks/threads.py``): two threads gain nothing, and as soon as
+    anything else runs on the machine they wait for each other ten to fifty times as long as they work.
+    """
+    global _inside, _limit
+    with _lock:
+        _inside += 1
+        if _inside == 1:
+            _limit = _controller().limit(limits=1, user_api="blas")
+    try:
+        yield
+    finally:
+        with _lock:
+            _inside -= 1
+            if _inside == 0:
+                _limit.restore_original_limits()
 
 
 def cores() -> int:
@@ -22,9 +61,6 @@ def cores() -> int:
 def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
     """Compiled calls side by side, each with a LAPACK of one thread.
 
-    Matrices of some hundred rows are too small for more: with ninety rows on two cores, a LAPACK of two threads took
-    1.7 times as long, and calls side by side that shared it gained nothing.
-
     Args:
         function: Compiled, and called before.
         arguments: One for each call.
@@ -33,12 +69,11 @@ def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int)
     Returns:
         Results in the order of the arguments.
     """
-    from threadpoolctl import threadpool_limits
 
     def finished(argument):
         return jax.block_until_ready(function(argument))
 
-    with threadpool_limits(1, user_api="blas"):
+    with one_thread():
         if threads == 1:
             return [finished(argument) for argument in arguments]
         with ThreadPoolExecutor(threads) as pool:
