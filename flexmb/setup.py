@@ -4,7 +4,6 @@ import os
 import sys
 from pathlib import Path
 
-
 LARGEST_CACHE = 2_000_000_000
 
 
