@@ -63,10 +63,11 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
             raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. A plant gives: {', '.join(MEASURED)}.")
     driven = driven_by(model, loads or {}, motion or {}, None)
     start = configuration(model)
+    nameless = model.without_names()
     memory = [jnp.concatenate([start.x, jnp.zeros(model.topology.n_e)])]
 
     def evaluated(t, x, u):
-        rates, y, memory[0] = _rates(model, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u))
+        rates, y, memory[0] = _rates(nameless, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u))
         return np.asarray(rates), np.asarray(y)
 
     names = [name.replace(".", " ") for name in model.q_labels]

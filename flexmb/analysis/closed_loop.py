@@ -6,12 +6,14 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
 from jaxtyping import Array
 
 from ..errors import ModelError
+from ..math.program import captured
 from ..math.record import Record, static
 from ..mechanics.controlled_form import ControlledForm, Feedback, driven_by_inputs
 from ..mechanics.coordinates_form import CoordinatesForm
@@ -82,7 +84,9 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
     if isinstance(control, Feedback | Sampled):
         if reference is not None:
             raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
-        return control
+        return _now(control, len(outputs))
+    if reference is not None:
+        reference = captured(reference, jax.ShapeDtypeStruct((), jnp.float64))
     if hasattr(control, "A") and hasattr(control, "D"):
         period = getattr(control, "dt", 0)
         if period is True:
@@ -99,8 +103,18 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
             return Sampled(Partial(_sampled_step, a, b, c, d, reference), float(period), start)
         return Feedback(Partial(_linear_output, c, d, reference), Partial(_linear_rate, a, b, reference), start)
     if callable(control):
-        return Feedback(Partial(_static_output, control, reference))
+        return _now(Feedback(Partial(_static_output, control, reference)), len(outputs))
     raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), a Feedback or Sampled.")
+
+
+def _now(controller: Feedback | Sampled, count: int):
+    """A controller as it is now, for so many outputs of the mechanism."""
+    states = jnp.zeros(0) if controller.start is None else controller.start
+    like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
+    names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")
+    functions = {name: getattr(controller, name) for name in names}
+    taken = {name: captured(f, *like) for name, f in functions.items() if f is not None}
+    return dataclasses.replace(controller, **taken)
 
 
 def _nothing(t, z, y):

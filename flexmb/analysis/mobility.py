@@ -6,20 +6,14 @@ from collections.abc import Collection
 import numpy as np
 
 from ..elements.element import ELASTIC
-from ..math.compile import jit
 from ..math.subspace import null_spaces
-from ..mechanics.deformation import deformation_jacobian, zero_near
+from ..mechanics.deformation import reference_jacobian
 from ..model.model import Model
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
 # Entries closer than this share of the largest are equal but for round-off.
 ALIKE = 1e-6
-
-
-@jit
-def _reference_jacobian(topology, parameters):
-    return deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))[1]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -148,7 +142,7 @@ def constraints(model: Model) -> Constraints:
         model: Mechanism, with concrete numbers.
     """
     topology, parameters = model.topology, model.parameters
-    jacobian = np.asarray(_reference_jacobian(topology, parameters))
+    jacobian = reference_jacobian(topology, parameters)
     points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
     extent = float(np.max(np.ptp(points, axis=1))) if points.size else 0.0
     columns = np.ones(topology.n_x)

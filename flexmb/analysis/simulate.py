@@ -15,6 +15,7 @@ from jaxtyping import Array, ArrayLike, Float, Int
 from ..errors import ModelError
 from ..math.compile import jit_beside_options
 from ..math.indices import put
+from ..math.program import Captured, captured
 from ..math.record import Record, static
 from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.drive import Driven, Table
@@ -25,7 +26,7 @@ from ..results import RESULTS, check
 from .closed_loop import Sampled, as_feedback, under_inputs
 from .configuration import Configuration, configuration
 from .equilibrium import Equilibrium
-from .integrate import Start, integrate, integrate_sampled
+from .integrate import Start, begin, integrate, integrate_sampled
 from .parts import integrate_in_parts, sampled_intervals
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ class Motion(Record):
             Observed.
         """
         model = self.model
-        return _observe(model, self.driven, self.t, self.x, self.xd, self.near, self.u)
+        return _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
 
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook."""
@@ -210,7 +211,9 @@ def simulate(
 ) -> Motion:
     """Integrate the nonlinear equations of motion.
 
-    Functions of time are compiled into the simulation: give the same function object again to use compiled code again.
+    Functions of time, controllers and events are taken as they are when this is called, with the numbers that they
+    refer to, of which the motion may be differentiated. They are compiled into the simulation; functions that differ in
+    numbers alone share compiled code.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
@@ -287,23 +290,26 @@ def simulate(
         "solver": solver,
         "dt0": jnp.asarray(0.0 if dt0 is None else dt0, float),
         "adjoint": adjoint,
-        "event": event,
+        "event": None,
         "max_steps": max_steps,
         "first": 50.0,
     }
     feedback = settings["feedback"]
+    if event is not None:
+        settings |= {"event": _event_now(event, model, driven, times[0], start, settings)}
     if isinstance(feedback, Sampled):
         settings |= {"first": 4.0}
+    nameless = model.without_names()
     if progress:
-        run = integrate_in_parts(model, driven, times, start, settings, progress)
+        run = integrate_in_parts(nameless, driven, times, start, settings, progress)
     elif isinstance(feedback, Sampled):
         if isinstance(times, jax.core.Tracer):
             raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
         wanted = np.asarray(times)
         grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
-        run = integrate_sampled(model, driven, grid, times, (start, feedback.start), settings)
+        run = integrate_sampled(nameless, driven, grid, times, (start, feedback.start), settings)
     else:
-        run = integrate(model, driven, times[jnp.array([0, -1])], times, (start, None), settings)
+        run = integrate(nameless, driven, times[jnp.array([0, -1])], times, (start, None), settings)
     # What a failure or a stop leaves out.
     reached, stopped = run.x.shape[0], progress and int(run.result) == RESULTS.stopped
     columns = [run.x, run.xd, run.near, run.u]
@@ -315,6 +321,40 @@ def simulate(
     found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, form, name)
     check(found.result, throw and not stopped)
     return found
+
+
+class Condition(Record):
+    """Condition of an event, as it was when the simulation was called.
+
+    Attributes:
+        function: Of time and state.
+    """
+
+    function: Captured
+
+    def __call__(self, t, y, args, **more):
+        """What diffrax watches.
+
+        Args:
+            t: Time [s].
+            y: State.
+            args: Not used.
+            more: Not used.
+        """
+        return self.function(t, y)
+
+
+def _event_now(event, model: Model, driven, t, start: Start, settings: dict[str, Any]):
+    """An event of diffrax whose conditions will not change; those that ask for more than time and state stay."""
+    like = jax.eval_shape(lambda given: begin(model, driven, t, given, settings)[0], start)
+
+    def now(condition):
+        try:
+            return Condition(captured(lambda t, y: condition(t, y, None), t, like))
+        except (KeyError, TypeError):
+            return condition
+
+    return dataclasses.replace(event, cond_fn=jax.tree.map(now, event.cond_fn, is_leaf=callable))
 
 
 def _checked_solver(solver, controller, plain: bool, dt0, jumps: bool):
@@ -369,6 +409,8 @@ def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple
         ModelError: Unknown name, or what cannot be driven.
     """
     labels, topology = model.labels, model.topology
+    loads = {name: _now(f"Load '{name}'", value) for name, value in loads.items()}
+    motion = {name: _now(f"Motion '{name}'", value) for name, value in motion.items()}
     x_names = {str(entry): i for i, entry in enumerate(labels.x)}
     e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
     found = []
@@ -406,8 +448,21 @@ def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple
             raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
         if own.gravity is not None:
             raise ModelError("Gravity among the incremental loads does not change with time. Make it a constant load.")
-        found.append(Driven("increment", jnp.zeros(0, int), increment))
+        found.append(Driven("increment", jnp.zeros(0, int), _now("Argument `increment`", increment)))
     return tuple(found)
+
+
+def _now(what: str, value):
+    """A function of time as it is now."""
+    if isinstance(value, Table):
+        return value
+    if not callable(value):
+        raise TypeError(f"{what} must be a function of time or a Table, not {value!r}.")
+    try:
+        return captured(value, jax.ShapeDtypeStruct((), jnp.float64))
+    except Exception as fault:
+        fault.add_note(f"{what} was evaluated at an abstract time: write it with jax.numpy, without branches on t.")
+        raise
 
 
 def _some(*groups) -> str:

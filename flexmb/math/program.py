@@ -1,12 +1,97 @@
-"""A traced function in two parts: what follows from constants, computed once, and what varies."""
+"""Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
 
 from collections.abc import Callable
 from typing import Any
 
 import jax
 import jax.core
+import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, Var
+
+from .record import Record, static
+
+
+class Code:
+    """A program, equal to another that does the same.
+
+    Attributes:
+        jaxpr: The program, with the numbers of a :class:`Captured` as its constants.
+        results: Structure of what it returns.
+    """
+
+    def __init__(self, jaxpr: Jaxpr, results: Any):
+        self.jaxpr, self.results = jaxpr, results
+        self._meaning = (_of_program(jaxpr), results)
+        self._hash = hash(self._meaning)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Code) and self._meaning == other._meaning
+
+    def __hash__(self) -> int:
+        return self._hash
+
+
+class Captured(Record):
+    """A user's function as a program and the numbers that it captures or that stand in its text.
+
+    Functions that differ in numbers alone are the same code, compiled once; numbers may be traced, for a derivative.
+
+    Attributes:
+        code: The program.
+        numbers: What it captured when it was taken.
+    """
+
+    code: Code = static()
+    numbers: tuple[Any, ...]
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Value of the function for arguments of the shapes that it was taken for.
+
+        Args:
+            arguments: As the function takes them.
+        """
+        leaves = jax.tree.leaves(arguments)
+        return jax.tree.unflatten(self.code.results, jax.core.eval_jaxpr(self.code.jaxpr, self.numbers, *leaves))
+
+
+def captured(function: Callable[..., Any], *like: Any) -> Captured:
+    """Take a function as it is now: what its text refers to may change afterwards.
+
+    Args:
+        function: Of arrays; without side effects.
+        like: Arguments, or their shapes.
+
+    Returns:
+        The function as a record of numbers.
+    """
+    leaves, structure = jax.tree.flatten(like)
+    results: Any = None
+
+    # A function of its own: JAX remembers the traces of those it knows.
+    def flat(*leaves):
+        nonlocal results
+        found, results = jax.tree.flatten(function(*jax.tree.unflatten(structure, leaves)))
+        return [jnp.asarray(one) for one in found]
+
+    program = jax.make_jaxpr(flat)(*(jax.typeof(leaf) for leaf in leaves))
+    jaxpr, numbers, places, equations = program.jaxpr, list(program.consts), [], []
+
+    def placed(atom):
+        """A constant in place of a number in the text; whole numbers may be shapes or places, and stay."""
+        kind: Any = atom.aval
+        if not isinstance(atom, Literal) or not np.issubdtype(kind.dtype, np.inexact):
+            return atom
+        numbers.append(np.asarray(atom.val, kind.dtype))
+        places.append(Var(jax.typeof(numbers[-1])))
+        return places[-1]
+
+    for equation in jaxpr.eqns:
+        equations.append(equation.replace(invars=[placed(atom) for atom in equation.invars]))
+    results_of = [placed(atom) for atom in jaxpr.outvars]
+    named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
+    jaxpr = jaxpr.replace(constvars=[*jaxpr.constvars, *places], eqns=equations, outvars=results_of, debug_info=named)
+    return Captured(Code(jaxpr, results), tuple(numbers))
 
 
 def split(
@@ -83,7 +168,8 @@ def _without_repeats(jaxpr) -> tuple[list, list]:
 
     for equation in jaxpr.eqns:
         inputs = replaced(equation.invars)
-        key = _meaning(equation, inputs)
+        names = tuple((v.aval, np.asarray(v.val).tobytes()) if isinstance(v, Literal) else v for v in inputs)
+        key = (names, *_meaning(equation))
         if key in known and not equation.effects:
             same.update(zip(equation.outvars, known[key], strict=True))
         else:
@@ -92,24 +178,50 @@ def _without_repeats(jaxpr) -> tuple[list, list]:
     return found, replaced(jaxpr.outvars)
 
 
-def _meaning(equation, inputs: list) -> tuple:
-    """Equal for equations that do the same: by value where values compare, otherwise by identity.
+def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = 2) -> tuple:
+    """Equal for programs that do the same with equal arguments."""
+    places = {v: i for i, v in enumerate([*jaxpr.constvars, *jaxpr.invars])}
+    meaning: list[Any] = [tuple((type(c), np.asarray(c).dtype, np.asarray(c).tobytes()) for c in constants)]
+    meaning.append(tuple(v.aval for v in places))
+
+    def place(atom):
+        return (atom.aval, np.asarray(atom.val).tobytes()) if isinstance(atom, Literal) else places[atom]
+
+    for equation in jaxpr.eqns:
+        meaning.append((*_meaning(equation, rules), *map(place, equation.invars)))
+        for v in equation.outvars:
+            places[v] = len(places)
+    return (*meaning, *map(place, jaxpr.outvars))
+
+
+def _meaning(equation, rules: int = 2) -> tuple:
+    """Equal for equations that do the same with their inputs: by value where values compare, otherwise by identity.
 
     What prints alike need not be alike: compiled helpers that differ in an array they capture do.
     """
-    names = tuple((v.aval, np.asarray(v.val).tobytes()) if isinstance(v, Literal) else v for v in inputs)
-    return equation.primitive, names, tuple((k, *_value(v)) for k, v in sorted(equation.params.items()))
+    parameters = dict(equation.params)
+    rule = parameters.pop("jvp_jaxpr_fun", None)
+    if rule is not None and rules:
+        # A derivative of one's own is made anew by each trace, and is known by its program: in which the function
+        # itself may stand, so that no more derivatives are looked at than equations of motion take.
+        jaxpr, constants, _ = rule.call_wrapped(*[False] * len(equation.invars))
+        parameters["jvp"], rules = ClosedJaxpr(jaxpr, constants), rules - 1
+    return equation.primitive, *((k, _value(v, rules)) for k, v in sorted(parameters.items()))
 
 
-def _value(parameter) -> tuple:
+def _value(parameter: Any, rules: int) -> Any:
+    if isinstance(parameter, ClosedJaxpr):
+        return _of_program(parameter.jaxpr, tuple(parameter.consts), rules)
+    if isinstance(parameter, Jaxpr):
+        return _of_program(parameter, (), rules)
+    if type(parameter) in (tuple, list):
+        return tuple(_value(one, rules) for one in parameter)
     try:
         hash(parameter)
     except TypeError:
-        return (id(parameter),)
-    if isinstance(parameter, Jaxpr | ClosedJaxpr) or callable(parameter):
-        return (parameter,)
+        return id(parameter)
     # The text as well: 1, 1.0 and True are equal, as are zeros of either sign.
-    return parameter, repr(parameter)
+    return parameter if callable(parameter) else (parameter, repr(parameter))
 
 
 def _needed(equations: list, results: list) -> tuple[list, dict]:

@@ -68,9 +68,18 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str):
     """
     if companion not in block.companions:
         return None, properties
-    if isinstance(properties.get("section"), tuple):
-        properties = {**properties, "section": _rigidities(properties["section"])}
+    properties = with_rigidities(properties)
     return element_function(block, getattr(block.element, companion), properties), properties
+
+
+def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:
+    """Stacked properties with one stack of sections, where they are of several kinds.
+
+    Args:
+        properties: Of a block.
+    """
+    sections = properties.get("section")
+    return {**properties, "section": _rigidities(sections)} if isinstance(sections, tuple) else properties
 
 
 @traced_once

@@ -1,13 +1,17 @@
 """Deformations e = D(x) of all elements, their Jacobian, and their curvature under given stress resultants."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.compile import traced_once
+from ..elements.element import Element
+from ..math.compile import jit, traced_once
 from ..model.parameters import Parameters
-from ..model.topology import Topology
-from .blocks import each_block, scatter_matrix, scatter_vector
+from ..model.topology import Block, Topology
+from .blocks import each_block, element_function, scatter_matrix, scatter_vector, with_rigidities
 
 
 def deformation_functions(topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]):
@@ -100,6 +104,42 @@ def deformation_jacobian(
     values, matrices = jacobian_pieces(topology, parameters, x, near)
     size = (topology.n_e, topology.n_x)
     return scatter_vector(topology.n_e, values), scatter_matrix(size, matrices)
+
+
+@jit
+def _jacobians(block: Block, properties: dict[str, Any], ref: Float[Array, "elements c"]):
+    function: Any = element_function(block, block.element.deformation, properties)
+    near = {"near": jnp.zeros(block.e.shape[1])} if block.element.tracks_angle else {}
+    return jax.vmap(jax.jacfwd(lambda x, ref, own: function(x, ref, own, **near)))(ref, ref, properties)
+
+
+def reference_jacobian(topology: Topology, parameters: Parameters) -> np.ndarray:
+    """Derivatives of all deformations by the nodal coordinates in the undeformed mechanism; concrete numbers.
+
+    Compiled for each type of element and number of them, whatever else there is in the mechanism.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+
+    Returns:
+        D_x, (n_e, n_x).
+    """
+    alike: dict[Any, list[Any]] = {}
+    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+        if "deformation" in block.companions and block.e.shape[1]:
+            wanted: Any = block.element.arguments(block.element.deformation, {**dict(block.options), **properties})
+            chosen = with_rigidities({name: value for name, value in properties.items() if name in wanted})
+            fixed = tuple((name, value) for name, value in block.options if name in wanted)
+            key = (block.element.deformation, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
+            alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
+    found = np.zeros((topology.n_e, topology.n_x))
+    for (function, fixed, _, splits, _), members in alike.items():
+        x, e, chosen = jax.tree.map(lambda *rows: np.concatenate(rows), *members)
+        block = Block(Element(function), ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits)
+        matrices = np.asarray(_jacobians(block, chosen, np.asarray(parameters.reference)[x]))
+        np.add.at(found, (e[:, :, None], x[:, None, :]), matrices)
+    return found
 
 
 def curvature_pieces(

@@ -1,5 +1,7 @@
 """A mechanism ready for analysis."""
 
+from __future__ import annotations
+
 import dataclasses
 
 import numpy as np
@@ -103,6 +105,12 @@ class Model(Record):
     topology: Topology
     parameters: Parameters
     labels: Labels = static()
+
+    def without_names(self) -> Model:
+        """The same mechanism as compiled code takes it, which is not to be compiled again for another name."""
+        own = self.labels
+        inputs, outputs = (tuple(dataclasses.replace(s, name="") for s in some) for some in (own.inputs, own.outputs))
+        return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, own.dimension, ()))
 
     @property
     def q_labels(self) -> list[str]:
