@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from ..math.compile import jit
 from ..math.derivative import jvp_of_varied
@@ -77,7 +77,7 @@ class Equilibrium(Record):
 
 
 class _Solved(NamedTuple):
-    x: Float[Array, "n_x"]
+    at: State
     near: Float[Array, "n_e"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
@@ -104,6 +104,9 @@ def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors
 
 
 class _Search(NamedTuple):
+    at: State
+    finishing: Bool[Array, ""]
+    finished: Bool[Array, ""]
     x: Float[Array, "n_x"]
     near: Float[Array, "n_e"]
     trial: Float[Array, "n_x"]
@@ -130,16 +133,19 @@ def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
 def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
     """One loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
 
-    Deformations and their stress are carried as numbers of their own, see ``iterate``.
+    Deformations and their stress are carried as numbers of their own, see ``iterate``. The last turn evaluates the
+    state that was found and leaves it as it is: outside the loop its equations would be compiled once more.
 
     Beside the Newton iteration runs the power method for the largest 1/mu of K v = mu K0 v, one step a turn with the
     factors at hand: from below, whether the state is critical.
     """
     sizes = sizes_of(topology, parameters)
     tracks = any(block.element.tracks_angle for block in topology.blocks)
+    loaded = has_loads(topology, parameters)
 
     def turn(s: _Search) -> _Search:
-        load = jnp.minimum(s.reached + s.step, 1.0)
+        going = ~s.finishing
+        load = jnp.where(going, jnp.minimum(s.reached + s.step, 1.0), 1.0)
         factors = LoadFactors(load * target.initial, load * target.increment)
         wanted = held_values(topology, parameters, factors)
         at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, s.trial_strained, wanted)
@@ -150,14 +156,17 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         energy = soft @ k0 @ soft
         dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
         change = onto + at.transfer.DFx @ dq
+        # Laws alone: where they pull nothing, no stiffness is asked for.
+        still = jnp.array(False) if loaded else (s.iterations == 0) & _is_round_off(at, residual, sizes)
+        change = jnp.where(still, 0.0, change)
         size = jnp.max(jnp.abs(change) / sizes)
         contraction = size / s.before
         first = jnp.where(s.tries == 0, size, s.first)
         astray = (contraction > CONTRACTION) & (size > STEP_TOLERANCE**0.5)
-        bad = ~(size < LARGEST_STEP) | astray | (s.tries >= MAX_ITERATIONS)
+        bad = going & (~(size < LARGEST_STEP) | astray | (s.tries >= MAX_ITERATIONS))
         last = load >= 1.0
         near_enough = (size < STEP_TOLERANCE) | (~last & (size < LOOSE_TOLERANCE) & (s.tries > 0))
-        done = near_enough & ~bad
+        done = going & near_enough & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
@@ -167,6 +176,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         longer = s.step * jnp.clip(jnp.minimum(fitting, jnp.sqrt(0.2 / contraction)), 0.5, 4.0)
         step = jnp.where(bad, shorter, jnp.where(done, longer, s.step))
         failed = bad & (shorter < SMALLEST_LOAD_STEP)
+        # Zero where nothing is stiff without load: that alone is no critical state.
+        softness = jnp.where(still, 0.0, jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)))
         singular = ~jnp.all(jnp.isfinite(change))
         why = jnp.where(
             ~at.transfer.regular,
@@ -178,6 +189,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             return jnp.where(bad, if_bad, jnp.where(done, if_done, otherwise))
 
         return _Search(
+            at=at,
+            finishing=failed | (done & last),
+            finished=s.finishing,
             x=jnp.where(done, trial, s.x),
             near=jnp.where(done, near, s.near),
             trial=choose(s.x, trial, trial),
@@ -189,27 +203,26 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             first=first,
             before=jnp.where(bad | done, jnp.inf, size),
             soft=softer,
-            # Zero where nothing is stiff without load: that alone is no critical state.
-            softness=jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)),
+            softness=jnp.where(going, softness, s.softness),
             tries=jnp.where(bad | done, 0, s.tries + 1),
-            iterations=s.iterations + 1,
-            result=jnp.where(failed, why, int(RESULTS.successful)).astype(jnp.int32),
+            iterations=s.iterations + going.astype(jnp.int32),
+            result=jnp.where(failed, why, s.result).astype(jnp.int32),
         )
 
-    def unfinished(s: _Search):
-        return (s.reached < 1.0) & (s.result == RESULTS.successful)
-
     x0, near0 = parameters.reference, zero_near(topology)
-    zero = jnp.zeros((), jnp.int32)
-    loaded = has_loads(topology, parameters)
+    zero, no = jnp.zeros((), jnp.int32), jnp.array(False)
+    nothing = jax.eval_shape(lambda x, near: state(topology, parameters, target, x, near), x0, near0)
     start = _Search(
+        at=jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing),
+        finishing=no,
+        finished=no,
         x=x0,
         near=near0,
         trial=x0,
         trial_near=near0,
         strained=near0,
         trial_strained=near0,
-        reached=jnp.array(0.0) if loaded else _balanced(topology, parameters, target, x0, near0),
+        reached=jnp.array(0.0),
         step=jnp.array(1.0),
         first=jnp.array(1.0),
         before=jnp.array(jnp.inf),
@@ -219,18 +232,17 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         iterations=zero,
         result=zero,
     )
-    end = jax.lax.while_loop(unfinished, turn, start)
+    end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
     critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
     result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
-    return _Solved(end.x, end.near, end.iterations, result)
+    return _Solved(end.at, end.near, end.iterations, result)
 
 
-def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors, x, near) -> Float[Array, ""]:
-    """1 where nothing but round-off is out of balance, so that no stiffness is asked for; otherwise 0."""
-    at = state(topology, parameters, target, x, near)
-    error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes_of(topology, parameters)
+def _is_round_off(at: State, residual: Float[Array, "n_q"], sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+    """Whether nothing but round-off of the deformations is out of balance."""
+    error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes
     largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
-    return jnp.where(jnp.all(jnp.abs(at.residual) <= largest), 1.0, 0.0)
+    return jnp.all(jnp.abs(residual) <= largest)
 
 
 @jax.custom_jvp
@@ -278,11 +290,16 @@ def _solve_jvp(primals, tangents):
     """The derivative of the equations at constant x, answered by the tangent."""
     topology, parameters, target = primals
     solved = _solve(topology, parameters, target)
-    at = state(topology, parameters, target, solved.x, solved.near)
-    excess, shift, imbalance = change_of_equations(topology, at, solved.near, primals[1:], tangents[1:])
-    dx, _ = linear_response(topology, at, excess, shift, imbalance)
+    near = jax.lax.stop_gradient(solved.near)
+    excess, shift, imbalance = change_of_equations(topology, solved.at, near, primals[1:], tangents[1:])
+    dx, _ = linear_response(topology, solved.at, excess, shift, imbalance)
+
+    def evaluated(parameters, target, x):
+        return state(topology, parameters, target, x, near)
+
+    _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:], dx))
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, _Solved(dx, jnp.zeros_like(solved.near), no_change, no_change)
+    return solved, _Solved(changed, jnp.zeros_like(near), no_change, no_change)
 
 
 _solve.defjvp(_solve_jvp, symbolic_zeros=True)
@@ -304,10 +321,7 @@ def solve_state(
     """
     # What the laws of elements pull in the undeformed mechanism is known only as a number.
     if has_loads(topology, parameters) or is_nonlinear(topology):
-        solved = _solve(topology, parameters, target)
-        near = jax.lax.stop_gradient(solved.near)
-        at = state(topology, parameters, target, solved.x, near)
-        result, iterations = solved.result, solved.iterations
+        at, near, iterations, result = _solve(topology, parameters, target)
         if not tell_critical:
             result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
     else:
