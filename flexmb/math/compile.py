@@ -22,6 +22,10 @@ THOROUGH = {
     "xla_llvm_disable_expensive_passes": True,
     "xla_cpu_experimental_ynn_fusion_type": "",
 }
+# JAX takes options at the outermost call only: a kernel within another is compiled as that one is.
+OPTIONS = {"quick": QUICK, "thorough": THOROUGH, "nested": None}
+# So many variants of a kernel are remembered, for structures and functions that differ: each takes 5 to 40 MB.
+MOST = 32
 
 
 _thorough = False
@@ -54,7 +58,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     def flat(structure, options, *leaves):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
-    run = _compiled(flat, getattr(function, "__name__", "kernel"))
+    run = _compiled(flat, _name(function))
 
     @functools.wraps(function)
     def call(*arguments, **options):
@@ -83,7 +87,7 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
         whole = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, whole))
 
-    run = _compiled(flat, getattr(function, "__name__", "kernel"))
+    run = _compiled(flat, _name(function))
 
     @functools.wraps(function)
     def call(*arguments):
@@ -98,33 +102,41 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
 def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     """Call ``function(structure, fixed, *leaves)`` with a list of leaves, compiled as they and the settings ask for."""
 
-    def traced(*arguments):
+    def whole(structure, fixed, *leaves):
         # Tracing makes objects that live on, by the hundred thousand: to look for garbage among them takes a quarter
         # of its time.
         collects = gc.isenabled()
         gc.disable()
         try:
-            return jax.tree.map(_strong, function(*arguments))
+            return jax.tree.map(_strong, function(structure, fixed, *leaves))
         finally:
             if collects:
                 gc.enable()
 
-    taken = kept(traced)
-    # Programs are listed under this name.
-    traced.__name__ = taken.__name__ = name
-    quick = jax.jit(traced, static_argnums=(0, 1), compiler_options=QUICK)
-    thorough = jax.jit(taken, static_argnums=(0, 1), compiler_options=THOROUGH)
-    nested = jax.jit(traced, static_argnums=(0, 1))
+    taken = kept(whole)
+
+    @functools.lru_cache(MOST)
+    def compiled(structure, fixed, mode: str):
+        def program(*leaves):
+            return (taken if mode == "thorough" else whole)(structure, fixed, *leaves)
+
+        program.__name__ = name
+        return jax.jit(program, compiler_options=OPTIONS[mode])
 
     def run(structure, fixed, leaves):
         # A number whose type is weak, such as a float of Python's, is another type: a program of its own.
         leaves = [_strong(leaf) for leaf in leaves]
         if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
-            return nested(structure, fixed, *leaves)
+            return compiled(structure, fixed, "nested")(*leaves)
         with one_thread():
-            return jax.block_until_ready((thorough if _thorough else quick)(structure, fixed, *leaves))
+            return jax.block_until_ready(compiled(structure, fixed, "thorough" if _thorough else "quick")(*leaves))
 
     return run
+
+
+def _name(function: Callable[..., Any]) -> str:
+    """Under which programs are listed."""
+    return f"{getattr(function, '__module__', '')}.{getattr(function, '__name__', 'function')}"
 
 
 def _strong(number):
