@@ -17,6 +17,7 @@ from ..math.compile import jit
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.sparse import SparseFactors, sparse_matrix
+from ..math.threads import one_thread
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
 from ..mechanics.extent import sizes_of
@@ -341,6 +342,7 @@ def refuse_what_is_not_sparse(model: Model) -> None:
         )
 
 
+@one_thread()
 def sparse_equilibrium(model: Model, target: LoadFactors) -> Equilibrium:
     """Static equilibrium by sparse factors.
 
@@ -369,6 +371,7 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
     return e, sigma, put(jnp.zeros(topology.n_x), fast, force[fast])
 
 
+@one_thread()
 def sparse_eigenvalues(model: Model, target: LoadFactors, count: int) -> Float[Array, "k"]:
     """Lowest eigenvalues about the equilibrium by sparse factors, (count,) [rad^2/s^2].
 

@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from ..math.compile import jit
 from ..math.linear import diagonal_of, is_positive_definite, leading, pencil
 from ..math.record import Record
+from ..math.threads import one_thread
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -254,6 +255,7 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
     )
 
 
+@one_thread()
 def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     """Poles of lambda^2 M0 + lambda (C0 + D0) + K0 + N0 + G0, ordered by |Im|.
 

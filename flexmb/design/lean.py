@@ -115,6 +115,7 @@ def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[
     return found
 
 
+@one_thread()
 def lean(
     model: Model | Callable[..., Model],
     *,

@@ -18,6 +18,7 @@ CLAMPED = 4.730040744862704
 MARGIN = 2.0
 
 
+@one_thread()
 def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: Sequence[str] = ()) -> tuple[str, ...]:
     """Reasons why a model is too lean for a question; none where nothing was found.
 

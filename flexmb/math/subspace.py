@@ -2,10 +2,13 @@
 
 import numpy as np
 
+from .threads import one_thread
+
 # Singular values below this share of the largest count as zero: the predecessor's choice, square root of round-off.
 RANK_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
 
 
+@one_thread()
 def null_spaces(matrix: np.ndarray) -> tuple[int, np.ndarray, np.ndarray]:
     """Rank and orthonormal bases of the left and right null space.
 
@@ -23,6 +26,7 @@ def null_spaces(matrix: np.ndarray) -> tuple[int, np.ndarray, np.ndarray]:
     return rank, u[:, rank:], vt[rank:].T
 
 
+@one_thread()
 def independent_rows(candidates: np.ndarray, wanted: int, threshold: float) -> tuple[list[int], np.ndarray]:
     """Choose rows that are as independent as can be, by pivoted Gram-Schmidt.
 

@@ -297,26 +297,6 @@ def test_too_few_steps_keep_what_was_reached(pendulum):
     assert not reached[-1]
 
 
-def test_functions_given_as_data_are_compiled_once(pendulum):
-    """A Partial of arrays is data: another number does not compile again."""
-    builder = motions.rotor(2)
-    model = builder.build()
-    count, traced = [], 0
-
-    def angle(t, speed):
-        count.append(1)
-        return speed * t
-
-    for speed in (1.0, 2.0):
-        found = fm.simulate(
-            model, [0, 0.01], motion={"hub.rotation.phi": Partial(angle, speed=jnp.array(speed))}, rtol=1e-4
-        )
-        np.testing.assert_allclose(found.at("hub.rotation")[-1, 0], 0.01 * speed, rtol=1e-12)
-        if speed == 1.0:
-            traced = len(count)
-    assert len(count) == traced
-
-
 def test_a_negative_lumped_inertia_is_refused_by_name_or_right():
     """The tutorial's (3.9) puts one on a leaf spring's end: mass of all coordinates is indefinite, that of q is not."""
     model = fm.read_spacar(mechanism_path("pf2d")).builder.build(dofs="named")

@@ -178,9 +178,9 @@ def with_its_own_derivative(x):
 
 def attributed(value):
     def function(t):
-        return function.scale * t
+        return vars(function)["scale"] * t
 
-    function.scale = value
+    vars(function).update(scale=value)
     return function
 
 
