@@ -1,0 +1,89 @@
+"""What threads of LAPACK are worth: kernels in one thread, as the package runs them, and in as many as there are.
+
+Equilibrium and frequencies of a cantilever of planar beams, on a machine that does nothing else and beside one other
+busy process. ``python benchmarks/threads.py`` prints the table that README quotes and writes results/threads.json.
+"""
+
+import contextlib
+import functools
+import os
+import subprocess
+import sys
+
+SIZES = (16, 32, 64, 128)
+RUNS = 7
+
+
+def cantilever(beams: int):
+    """A leaf spring of so many beams under a force across, beyond its small displacements.
+
+    Args:
+        beams: Number of beams.
+    """
+    import flexmb as fm
+    from flexmb import planar
+
+    leaf = fm.Rectangle(0.018, 0.0005, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (0.1 * i / beams, 0.0))
+    for i in range(beams):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=leaf)
+    b.fix("n0")
+    b.force(f"n{beams}", (0.0, -4.0))
+    return b.build()
+
+
+@contextlib.contextmanager
+def busy(others: int):
+    """Beside so many processes that do nothing but count."""
+    running = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(others)]
+    try:
+        yield
+    finally:
+        for one in running:
+            one.kill()
+            one.wait()
+
+
+def main() -> None:
+    """Measure, check that both give the same, print and save."""
+    # Before LAPACK is loaded: what a user's shell may have set would hide what is measured.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.pop(name, None)
+    import numpy as np
+    from record import interleaved, save, show
+
+    import flexmb as fm
+    from flexmb.math import compile as kernels
+
+    fm.enable_x64()
+    fm.enable_cache()
+    one_thread = kernels.one_thread
+    found = {}
+
+    def run(model, analysis, limited):
+        kernels.one_thread = one_thread if limited else contextlib.nullcontext
+        return np.asarray(analysis(model))
+
+    for beams in SIZES:
+        model = cantilever(beams)
+        analyses = {"equilibrium": lambda m: fm.equilibrium(m).x, "frequencies": fm.frequencies}
+        for name, analysis in analyses.items():
+            a, b = (run(model, analysis, limited) for limited in (True, False))
+            # Sums in another order: round-off, times the condition of the stiffness.
+            np.testing.assert_allclose(a, b, rtol=1e-6, atol=1e-9 * np.max(np.abs(a)))
+            for others in (0, 1):
+                with busy(others):
+                    variants = {
+                        "one thread": functools.partial(run, model, analysis, True),
+                        "all threads": functools.partial(run, model, analysis, False),
+                    }
+                    title = f"{name}, {beams} beams ({model.topology.n_x} coordinates), {where}"
+                    found[title] = interleaved(variants, RUNS)
+                    show(title, found[title])
+    save("threads", {"cores": os.cpu_count(), "times": found})
+
+
+if __name__ == "__main__":
+    main()
