@@ -15,6 +15,7 @@ HERE = Path(__file__).parent
 SCRIPTS = (
     "convergence",
     "operations",
+    "threads",
     "first_impression",
     "lean",
     "size",
