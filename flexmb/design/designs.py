@@ -1,9 +1,12 @@
 """Sets of designs: grid, Latin hypercube, Monte Carlo."""
 
+import operator
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+
+from ..errors import shown
 
 
 class Designs(dict[str, np.ndarray]):
@@ -108,7 +111,7 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
 
     checked = {name: checked_bounds(name, b) for name, b in bounds.items()}
     lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
-    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(_positive(count))
+    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(whole("count", count))
     return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
 
 
@@ -133,14 +136,29 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
     rng, drawn = np.random.default_rng(seed), {}
     for name, given in distributions.items():
         if hasattr(given, "rvs"):
-            drawn[name] = given.rvs(size=_positive(count), random_state=rng)
+            drawn[name] = given.rvs(size=whole("count", count), random_state=rng)
         else:
             lower, upper = checked_bounds(name, given)
-            drawn[name] = rng.uniform(lower, upper, (_positive(count), *lower.shape))
+            drawn[name] = rng.uniform(lower, upper, (whole("count", count), *lower.shape))
     return Designs(drawn)
 
 
-def _positive(count: int) -> int:
-    if int(count) < 1:
-        raise ValueError(f"Argument `count` must be at least 1, but is {count}.")
-    return int(count)
+def whole(name: str, value: Any, least: int = 1) -> int:
+    """A number of things that an argument gives.
+
+    Args:
+        name: Of the argument, for the message.
+        value: What is given.
+        least: The least it may be.
+
+    Raises:
+        ValueError: It is not whole, or less.
+    """
+    try:
+        # True is a number to Python and a mistake here.
+        number = None if isinstance(value, bool | np.bool_) else operator.index(value)
+    except TypeError:
+        number = int(value) if isinstance(value, float) and value.is_integer() else None
+    if number is None or number < least:
+        raise ValueError(f"Argument `{name}` must be at least {least} and whole, but is {shown(repr(value))}.")
+    return number

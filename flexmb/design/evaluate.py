@@ -11,12 +11,15 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..build.carry import carried, recorded
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError, ModelError, SpacarError, shown
 from ..model.model import Model
 from ..results import RESULTS, collected
 
 Build = Callable[..., Any]
 Answers = Callable[[Any], Any] | Sequence[Callable[[Any], Any]] | Mapping[str, Callable[[Any], Any]]
+
+# What the numbers of a design are refused with.
+REFUSED = (ModelError, SpacarError)
 
 
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
@@ -42,6 +45,28 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
     if not found:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
     return found
+
+
+def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Sequence[str]) -> None:
+    """Refuse names that would meet in a table or a file.
+
+    Args:
+        dimensions: Names of dimensions.
+        answers: Names of answers.
+        reserved: Names of what else stands there.
+
+    Raises:
+        ValueError: Names the dimension or answer.
+    """
+    for kind, names in (("Dimension", dimensions), ("Answer", answers)):
+        for name in names:
+            if not isinstance(name, str) or not name or not name.isprintable():
+                raise ValueError(f"{kind} '{shown(name)}' must have a name of printable letters.")
+            if name in reserved:
+                raise ValueError(f"{kind} '{name}' must have another name: that one is used beside it in the result.")
+    for name in answers:
+        if name in dimensions:
+            raise ValueError(f"Answer '{name}' has the name of a dimension: give it another.")
 
 
 def check_dimensions(build: Build, names: Sequence[str]) -> None:
@@ -111,6 +136,14 @@ class Layout(NamedTuple):
             for name, shape, part in zip(self.names, self.shapes, parts, strict=True)
         }
 
+    def stacked(self, points: Any) -> dict[str, Any]:
+        """Named arrays with the designs first, from one row a design.
+
+        Args:
+            points: (designs, n).
+        """
+        return {name: np.moveaxis(np.asarray(part), -1, 0) for name, part in self.split(np.asarray(points).T).items()}
+
     def join(self, values: Mapping[str, Any]) -> np.ndarray:
         """One vector from named arrays of these shapes or scalars.
 
@@ -173,8 +206,8 @@ def evaluate_concretely(
         values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
     except AnalysisError as fault:
         return None, int(RESULTS[fault.code])
-    except ModelError:
-        return None, int(RESULTS.not_valid)
+    except REFUSED:
+        return None, int(RESULTS.impossible_design)
     undefined = any(np.any(np.isnan(v)) for v in values.values())
     return values, int(RESULTS.not_finite if undefined else RESULTS.successful)
 
@@ -207,6 +240,26 @@ def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
     with recorded() as models:
         build(**dimensions)
     return models
+
+
+def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], list[Model]]:
+    """The first design that can be built, and its models.
+
+    Args:
+        build: Function of named dimensions.
+        designs: Dimensions with the designs first, (designs, ...), by name.
+
+    Raises:
+        ModelError, SpacarError: Not one can be built; what is said of the first.
+    """
+    refused: Exception | None = None
+    for i in range(len(next(iter(designs.values())))):
+        one = {name: array[i] for name, array in designs.items()}
+        try:
+            return one, build_once(build, one)
+        except REFUSED as fault:
+            refused = refused or fault
+    raise refused or ModelError("There are no designs.")
 
 
 def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):

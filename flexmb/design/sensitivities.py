@@ -9,7 +9,7 @@ import numpy as np
 
 from ..math.compile import jit
 from ..results import RESULTS, check
-from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
+from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .sweep import Sweep, sweep
 
 # A reverse pass costs about this many forward ones (benchmarks/first_impression.py: value and gradient against value).
@@ -225,7 +225,7 @@ def tolerances(
     if not samples:
         return first_order
     drawn = np.random.default_rng(seed).standard_normal((samples, len(spread)))
-    ran = sweep(build, answers, _stacked(layout, layout.join(dimensions) + spread * drawn))
+    ran = sweep(build, answers, layout.stacked(layout.join(dimensions) + spread * drawn))
     good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[ran.codes == 0]
     if len(good) < 2:
         raise ValueError(f"Fewer than two of {samples} samples could be computed: {ran.failures()}")
@@ -236,8 +236,3 @@ def tolerances(
         sampled_interval=np.quantile(good, [0.025, 0.975], axis=0).T,
         samples=ran,
     )
-
-
-def _stacked(layout: Layout, points: np.ndarray) -> dict[str, np.ndarray]:
-    """Named arrays with the designs first, from one row a design."""
-    return {name: np.moveaxis(part, -1, 0) for name, part in layout.split(points.T).items()}
