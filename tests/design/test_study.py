@@ -82,12 +82,12 @@ def test_placeholders_may_be_traced():
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
-        ("{x}", r"text:19: EM: element 1: '\{x\}': there is no parameter 'x' \(t, w, l\)"),
+        ("{x}", r"text:19: EM: element 1: '\{x\}' asks for 'x', but there is no parameter 'x' \(t, w, l\)"),
         ("{t+}", "is no arithmetic"),
         ("{t.real}", "numbers, parameters, pi"),
         ("{1/0}", "has no value"),
         ("{(-t)**0.5}", "must be a real number"),
-        ("{__import__('os')}", "numbers, parameters, pi"),
+        ("{__import__('os')}", "no parameter '__import__'"),
         ("{-t}", "must not be negative|negative"),
         ("2{t}", "must be a number"),
     ],
