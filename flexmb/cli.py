@@ -230,8 +230,8 @@ def _demo_picture(name: str) -> Path:
 def _study(path: Path, json_path: str | None, save: Path | None, plot: Path | None, debug: bool, work: Any) -> None:
     """Run a design study and write its answer; ``work`` returns data, table, exit status, what saves it, the result."""
     from . import enable_cache, enable_x64
-    from .design.study import StudyError, read_study
-    from .errors import AnalysisError, ModelError, SpacarError
+    from .design.study_file import read_study
+    from .errors import AnalysisError, ModelError, SpacarError, StudyError
     from .io.files import to_json, write_whole
 
     _check_call("none", json_path, save, None, plot)
@@ -289,8 +289,7 @@ def sweep(
         from . import __version__
         from .design.study import sweep_answer, sweep_table
 
-        options = {"chunk": int(read.plan["chunk"])} if "chunk" in read.plan else {}
-        found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty(), **options)
+        found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty())
         data = sweep_answer(read, found, __version__)
         return data, sweep_table(found), int(data["status"] != "ok"), found.save, found
 

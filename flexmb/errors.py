@@ -54,3 +54,7 @@ class AnalysisError(RuntimeError):
 
 class SpacarError(ValueError):
     """An input file is wrong; the message has one line a fault, with file, line and keyword."""
+
+
+class StudyError(ValueError):
+    """A design study is described wrongly; the message names file and key."""

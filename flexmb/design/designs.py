@@ -1,5 +1,6 @@
 """Sets of designs: grid, Latin hypercube, Monte Carlo."""
 
+import math
 import operator
 from collections.abc import Mapping
 from typing import Any
@@ -7,6 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import shown
+
+# Designs are held in memory, 8 bytes for each number of each; a thousand a second take three hours.
+MOST = 10_000_000
 
 
 class Designs(dict[str, np.ndarray]):
@@ -56,7 +60,7 @@ def grid(**axes: Any) -> Designs:
         Designs, the last axis running fastest.
 
     Raises:
-        ValueError: An axis is empty or no list of numbers.
+        ValueError: An axis is empty or no list of numbers, or there are more than ten million combinations.
 
     Source:
         Cartesian product.
@@ -65,6 +69,7 @@ def grid(**axes: Any) -> Designs:
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
             raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
+    whole("count", math.prod(len(v) for v in values.values()), most=MOST)
     crossed = np.meshgrid(*values.values(), indexing="ij")
     return Designs({name: c.ravel() for name, c in zip(values, crossed, strict=True)}, values)
 
@@ -102,7 +107,7 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
         Designs.
 
     Raises:
-        ValueError: Bounds are empty or not finite.
+        ValueError: Bounds are empty or not finite, or there are more than ten million designs.
 
     Source:
         McKay, Beckman, Conover 1979, as ``scipy.stats.qmc.LatinHypercube``.
@@ -111,7 +116,7 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
 
     checked = {name: checked_bounds(name, b) for name, b in bounds.items()}
     lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
-    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(whole("count", count))
+    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(whole("count", count, most=MOST))
     return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
 
 
@@ -128,7 +133,7 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
         Designs.
 
     Raises:
-        ValueError: Bounds are empty or not finite.
+        ValueError: Bounds are empty or not finite, or there are more than ten million designs.
 
     Source:
         Independent samples.
@@ -136,29 +141,31 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
     rng, drawn = np.random.default_rng(seed), {}
     for name, given in distributions.items():
         if hasattr(given, "rvs"):
-            drawn[name] = given.rvs(size=whole("count", count), random_state=rng)
+            drawn[name] = given.rvs(size=whole("count", count, most=MOST), random_state=rng)
         else:
             lower, upper = checked_bounds(name, given)
-            drawn[name] = rng.uniform(lower, upper, (whole("count", count), *lower.shape))
+            drawn[name] = rng.uniform(lower, upper, (whole("count", count, most=MOST), *lower.shape))
     return Designs(drawn)
 
 
-def whole(name: str, value: Any, least: int = 1) -> int:
+def whole(name: str, value: Any, least: int = 1, most: float = math.inf) -> int:
     """A number of things that an argument gives.
 
     Args:
         name: Of the argument, for the message.
         value: What is given.
         least: The least it may be.
+        most: The most it may be.
 
     Raises:
-        ValueError: It is not whole, or less.
+        ValueError: It is not whole, less or more.
     """
     try:
         # True is a number to Python and a mistake here.
         number = None if isinstance(value, bool | np.bool_) else operator.index(value)
     except TypeError:
         number = int(value) if isinstance(value, float) and value.is_integer() else None
-    if number is None or number < least:
-        raise ValueError(f"Argument `{name}` must be at least {least} and whole, but is {shown(repr(value))}.")
+    if number is None or not least <= number <= most:
+        limits = f"at least {least}" + (f" and at most {most:g}" if most < math.inf else "")
+        raise ValueError(f"Argument `{name}` must be {limits} and whole, but is {shown(repr(value))}.")
     return number

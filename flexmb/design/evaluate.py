@@ -202,12 +202,15 @@ def evaluate_concretely(
         Answers by name, None where there are none; code.
     """
     try:
-        made = build(**dimensions)
+        try:
+            made = build(**dimensions)
+        except REFUSED:
+            return None, int(RESULTS.impossible_design)
         values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
     except AnalysisError as fault:
+        if fault.code not in RESULTS.__members__:
+            raise
         return None, int(RESULTS[fault.code])
-    except REFUSED:
-        return None, int(RESULTS.impossible_design)
     undefined = any(np.any(np.isnan(v)) for v in values.values())
     return values, int(RESULTS.not_finite if undefined else RESULTS.successful)
 

@@ -19,9 +19,9 @@ def identity(*things: Any) -> str:
     """A text that differs where things are seen to differ.
 
     Numbers, texts, arrays, containers and records are seen by value, functions by their code, defaults, what they
-    capture and what they name in their own module, but for lists, dictionaries and sets there, which may be notes that
-    change as the function is called. Of anything else the type is seen alone, so that two things of one identity may
-    still differ.
+    capture and what they name in their own module, but for lists, dictionaries and sets in functions and records, which
+    may be notes that change as a function is called. Of anything else the type is seen alone, so that two things of one
+    identity may still differ.
 
     Args:
         things: Anything.
@@ -47,8 +47,11 @@ def _add(digest: Any, thing: Any, within: tuple[int, ...]) -> None:
 
 def _parts(thing: Any) -> Iterator[Any]:
     """Bytes, and further things to be described."""
-    if thing is None or isinstance(thing, bool | float | complex | str | bytes | PurePath | type(...)):
+    if thing is None or isinstance(thing, bool | float | complex | str | bytes | type(...)):
         yield repr(thing).encode("utf-8", "surrogatepass")
+    elif isinstance(thing, PurePath):
+        # The same file may be named from here or from there.
+        yield thing.name
     elif isinstance(thing, int):
         # Hexadecimal, since Python does not print some thousand decimals.
         yield f"{thing:x}".encode()
@@ -75,7 +78,7 @@ def _parts(thing: Any) -> Iterator[Any]:
         yield f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', thing.__name__)}".encode()
     elif dataclasses.is_dataclass(thing):
         for field in dataclasses.fields(thing):
-            yield from (field.name, getattr(thing, field.name))
+            yield from (field.name, _still(getattr(thing, field.name)))
     else:
         yield getattr(thing, "__wrapped__", None)
 

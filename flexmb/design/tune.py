@@ -12,8 +12,18 @@ from ..errors import AnalysisError
 from ..math.compile import jit
 from ..progress import reporting
 from ..results import RESULTS
-from .designs import checked_bounds
-from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
+from .designs import checked_bounds, whole
+from .evaluate import (
+    Answers,
+    Build,
+    Layout,
+    build_once,
+    check_dimensions,
+    check_names,
+    flat_function,
+    layout_of,
+    named_answers,
+)
 from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import Problem, make_problem
@@ -22,6 +32,8 @@ from .sensitivities import REVERSE_COST
 
 # A dimension this near to a bound, as a share of the range, is at it.
 AT_BOUND = 1e-6
+# What stands beside dimensions and answers in a history.
+RESERVED = ("objective", "violation")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -203,13 +215,14 @@ def tune(
     """
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
+    check_names(layout.names, tuple(functions), RESERVED)
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
-    if min(starts, together, max_evaluations) < 1 or not tolerance > 0:
-        raise ValueError(
-            "Arguments `starts`, `together` and `max_evaluations` must be at least 1, and `tolerance` positive."
-        )
+    starts, together = whole("starts", starts), whole("together", together)
+    max_evaluations = whole("max_evaluations", max_evaluations)
+    if not 0 < tolerance < np.inf:
+        raise ValueError(f"Argument `tolerance` must be positive and finite, but is {tolerance}.")
     models = build_once(build, dimensions)
     function, of_answers = flat_function(build, functions, layout, models)
     of_designs = refusal(build, models, layout.split(first))
