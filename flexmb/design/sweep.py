@@ -4,7 +4,7 @@ import contextlib
 import dataclasses
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
@@ -50,7 +50,9 @@ class Sweep:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """An answer or a dimension by name; of a grid, with its axes first."""
-        found = self.answers[name] if name in self.answers else self.designs[name]
+        found = self.answers[name] if name in self.answers else self.designs.get(name)
+        if found is None:
+            raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
         return (
             found.reshape(tuple(len(a) for a in self.designs.axes.values()) + found.shape[1:]) if self.axes else found
         )
@@ -73,7 +75,8 @@ class Sweep:
         columns: dict[str, Any] = {}
         for name, array in {**self.designs, **self.answers}.items():
             for at in np.ndindex(array.shape[1:]):
-                columns[name + (f"[{', '.join(map(str, at))}]" if at else "")] = array[(slice(None), *at)]
+                label = name + (f"[{', '.join(map(str, at))}]" if at else "")
+                columns[_free(label, columns)] = array[(slice(None), *at)]
         columns["result"] = [RESULTS(int(c)).name for c in self.codes]
         frame = pandas().DataFrame(columns)
         frame.attrs["units"] = dict(self.units)
@@ -87,10 +90,10 @@ class Sweep:
         """
         xr = xarray()
         along = tuple(self.axes) or ("design",)
-        variables = {}
+        variables, taken = {}, {*self.answers, *self.designs, "result", "design"}
         for name in (*self.answers, *(() if self.axes else self.designs)):
             values = self[name]
-            own = tuple(f"{name}_{i}" for i in range(values.ndim - len(along)))
+            own = tuple(_free(f"{name}_{i}", taken) for i in range(values.ndim - len(along)))
             variables[name] = ((*along, *own), values, {"units": self.units.get(name, "")})
         shape = tuple(len(a) for a in self.axes.values()) or (-1,)
         variables["result"] = (along, self.codes.reshape(shape), {"meaning": "code of flexmb.RESULTS"})
@@ -117,6 +120,13 @@ class Sweep:
         from ..viewer.notebook import card
 
         return card(self)
+
+
+def _free(name: str, taken: Container[str]) -> str:
+    """A name that is not taken."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def sweep(
@@ -175,6 +185,9 @@ def sweep(
     designs = designs if isinstance(designs, Designs) else Designs(designs)
     check_dimensions(build, tuple(designs))
     check_names(tuple(designs), tuple(functions), RESERVED)
+    for name in units or {}:
+        if name not in designs and name not in functions:
+            raise ValueError(f"Unit of '{name}': there is no such dimension or answer.")
     chunk = min(whole("chunk", chunk), designs.count)
     example, models = None, []
     if compiled or checkpoint is not None:
