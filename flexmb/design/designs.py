@@ -30,10 +30,10 @@ class Designs(dict[str, np.ndarray]):
             axes: Of a grid.
 
         Raises:
-            ValueError: There are no designs, or their numbers differ.
+            ValueError: There are no designs, their numbers differ, or something else than numbers is given.
         """
-        super().__init__({name: np.asarray(v, float) for name, v in values.items()})
-        self.axes = {name: np.asarray(v, float) for name, v in (axes or {}).items()}
+        super().__init__({name: numbers(f"Dimension '{name}'", v) for name, v in values.items()})
+        self.axes = {name: numbers(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
         for name, v in self.items():
             if v.ndim == 0 or len(v) == 0:
                 raise ValueError(f"Dimension '{name}' has no designs: give one value for each.")
@@ -65,7 +65,7 @@ def grid(**axes: Any) -> Designs:
     Source:
         Cartesian product.
     """
-    values = {name: np.atleast_1d(np.asarray(v, float)) for name, v in axes.items()}
+    values = {name: np.atleast_1d(numbers(f"Axis '{name}' of a grid", v)) for name, v in axes.items()}
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
             raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
@@ -85,9 +85,11 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
         ValueError: Not two, not finite, or the lower one is not below the upper one.
     """
     try:
-        lower, upper = (np.asarray(b, float) for b in bounds)
+        lower, upper = (numbers(f"Bounds of '{name}'", b) for b in bounds)
     except (TypeError, ValueError):
-        raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {bounds!r}.") from None
+        raise ValueError(
+            f"Bounds of '{name}' must be two numbers, lower and upper, but are {shown(repr(bounds))}."
+        ) from None
     if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
         raise ValueError(f"Bounds of '{name}' must be finite, but are {lower} and {upper}.")
     if not np.all(lower < upper):
@@ -115,8 +117,12 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
     from scipy.stats import qmc
 
     checked = {name: checked_bounds(name, b) for name, b in bounds.items()}
+    for name, (lower, upper) in checked.items():
+        if lower.shape or upper.shape:
+            raise ValueError(f"Bounds of '{name}' must be two numbers here: an array is drawn entry by entry.")
     lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
-    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(whole("count", count, most=MOST))
+    rng, count = np.random.default_rng(whole("seed", seed, 0)), whole("count", count, most=MOST)
+    unit = qmc.LatinHypercube(len(checked), rng=rng).random(count)
     return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
 
 
@@ -138,7 +144,7 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
     Source:
         Independent samples.
     """
-    rng, drawn = np.random.default_rng(seed), {}
+    rng, drawn = np.random.default_rng(whole("seed", seed, 0)), {}
     for name, given in distributions.items():
         if hasattr(given, "rvs"):
             drawn[name] = given.rvs(size=whole("count", count, most=MOST), random_state=rng)
@@ -146,6 +152,45 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
             lower, upper = checked_bounds(name, given)
             drawn[name] = rng.uniform(lower, upper, (whole("count", count, most=MOST), *lower.shape))
     return Designs(drawn)
+
+
+def numbers(what: str, value: Any) -> np.ndarray:
+    """A number or an array of numbers, double precision.
+
+    Args:
+        what: What they are, for the message.
+        value: What is given.
+
+    Raises:
+        ValueError: It is something else.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        # Lists of several lengths.
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"{what} must be numbers, but got {shown(repr(value))}.")
+    return array.astype(float)
+
+
+def positive(name: str, value: Any) -> float:
+    """A finite number above zero that an argument gives.
+
+    Args:
+        name: Of the argument, for the message.
+        value: What is given.
+
+    Raises:
+        ValueError: It is something else.
+    """
+    try:
+        number = numbers(name, value)
+    except ValueError:
+        number = np.array(np.nan)
+    if number.shape != () or not 0 < number < np.inf:
+        raise ValueError(f"Argument `{name}` must be positive and finite, but is {shown(repr(value))}.")
+    return float(number)
 
 
 def whole(name: str, value: Any, least: int = 1, most: float = math.inf) -> int:

@@ -60,8 +60,8 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
     """
     for kind, names in (("Dimension", dimensions), ("Answer", answers)):
         for name in names:
-            if not isinstance(name, str) or not name or not name.isprintable():
-                raise ValueError(f"{kind} '{shown(name)}' must have a name of printable letters.")
+            if not isinstance(name, str) or not name or not name.isprintable() or name.endswith(".npy"):
+                raise ValueError(f"{kind} '{shown(name)}' must have a name of printable letters, not ending in .npy.")
             if name in reserved:
                 raise ValueError(f"{kind} '{name}' must have another name: that one is used beside it in the result.")
     for name in answers:
@@ -87,6 +87,8 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
         return
     taken = [p for p in parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     known = [p.name for p in taken]
+    if not names:
+        raise ValueError("Give at least one dimension.")
     listed = f"{getattr(build, '__name__', 'the function')}({', '.join(known)})"
     if not any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
         for name in names:
@@ -149,9 +151,18 @@ class Layout(NamedTuple):
 
         Args:
             values: By name.
+
+        Raises:
+            ValueError: An array has another shape.
         """
-        pairs = zip(self.names, self.shapes, strict=True)
-        return np.concatenate([np.broadcast_to(np.asarray(values[n], float), s).ravel() for n, s in pairs])
+        parts = []
+        for name, shape in zip(self.names, self.shapes, strict=True):
+            array = np.asarray(values[name], float)
+            try:
+                parts.append(np.broadcast_to(array, shape).ravel())
+            except ValueError:
+                raise ValueError(f"'{name}' has shape {shape}, but an array of shape {array.shape} is given.") from None
+        return np.concatenate(parts)
 
 
 def layout_of(values: Mapping[str, Any]) -> Layout:

@@ -7,6 +7,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from .designs import numbers
 from .evaluate import Layout
 
 
@@ -156,7 +157,7 @@ def make_problem(
     shapes, labels = dict(zip(layout.names, layout.shapes, strict=True)), layout.labels
     given = [n for n in (minimize, maximize) if n is not None]
     for name in (*given, *targets, *equal, *limits):
-        if name not in places:
+        if not isinstance(name, str) or name not in places:
             raise ValueError(f"There is no answer '{name}'. Answers are: {', '.join(places)}.")
     if len(given) > 1:
         raise ValueError("Give either `minimize` or `maximize`, not both; weigh the two in an answer of your own.")
@@ -174,7 +175,7 @@ def make_problem(
 
     def entries(name: str, value: Any, what: str) -> np.ndarray:
         try:
-            return np.broadcast_to(np.asarray(value, float), shapes[name]).ravel()
+            return np.broadcast_to(numbers(what, value), shapes[name]).ravel()
         except (TypeError, ValueError):
             raise ValueError(
                 f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {value!r}."
@@ -207,6 +208,8 @@ def make_problem(
 
 def _limits(name: str, pair: Any, entries) -> tuple[Any, Any]:
     try:
+        if isinstance(pair, str):
+            raise ValueError
         lower, upper = pair
     except (TypeError, ValueError):
         raise ValueError(

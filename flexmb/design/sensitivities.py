@@ -9,6 +9,7 @@ import numpy as np
 
 from ..math.compile import jit
 from ..results import RESULTS, check
+from .designs import MOST, numbers, whole
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .sweep import Sweep, sweep
 
@@ -93,6 +94,7 @@ def sensitivities(
         Implicit differentiation of the equilibrium and of the eigenvalues (:func:`flexmb.equilibrium`,
         :func:`flexmb.frequencies`); d ln a/d ln p = (p/a) da/dp.
     """
+    dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
     function, rows = flat_function(build, functions, layout, build_once(build, dimensions))
@@ -213,8 +215,9 @@ def tolerances(
     for name, deviation in deviations.items():
         if name not in dimensions:
             raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
-        if not np.all(np.asarray(deviation, float) >= 0):
-            raise ValueError(f"Deviation of '{name}' must not be negative, but is {deviation}.")
+        if not np.all((own := numbers(f"Deviation of '{name}'", deviation)) >= 0) or not np.all(np.isfinite(own)):
+            raise ValueError(f"Deviation of '{name}' must not be negative, but finite; it is {deviation}.")
+    samples = whole("samples", samples, 0, MOST)
     found = sensitivities(build, answers, dimensions)
     layout = layout_of(dimensions)
     spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
@@ -224,7 +227,7 @@ def tolerances(
     first_order = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
     if not samples:
         return first_order
-    drawn = np.random.default_rng(seed).standard_normal((samples, len(spread)))
+    drawn = np.random.default_rng(whole("seed", seed, 0)).standard_normal((samples, len(spread)))
     ran = sweep(build, answers, layout.stacked(layout.join(dimensions) + spread * drawn))
     good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[ran.codes == 0]
     if len(good) < 2:

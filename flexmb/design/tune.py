@@ -8,11 +8,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..errors import AnalysisError
+from ..errors import AnalysisError, shown
 from ..math.compile import jit
 from ..progress import reporting
 from ..results import RESULTS
-from .designs import checked_bounds, whole
+from .designs import checked_bounds, numbers, positive, whole
 from .evaluate import (
     Answers,
     Build,
@@ -213,6 +213,7 @@ def tune(
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """
+    dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
     check_names(layout.names, tuple(functions), RESERVED)
@@ -220,9 +221,8 @@ def tune(
     first = layout.join(dimensions)
     scaling.check_inside(first)
     starts, together = whole("starts", starts), whole("together", together)
-    max_evaluations = whole("max_evaluations", max_evaluations)
-    if not 0 < tolerance < np.inf:
-        raise ValueError(f"Argument `tolerance` must be positive and finite, but is {tolerance}.")
+    max_evaluations, seed = whole("max_evaluations", max_evaluations), whole("seed", seed, 0)
+    tolerance = positive("tolerance", tolerance)
     models = build_once(build, dimensions)
     function, of_answers = flat_function(build, functions, layout, models)
     of_designs = refusal(build, models, layout.split(first))
@@ -233,6 +233,9 @@ def tune(
     def refused(units: np.ndarray) -> np.ndarray:
         return of_designs(layout.stacked(scaling.to_dimensions(units)))
 
+    for name in (minimize, maximize):
+        if name is not None and not isinstance(name, str):
+            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {shown(repr(name))}.")
     named = {name for name in (minimize, maximize, *(targets or {}), *(limits or {}), *(equal or {})) if name}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
     unit = scaling.to_unit(first)
