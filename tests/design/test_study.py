@@ -1,6 +1,7 @@
 """Studies in a file: placeholders, the two commands, the same numbers as in Python, one line a fault."""
 
 import json
+import os
 
 import jax
 import numpy as np
@@ -379,3 +380,89 @@ def test_modules_of_one_name_are_told_apart(tmp_path):
         (folder / "study.toml").write_text(text + "[sweep]\npoints = 1\n")
         found.append(json.loads(call("sweep", folder / "study.toml", "--json", "-").stdout)["answers"]["b"])
     assert found == [[2.0], [3.0]]
+
+
+@pytest.mark.parametrize("command", ["sweep", "tune"])
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--plot", "a.html"), "--plot writes .png or .svg, not 'a.html'"),
+        (("--plot", "a.gif"), "--plot writes .png or .svg, not 'a.gif'"),
+        (("--save", "a.csv"), "--save writes .npz or .mat"),
+        (("--json", "none/a.json"), "the folder of 'none/a.json' does not exist"),
+        (("--save", "none/a.npz"), "the folder of 'none/a.npz' does not exist"),
+        (("--plot", "none/a.svg"), "the folder of 'none/a.svg' does not exist"),
+        (("--json", "folder"), "cannot write 'folder'"),
+        (("--json", "study.toml"), "--json would write over the input file"),
+        (("--json", "a.npz", "--save", "a.npz"), "--save would write over --json"),
+        (("--json", "\x1b[31m/a"), r"'\x1b[31m/a' does not exist"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_the_work(study, monkeypatch, command, options, words):
+    monkeypatch.chdir(study.parent)
+    (study.parent / "folder").mkdir()
+    # Nothing is asked of the model, which raises.
+    study.write_text(STUDY.replace("guide.dat", "own:raising"))
+    before = sorted(path.name for path in study.parent.iterdir())
+    result = call(command, "study.toml", *options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
+    assert sorted(path.name for path in study.parent.iterdir()) == before
+
+
+def test_a_checkpoint_has_a_file_of_its_own(study):
+    for place in (study, study.with_name("a.npz")):
+        result = call("sweep", study, "--save", study.with_name("a.npz"), "--checkpoint", place)
+        assert result.exit_code == 2
+        assert "--checkpoint needs a file of its own" in result.stderr
+    result = call("sweep", study, "--checkpoint", study.parent / "none" / "c")
+    assert result.exit_code == 2
+    assert "cannot read or write" in result.stderr
+    study.with_name("c").write_text("mine")
+    result = call("sweep", study, "--checkpoint", study.with_name("c"))
+    assert_one_line(result, "is no checkpoint of a sweep")
+    assert study.with_name("c").read_text() == "mine"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is full, of Linux")
+@pytest.mark.parametrize("command", ["sweep", "tune"])
+def test_a_full_disk_is_one_line(study, command):
+    result = call(command, study, "--json", "/dev/full")
+    assert result.exit_code == 2
+    assert result.stderr == "flexmb: cannot write '/dev/full': No space left on device.\n"
+
+
+def test_a_picture_needs_two_designs(study):
+    study.write_text(STUDY.replace("points = 3", "points = 1"))
+    result = call("sweep", study, "--plot", study.with_name("a.svg"))
+    assert result.exit_code == 2
+    assert "needs two designs" in result.stderr
+
+
+def test_names_that_meet_in_a_file_are_refused_before_the_work(study):
+    text = STUDY.replace('double = "own:double"', 'history_f = "own:raising"\nabout = "own:raising"')
+    study.write_text(text)
+    result = call("tune", study, "--save", study.with_name("a.npz"))
+    assert result.exit_code == 2
+    assert "is a name that --save gives to something else" in result.stderr
+    study.write_text(STUDY.replace("double =", "codes ="))
+    assert_one_line(call("sweep", study), "Answer 'codes' must have another name")
+
+
+def test_what_has_no_answer_says_so_as_json(study):
+    study.write_text(STUDY.replace("0.5e-3, lower = 0.1e-3, upper = 2e-3", "-2e-3, lower = -2e-3, upper = -1e-3"))
+    for command in ("sweep", "tune"):
+        result = call(command, study, "--json", "-")
+        assert result.exit_code == 2
+        assert "EM" in result.stderr
+    # A mechanism that is not valid, whatever the numbers.
+    study.with_name("guide.dat").write_text(GUIDE.replace("FIX 8\n", ""))
+    study.write_text(STUDY)
+    for command in ("sweep", "tune"):
+        result = call(command, study, "--json", "-")
+        assert result.exit_code == 1
+        assert json.loads(result.stdout)["status"] == "underconstrained"
+        assert result.stderr.startswith("study.toml: underconstrained: ")
+        assert result.stderr.count("\n") == 1
