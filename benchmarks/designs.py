@@ -96,7 +96,8 @@ def ours(beams: int, found: dict, run: dict) -> None:
     plain, both = fm.jit(value), fm.jit(jax.value_and_grad(value))
     draw = np.random.default_rng(0)
     designs = {name: v * draw.uniform(0.8, 1.2, DESIGNS) for name, v in POINT.items()}
-    kernel = kernel_of(Task(build, {"first": first}, True, 1, POINT), threads=cores())
+    example = {name: np.asarray(value) for name, value in POINT.items()}
+    kernel = kernel_of(Task(build, {"first": first}, True, 1, example), threads=cores())
     part = Part(designs, DESIGNS)
     compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(part)[0])]
     slopes, differences = np.asarray(both(at)[1] * at), []

@@ -11,9 +11,8 @@ import numpy as np
 
 from ..errors import shown
 
-_TOKEN = re.compile(
-    r"\s*(?:(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))"
-)
+_NUMBER = r"(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])"
+_TOKEN = re.compile(rf"[ \t]*(?:{_NUMBER}|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))")
 
 
 class _Operation(NamedTuple):
@@ -56,7 +55,7 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
     """
     values: list[Any] = []
     waiting: list[_Operation] = []
-    place, end, wanted = 0, len(text.rstrip()), True
+    place, end, wanted = 0, len(text.rstrip(" \t")), True
     while place < end:
         found = _TOKEN.match(text, place)
         if found is None:
