@@ -52,7 +52,8 @@ class Checkpoint:
             OSError: It cannot be read or written.
         """
         self.path, self.count, self.answers = Path(path), count, answers
-        if not self.path.exists():
+        self.is_empty = not self.path.exists()
+        if self.is_empty:
             write_whole(self.path, MAGIC + _record(json.dumps(meaning).encode()))
         self.file = open(self.path, "r+b")
         try:
@@ -77,10 +78,13 @@ class Checkpoint:
         named |= {f"answer {name}": np.ascontiguousarray(v, "<f8") for name, v in values.items()}
         self.file.write(_record(_packed(named)))
         self.file.flush()
+        self.is_empty = False
 
     def close(self) -> None:
-        """End writing."""
+        """End writing; what was begun in vain is removed."""
         self.file.close()
+        if self.is_empty:
+            self.path.unlink(missing_ok=True)
 
     def __enter__(self) -> "Checkpoint":
         return self

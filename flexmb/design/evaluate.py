@@ -41,7 +41,7 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
     for name, function in found.items():
         if not callable(function):
-            raise TypeError(f"Answer '{name}' must be a function of the model, but is {function!r}.")
+            raise TypeError(f"Answer '{shown(name)}' must be a function of the model, but is {shown(repr(function))}.")
     if not found:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
     return found
@@ -80,7 +80,9 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
         ValueError: Names the dimension.
     """
     if not callable(build):
-        raise TypeError(f"Argument `build` must be a function of dimensions that returns a model, but is {build!r}.")
+        raise TypeError(
+            f"Argument `build` must be a function of dimensions that returns a model, but is {shown(repr(build))}."
+        )
     try:
         parameters = inspect.signature(build).parameters
     except (TypeError, ValueError):
@@ -95,10 +97,10 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
             if name not in known:
                 near = difflib.get_close_matches(name, known, 1)
                 hint = f" Did you mean '{near[0]}'?" if near else ""
-                raise ValueError(f"Dimension '{name}' is not one of {listed}.{hint}")
+                raise ValueError(f"Dimension '{shown(name)}' is not one of {shown(listed)}.{hint}")
     missing = [p.name for p in taken if p.default is p.empty and p.name not in names]
     if missing:
-        raise ValueError(f"Dimension '{missing[0]}' of {listed} is not given.")
+        raise ValueError(f"Dimension '{missing[0]}' of {shown(listed)} is not given.")
 
 
 class Layout(NamedTuple):

@@ -15,7 +15,8 @@ from ..elements.sections import Section
 from ..errors import ModelError
 from ..math.compile import QUICK
 from ..model.model import Model
-from ..model.topology import Block
+from ..model.parameters import Parameters
+from ..model.topology import Block, Topology
 
 
 def refusal(
@@ -39,31 +40,31 @@ def refusal(
     def numbers(dimensions):
         with carried(models), recorded() as made:
             build(**dimensions)
-        return made
+        return [model.parameters for model in made], [model.topology for model in made]
 
-    program = jax.jit(jax.vmap(numbers), compiler_options=QUICK)
+    # Which elements there are is the same in all designs.
+    program = jax.jit(jax.vmap(numbers, out_axes=(0, None)), compiler_options=QUICK)
 
     def refused(designs: Mapping[str, Any]) -> np.ndarray:
         # The example comes first.
         whole = {name: np.concatenate([np.asarray(example[name], float)[None], v]) for name, v in designs.items()}
         count = len(next(iter(whole.values())))
         found = np.zeros(count, bool)
-        for model in jax.tree.map(np.asarray, program(whole)):
-            for faulty in _faulty(model):
+        for parameters, topology in zip(*jax.tree.map(np.asarray, program(whole)), strict=True):
+            for faulty in _faulty(parameters, topology):
                 found |= np.any(faulty & ~faulty[0], axis=1)
         return found[1:]
 
     return refused
 
 
-def _faulty(model: Model) -> Iterator[np.ndarray]:
+def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
     """Each check of a model of many designs, (designs, places), True where there is a fault."""
-    parameters = model.parameters
     for leaf in jax.tree.leaves(parameters):
         yield ~np.isfinite(leaf.reshape(len(leaf), -1))
-    for block, properties in zip(model.topology.blocks, parameters.properties, strict=True):
-        reference = parameters.reference[:, block.x[0]]
-        for first, last, own in _of_one_kind(properties, block.x.shape[1]):
+    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+        reference = parameters.reference[:, block.x]
+        for first, last, own in _of_one_kind(properties, len(block.x)):
             if isinstance(own.get("section"), Section):
                 yield _of_sections(own["section"])
             if (check := block.element.check) is not None:

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..errors import shown
 from ..math.compile import jit
 from ..results import RESULTS
 from .problem import Problem
@@ -301,7 +302,8 @@ def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit, refused, optimi
 
     if not isinstance(optimizer, optax.GradientTransformation):
         raise TypeError(
-            f"Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is {optimizer!r}."
+            "Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is"
+            f" {shown(repr(optimizer))}."
         )
     rule = optax.with_extra_args_support(optimizer)
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import jax
 import numpy as np
 
+from ..errors import shown
 from ..math.compile import jit
 from ..results import RESULTS, check
 from .designs import MOST, numbers, whole
@@ -102,7 +103,7 @@ def sensitivities(
     if mode is None:
         mode = "forward" if len(point) <= REVERSE_COST * m else "reverse"
     if mode not in ("forward", "reverse"):
-        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {mode!r}.")
+        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {shown(repr(mode))}.")
     values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
     result = RESULTS(int(code))
     if result is RESULTS.successful and not np.all(np.isfinite(slopes)):

@@ -100,7 +100,8 @@ class Scaling:
         for what, given in (("Bounds", bounds), ("Scale", scales)):
             for name in given:
                 if name not in layout.names:
-                    raise ValueError(f"{what} of '{name}': there is no such dimension ({', '.join(layout.names)}).")
+                    listed = ", ".join(layout.names)
+                    raise ValueError(f"{what} of '{shown(name)}': there is no such dimension ({listed}).")
         for name in layout.names:
             if name not in bounds:
                 raise ValueError(f"Dimension '{name}' has no bounds: give lower and upper, or fix it in `build`.")
@@ -109,7 +110,7 @@ class Scaling:
         for name, (lower, _) in pairs.items():
             scale = scales.get(name, "log" if np.all(lower > 0) else "linear")
             if scale not in ("log", "linear"):
-                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {scale!r}.")
+                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {shown(repr(scale))}.")
             if scale == "log" and not np.all(lower > 0):
                 raise ValueError(f"Scale of '{name}' cannot be 'log', since its lower bound {lower} is not positive.")
             logarithmic[name] = scale == "log"

@@ -254,6 +254,17 @@ def test_two_sweeps_do_not_write_the_same(tmp_path):
     Checkpoint(path, {}, 1, ["a"]).close()
 
 
+def test_what_was_begun_in_vain_leaves_nothing(tmp_path):
+    path = tmp_path / "sweep"
+    with pytest.raises(AssertionError):
+        fm.sweep(build, {"a": _unwanted}, DESIGNS, **run(path))
+    assert not path.exists()
+    # One design that was computed is kept.
+    with pytest.raises(KeyboardInterrupt):
+        fm.sweep(build, {"a": scaled}, DESIGNS, **run(path, chunk=1, progress=stop_at(1)))
+    assert path.exists()
+
+
 def test_where_nothing_can_be_written_nothing_is_computed(tmp_path):
     for path in (tmp_path / "none" / "sweep", tmp_path):
         with pytest.raises(OSError, match=str(tmp_path)):

@@ -462,7 +462,7 @@ def cases(seed: int) -> Iterator[Case]:
             continue
         changes = GENTLE if r.random() < SHARE_GENTLE else CHANGES
         for _ in range(r.choice((1, 1, 1, 2, 3, 6))):
-            with contextlib.suppress(IndexError):
+            with contextlib.suppress(IndexError, OverflowError):
                 r.choice(changes)(r, data)
         content = toml(data).encode()
         if r.random() < 0.1:
