@@ -82,8 +82,8 @@ def ours(beams: int, found: dict, run: dict) -> None:
 
     import flexmb as fm
     from flexmb.build.carry import carried
+    from flexmb.design.chunks import Part, Task, kernel_of
     from flexmb.design.evaluate import build_once
-    from flexmb.design.sweep import _kernel
     from flexmb.math.threads import cores
 
     build, at = guide(beams), jnp.array(list(POINT.values()))
@@ -96,22 +96,24 @@ def ours(beams: int, found: dict, run: dict) -> None:
     plain, both = fm.jit(value), fm.jit(jax.value_and_grad(value))
     draw = np.random.default_rng(0)
     designs = {name: v * draw.uniform(0.8, 1.2, DESIGNS) for name, v in POINT.items()}
-    kernel = _kernel(build, {"first": first}, True, 1, threads=cores())
-    compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(designs, DESIGNS)[0])]
+    example = {name: np.asarray(value) for name, value in POINT.items()}
+    kernel = kernel_of(Task(build, {"first": first}, True, 1, example), threads=cores())
+    part = Part(designs, DESIGNS)
+    compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(part)[0])]
     slopes, differences = np.asarray(both(at)[1] * at), []
     for i in range(len(at)):
         step = np.eye(len(at))[i] * 1e-5
         differences.append(float(plain(at * (1 + step)) - plain(at * (1 - step))) / 2e-5)
     error = float(np.max(np.abs(slopes - differences)) / np.max(np.abs(slopes)))
     assert error < 1e-6, error
-    assert not np.any(kernel(designs, DESIGNS)[1])
+    assert not np.any(kernel(part)[1])
     frequency = float(plain(at))
     entry = {"frequency": frequency, "slopes": (slopes / frequency).tolist()}
     entry |= {"gradient_error": error, "compile_s": compiled}
     found[f"flexmb, one design: {beams}"] = entry
     run[f"flexmb, one design: {beams}"] = lambda: plain(at).block_until_ready()
     run[f"flexmb, one design and its gradient: {beams}"] = lambda: jax.block_until_ready(both(at))
-    run[f"flexmb, each of a thousand: {beams}"] = lambda: kernel(designs, DESIGNS)
+    run[f"flexmb, each of a thousand: {beams}"] = lambda: kernel(part)
 
 
 def peers(found: dict, run: dict, gradient) -> tuple[str, ...]:

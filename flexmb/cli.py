@@ -1,15 +1,89 @@
 """The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
 
+import contextlib
+import io
+import os
+import re
 import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
+
+EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
+# As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
+EXIT_INTERRUPTED, EXIT_NOBODY_READS = 130, 141
+MOST_STEPS = 100_000
+LONGEST_MESSAGE = 300
+LATER = {"edit": "a page to build mechanisms on", "fmu": "mechanisms as units for co-simulation"}
+
+
+class Once(TyperCommand):
+    """A command that refuses an option given twice instead of taking the last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse, as the base class does.
+
+        Args:
+            ctx: Call.
+            args: What stands behind the name of the command.
+        """
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for param in order:
+            if order.count(param) > 1 and not getattr(param, "multiple", False) and param.param_type_name == "option":
+                ctx.fail(f"{param.opts[0]} is given twice; give it once.")
+        return super().parse_args(ctx, args)
+
+
+class Program(TyperGroup):
+    """The program: every fault of the call is one line on standard error and exit status 2."""
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Command of a name.
+
+        Args:
+            ctx: Call.
+            cmd_name: Name.
+        """
+        if cmd_name in LATER:
+            _refuse(f"flexmb {cmd_name} ({LATER[cmd_name]}) is not available yet.")
+        return super().get_command(ctx, cmd_name)
+
+    def main(self, *args: Any, **options: Any) -> NoReturn:
+        """Run, and end the process with the exit status.
+
+        Args:
+            args: As of the base class.
+            options: As of the base class.
+        """
+        from .errors import shown
+
+        _prepare_streams()
+        try:
+            code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
+        except typer.Exit as end:
+            code = end.exit_code
+        except TyperException as fault:
+            context: Any = getattr(fault, "ctx", None)
+            where = context.command_path if context else "flexmb"
+            words = " ".join(fault.format_message().split()) or "Give a command"
+            what = "".join(map(shown, words[:LONGEST_MESSAGE]))
+            _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
+            code = EXIT_WRONG_CALL
+        if code == EXIT_INTERRUPTED:
+            _complain("flexmb: interrupted from the keyboard.")
+        sys.exit(code or 0)
+
 
 app = typer.Typer(
+    cls=Program,
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     help="Flexible multibody mechanisms: motion, frequencies, buckling, state space of a SPACAR input file; designs.",
 )
 
@@ -21,19 +95,67 @@ Release = Annotated[str, typer.Option("--release", help="auto: release over-cons
 Plot = Annotated[
     Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg, or as .html to turn and play.")
 ]
-MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, help="Steps of a path (mode 10) at most.")]
+Numbers = Annotated[
+    list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
+]
+MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Steps of a path (mode 10) at most.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
-EXIT_WRONG_CALL = 2
+
+def _prepare_streams() -> None:
+    """No letter is too rare for a stream, and a closed one is none for the first file that is opened."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _complain(message: str) -> None:
+    """Say on standard error what is wrong, one line a fault."""
+    with contextlib.suppress(OSError):
+        print(message, file=sys.stderr, flush=True)
 
 
 def _refuse(message: str) -> NoReturn:
     """End with one line on standard error for each fault of the file or the call."""
-    print(message, file=sys.stderr)
+    _complain(message)
     raise typer.Exit(EXIT_WRONG_CALL)
 
 
+def _tell(text: str) -> None:
+    """Print on standard output; where nothing can be, end with what the reader deserves."""
+    if sys.stdout is None:
+        _refuse("flexmb: cannot write to standard output: it is closed.")
+    try:
+        print(text, flush=True)
+    except OSError as fault:
+        # What is left in the buffer would fail again when the process ends.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(fault, BrokenPipeError):
+            raise typer.Exit(EXIT_NOBODY_READS) from None
+        _refuse(f"flexmb: cannot write to standard output: {fault.strerror}.")
+
+
+@contextlib.contextmanager
+def _writing(path: Any) -> Iterator[None]:
+    """Refuse a path that cannot be written to."""
+    from .errors import shown
+
+    try:
+        yield
+    except OSError as fault:
+        _refuse(f"flexmb: cannot write '{shown(path)}': {fault.strerror or fault}.")
+
+
 def _mode_number(mode: str | None, analysis: str | None) -> int:
+    from .errors import shown
     from .io.answers import MODES, RESERVED
 
     names = {name: number for number, (name, _) in MODES.items()}
@@ -43,26 +165,46 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     text = str(wanted)
     if text in names:
         return names[text]
-    number = abs(int(text)) if text.lstrip("-").isdigit() else None
+    # SPACAR draws nothing for a negative number; the analysis is the same.
+    number = int(text.removeprefix("-")) if re.fullmatch(r"-?\d{1,9}", text, re.ASCII) else None
     if number in MODES:
         return number
     known = ", ".join(f"{n} ({name})" for n, (name, _) in MODES.items())
     if number in RESERVED or text in RESERVED.values():
         _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
-    _refuse(f"flexmb run: there is no mode '{text}'. Available: {known}.")
+    _refuse(f"flexmb run: there is no mode '{shown(text)}'. Available: {known}.")
 
 
-def _check_call(release: str, json_path: str | None, save: Path | None, log: Path | None, plot: Path | None) -> None:
-    """Refuse wrong options before anything is computed."""
+def _check_call(
+    release: str,
+    json_path: str | None,
+    save: Path | None,
+    log: Path | None,
+    plot: Path | None,
+    source: Path | None = None,
+) -> None:
+    """Refuse wrong options, and files that cannot be written, before anything is computed."""
+    from .errors import shown
+    from .io.files import check_writable
+
     if release not in ("none", "auto"):
-        _refuse(f"flexmb: --release takes auto or none, not '{release}'.")
+        _refuse(f"flexmb: --release takes auto or none, not '{shown(release)}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
-        _refuse(f"flexmb: --save writes .npz or .mat, not '{save}'.")
+        _refuse(f"flexmb: --save writes .npz or .mat, not '{shown(save)}'.")
     if plot is not None and plot.suffix not in (".png", ".svg", ".html"):
-        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{plot}'.")
-    for path in (json_path if json_path != "-" else None, save, log, plot):
-        if path is not None and not Path(path).absolute().parent.is_dir():
-            _refuse(f"flexmb: the folder of '{path}' does not exist.")
+        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{shown(plot)}'.")
+    given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
+    taken = {} if source is None else {os.path.realpath(source): "the input file"}
+    for option, path in given.items():
+        if path is None:
+            continue
+        if not Path(path).absolute().parent.is_dir():
+            _refuse(f"flexmb: the folder of '{shown(path)}' does not exist.")
+        first = taken.setdefault(os.path.realpath(path), option)
+        if first is not option and (Path(path).is_file() or not Path(path).exists()):
+            _refuse(f"flexmb: {option} would write over {first}: '{shown(path)}'.")
+        with _writing(path):
+            check_writable(path)
 
 
 def _run(
@@ -227,78 +369,106 @@ def _demo_picture(name: str) -> Path:
     return (folder if os.access(folder, os.W_OK) else Path(tempfile.mkdtemp())) / f"{name}.png"
 
 
-def _study(path: Path, json_path: str | None, save: Path | None, plot: Path | None, debug: bool, work: Any) -> None:
-    """Run a design study and write its answer; ``work`` returns data, table, exit status, what saves it, the result."""
-    from . import enable_cache, enable_x64
-    from .design.study import StudyError, read_study
-    from .errors import AnalysisError, ModelError, SpacarError
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
+StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg.")]
+
+
+def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
+    """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
+    from . import __version__, enable_cache, enable_x64
+    from .design.study_file import read_study
+    from .errors import AnalysisError, ModelError, SpacarError, StudyError, shown
     from .io.files import to_json, write_whole
 
-    _check_call("none", json_path, save, None, plot)
-    if plot is not None and plot.suffix == ".html":
-        _refuse(f"flexmb: --plot of a study writes .png or .svg, not '{plot}'.")
+    if plot is not None and plot.suffix not in (".png", ".svg"):
+        _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{shown(plot)}'.")
+    _check_call("none", json_path, save, None, plot, path)
     enable_x64()
-    try:
+    with contextlib.suppress(OSError):
         enable_cache()
-    except OSError:
-        pass
+    name, found, saved = shown(path.name), None, None
     try:
-        data, text, status, saved, found = work(read_study(path))
-    except (StudyError, OSError) as fault:
+        data, text, saved, found = work(read_study(path))
+    except StudyError as fault:
         _refuse(f"flexmb: {fault}")
-    except AnalysisError as fault:
-        print(f"{path.name}: {fault.code}: {str(fault).splitlines()[0]}", file=sys.stderr)
-        raise typer.Exit(1) from None
+    except SpacarError as fault:
+        _refuse(str(fault))
+    except OSError as fault:
+        _refuse(f"flexmb: cannot read or write '{shown(fault.filename or path)}': {fault.strerror or fault}.")
+    except (AnalysisError, ModelError) as fault:
+        # What was asked of it has no answer: the JSON says so too.
+        text = (str(fault).splitlines() or [""])[0]
+        data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": text}
+    if json_path not in (None, "-"):
+        with _writing(json_path):
+            write_whole(json_path, to_json(data).encode())
+    if save is not None and saved is not None:
+        with _writing(save):
+            saved(save)
+    if plot is not None and found is not None:
+        from .plot.answer import study_image
+
+        with _writing(plot):
+            write_whole(plot, study_image(found, plot.suffix[1:]))
+    if json_path == "-" or found is not None:
+        _tell(to_json(data) if json_path == "-" else text)
+    if data["status"] != "ok":
+        _complain(f"{name}: {data['status']}: {data['message']}")
+        raise typer.Exit(EXIT_FAILED)
+
+
+@contextlib.contextmanager
+def _foreseen(debug: bool) -> Iterator[None]:
+    """Turn a fault nobody foresaw into one line, unless a traceback is asked for."""
+    try:
+        yield
+    except typer.Exit:
+        raise
     except Exception as fault:
         if debug:
             raise
-        first = (str(fault).splitlines() or [""])[0]
-        if isinstance(fault, ValueError) and not isinstance(fault, ModelError):
-            _refuse(str(fault) if isinstance(fault, SpacarError) else f"{path.name}: {first}")
-        print(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)", file=sys.stderr)
-        raise typer.Exit(1) from None
-    print(to_json(data) if json_path == "-" else text)
-    if json_path not in (None, "-"):
-        write_whole(json_path, to_json(data).encode())
-    if save is not None:
-        saved(save)
-    if plot is not None:
-        from .plot.answer import study_image
+        from .errors import shown
 
-        write_whole(plot, study_image(found, plot.suffix[1:]))
-    if status:
-        print(f"{path.name}: {data['status']}: {data['message']}", file=sys.stderr)
-        raise typer.Exit(status)
+        first = shown((str(fault).splitlines() or [""])[0])
+        _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
+        raise typer.Exit(EXIT_FAILED) from None
 
 
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
-
-
-@app.command()
+@app.command(cls=Once)
 def sweep(
     study: StudyFile,
     json_path: Json = None,
     save: Save = None,
-    checkpoint: Annotated[Path | None, typer.Option("--checkpoint", help="Go on from this .npz, and write it.")] = None,
-    plot: Plot = None,
+    checkpoint: Annotated[
+        Path | None, typer.Option("--checkpoint", help="Keep what is done here, and go on from it.")
+    ] = None,
+    plot: StudyPlot = None,
     debug: Debug = False,
 ) -> None:
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
+    from .errors import shown
+
+    others = {os.path.realpath(other) for other in (study, json_path, save, plot) if other not in (None, "-")}
+    if checkpoint is not None and os.path.realpath(checkpoint) in others:
+        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{shown(checkpoint)}'.")
 
     def work(read):
         from . import __version__
         from .design.study import sweep_answer, sweep_table
 
-        options = {"chunk": int(read.plan["chunk"])} if "chunk" in read.plan else {}
-        found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty(), **options)
-        data = sweep_answer(read, found, __version__)
-        return data, sweep_table(found), int(data["status"] != "ok"), found.save, found
+        if plot is not None and not any(len(set(v.tolist())) > 1 for v in read.designs().values()):
+            _refuse("flexmb sweep: --plot needs two designs at least, which differ in a parameter.")
+        found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty())
+        return sweep_answer(read, found, __version__), sweep_table(found), found.save, found
 
-    _study(study, json_path, save, plot, debug, work)
+    with _foreseen(debug):
+        _study("sweep", study, json_path, save, plot, work)
 
 
-@app.command()
-def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Plot = None, debug: Debug = False) -> None:
+@app.command(cls=Once)
+def tune(
+    study: StudyFile, json_path: Json = None, save: Save = None, plot: StudyPlot = None, debug: Debug = False
+) -> None:
     """Find parameters within bounds that meet targets and keep limits."""
 
     def work(read):
@@ -306,20 +476,26 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Plot
         from .design.study import tune_answer
         from .io.files import save_arrays
 
+        names = [*read.values, *read.answers]
+        for name in {"about", *_named("history_", [*names, "objective", "violation"])}.intersection(names):
+            if save is not None:
+                _refuse(f"flexmb: {read.name}: '{name}' is a name that --save gives to something else: choose another.")
         found = read.tune(throw=False, progress=sys.stderr.isatty())
         data = tune_answer(read, found, __version__)
 
         def saved(path):
             about = {name: data[name] for name in ("study", "status", "reason", "active")}
-            save_arrays(path, {**found.dimensions, **found.answers, **_named("history_", found.history)}, about)
+            histories = dict(zip(_named("history_", found.history), found.history.values(), strict=True))
+            save_arrays(path, {**found.dimensions, **found.answers, **histories}, about)
 
-        return data, str(found), int(data["status"] != "ok"), saved, found
+        return data, str(found), saved, found
 
-    _study(study, json_path, save, plot, debug, work)
+    with _foreseen(debug):
+        _study("tune", study, json_path, save, plot, work)
 
 
-def _named(before: str, arrays: dict[str, Any]) -> dict[str, Any]:
-    return {before + name: array for name, array in arrays.items()}
+def _named(before: str, names: Iterable[str]) -> list[str]:
+    return [before + name for name in names]
 
 
 def main() -> None:

@@ -97,9 +97,11 @@ class RESULTS(enum.IntEnum):
         13,
         "The simulation was stopped from the keyboard; the results up to there are kept.",
     )
-    not_valid = (
+    impossible_design = (
         20,
-        "No model could be built from these dimensions: build it from them alone to see what is wrong.",
+        "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"
+        " number is not finite, or the constraints do not fit. Keep them out by the bounds, or build the model from"
+        " these dimensions alone: the error says what is wrong.",
     )
     infeasible = (
         21,

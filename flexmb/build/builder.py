@@ -457,7 +457,7 @@ class Builder:
         model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
             if before is not None and (twin := as_in(self, before)) is not self:
-                return assemble(twin)
+                return note(assemble(twin))
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof();"
@@ -471,7 +471,7 @@ class Builder:
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
-            return model
+            return note(model)
         return note(complete(self, model, dofs, release) if check else model)
 
     def copy(self) -> Builder:

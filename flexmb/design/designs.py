@@ -1,9 +1,16 @@
 """Sets of designs: grid, Latin hypercube, Monte Carlo."""
 
+import math
+import operator
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+
+from ..errors import shown
+
+# Designs are held in memory, 8 bytes for each number of each; a thousand a second take three hours.
+MOST = 10_000_000
 
 
 class Designs(dict[str, np.ndarray]):
@@ -23,10 +30,10 @@ class Designs(dict[str, np.ndarray]):
             axes: Of a grid.
 
         Raises:
-            ValueError: There are no designs, or their numbers differ.
+            ValueError: There are no designs, their numbers differ, or something else than numbers is given.
         """
-        super().__init__({name: np.asarray(v, float) for name, v in values.items()})
-        self.axes = {name: np.asarray(v, float) for name, v in (axes or {}).items()}
+        super().__init__({name: numbers(f"Dimension '{name}'", v) for name, v in values.items()})
+        self.axes = {name: numbers(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
         for name, v in self.items():
             if v.ndim == 0 or len(v) == 0:
                 raise ValueError(f"Dimension '{name}' has no designs: give one value for each.")
@@ -53,15 +60,16 @@ def grid(**axes: Any) -> Designs:
         Designs, the last axis running fastest.
 
     Raises:
-        ValueError: An axis is empty or no list of numbers.
+        ValueError: An axis is empty or no list of numbers, or there are more than ten million combinations.
 
     Source:
         Cartesian product.
     """
-    values = {name: np.atleast_1d(np.asarray(v, float)) for name, v in axes.items()}
+    values = {name: np.atleast_1d(numbers(f"Axis '{name}' of a grid", v)) for name, v in axes.items()}
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
             raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
+    whole("count", math.prod(len(v) for v in values.values()), most=MOST)
     crossed = np.meshgrid(*values.values(), indexing="ij")
     return Designs({name: c.ravel() for name, c in zip(values, crossed, strict=True)}, values)
 
@@ -77,9 +85,11 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
         ValueError: Not two, not finite, or the lower one is not below the upper one.
     """
     try:
-        lower, upper = (np.asarray(b, float) for b in bounds)
+        lower, upper = (numbers(f"Bounds of '{name}'", b) for b in bounds)
     except (TypeError, ValueError):
-        raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {bounds!r}.") from None
+        raise ValueError(
+            f"Bounds of '{name}' must be two numbers, lower and upper, but are {shown(repr(bounds))}."
+        ) from None
     if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
         raise ValueError(f"Bounds of '{name}' must be finite, but are {lower} and {upper}.")
     if not np.all(lower < upper):
@@ -99,7 +109,7 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
         Designs.
 
     Raises:
-        ValueError: Bounds are empty or not finite.
+        ValueError: Bounds are empty or not finite, or there are more than ten million designs.
 
     Source:
         McKay, Beckman, Conover 1979, as ``scipy.stats.qmc.LatinHypercube``.
@@ -107,8 +117,12 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
     from scipy.stats import qmc
 
     checked = {name: checked_bounds(name, b) for name, b in bounds.items()}
+    for name, (lower, upper) in checked.items():
+        if lower.shape or upper.shape:
+            raise ValueError(f"Bounds of '{name}' must be two numbers here: an array is drawn entry by entry.")
     lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
-    unit = qmc.LatinHypercube(len(checked), rng=np.random.default_rng(seed)).random(_positive(count))
+    rng, count = np.random.default_rng(whole("seed", seed, 0)), whole("count", count, most=MOST)
+    unit = qmc.LatinHypercube(len(checked), rng=rng).random(count)
     return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
 
 
@@ -125,22 +139,78 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
         Designs.
 
     Raises:
-        ValueError: Bounds are empty or not finite.
+        ValueError: Bounds are empty or not finite, or there are more than ten million designs.
 
     Source:
         Independent samples.
     """
-    rng, drawn = np.random.default_rng(seed), {}
+    rng, drawn = np.random.default_rng(whole("seed", seed, 0)), {}
     for name, given in distributions.items():
         if hasattr(given, "rvs"):
-            drawn[name] = given.rvs(size=_positive(count), random_state=rng)
+            drawn[name] = given.rvs(size=whole("count", count, most=MOST), random_state=rng)
         else:
             lower, upper = checked_bounds(name, given)
-            drawn[name] = rng.uniform(lower, upper, (_positive(count), *lower.shape))
+            drawn[name] = rng.uniform(lower, upper, (whole("count", count, most=MOST), *lower.shape))
     return Designs(drawn)
 
 
-def _positive(count: int) -> int:
-    if int(count) < 1:
-        raise ValueError(f"Argument `count` must be at least 1, but is {count}.")
-    return int(count)
+def numbers(what: str, value: Any) -> np.ndarray:
+    """A number or an array of numbers, double precision.
+
+    Args:
+        what: What they are, for the message.
+        value: What is given.
+
+    Raises:
+        ValueError: It is something else.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        # Lists of several lengths.
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"{what} must be numbers, but got {shown(repr(value))}.")
+    return array.astype(float)
+
+
+def positive(name: str, value: Any) -> float:
+    """A finite number above zero that an argument gives.
+
+    Args:
+        name: Of the argument, for the message.
+        value: What is given.
+
+    Raises:
+        ValueError: It is something else.
+    """
+    try:
+        number = numbers(name, value)
+    except ValueError:
+        number = np.array(np.nan)
+    if number.shape != () or not 0 < number < np.inf:
+        raise ValueError(f"Argument `{name}` must be positive and finite, but is {shown(repr(value))}.")
+    return float(number)
+
+
+def whole(name: str, value: Any, least: int = 1, most: float = math.inf) -> int:
+    """A number of things that an argument gives.
+
+    Args:
+        name: Of the argument, for the message.
+        value: What is given.
+        least: The least it may be.
+        most: The most it may be.
+
+    Raises:
+        ValueError: It is not whole, less or more.
+    """
+    try:
+        # True is a number to Python and a mistake here.
+        number = None if isinstance(value, bool | np.bool_) else operator.index(value)
+    except TypeError:
+        number = int(value) if isinstance(value, float) and value.is_integer() else None
+    if number is None or not least <= number <= most:
+        limits = f"at least {least}" + (f" and at most {most:g}" if most < math.inf else "")
+        raise ValueError(f"Argument `{name}` must be {limits} and whole, but is {shown(repr(value))}.")
+    return number

@@ -11,12 +11,15 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..build.carry import carried, recorded
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError, ModelError, SpacarError, shown
 from ..model.model import Model
 from ..results import RESULTS, collected
 
 Build = Callable[..., Any]
 Answers = Callable[[Any], Any] | Sequence[Callable[[Any], Any]] | Mapping[str, Callable[[Any], Any]]
+
+# What the numbers of a design are refused with.
+REFUSED = (ModelError, SpacarError)
 
 
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
@@ -38,10 +41,32 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
     for name, function in found.items():
         if not callable(function):
-            raise TypeError(f"Answer '{name}' must be a function of the model, but is {function!r}.")
+            raise TypeError(f"Answer '{shown(name)}' must be a function of the model, but is {shown(repr(function))}.")
     if not found:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
     return found
+
+
+def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Sequence[str]) -> None:
+    """Refuse names that would meet in a table or a file.
+
+    Args:
+        dimensions: Names of dimensions.
+        answers: Names of answers.
+        reserved: Names of what else stands there.
+
+    Raises:
+        ValueError: Names the dimension or answer.
+    """
+    for kind, names in (("Dimension", dimensions), ("Answer", answers)):
+        for name in names:
+            if not isinstance(name, str) or not name or not name.isprintable() or name.endswith(".npy"):
+                raise ValueError(f"{kind} '{shown(name)}' must have a name of printable letters, not ending in .npy.")
+            if name in reserved:
+                raise ValueError(f"{kind} '{name}' must have another name: that one is used beside it in the result.")
+    for name in answers:
+        if name in dimensions:
+            raise ValueError(f"Answer '{name}' has the name of a dimension: give it another.")
 
 
 def check_dimensions(build: Build, names: Sequence[str]) -> None:
@@ -55,23 +80,27 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
         ValueError: Names the dimension.
     """
     if not callable(build):
-        raise TypeError(f"Argument `build` must be a function of dimensions that returns a model, but is {build!r}.")
+        raise TypeError(
+            f"Argument `build` must be a function of dimensions that returns a model, but is {shown(repr(build))}."
+        )
     try:
         parameters = inspect.signature(build).parameters
     except (TypeError, ValueError):
         return
     taken = [p for p in parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     known = [p.name for p in taken]
+    if not names:
+        raise ValueError("Give at least one dimension.")
     listed = f"{getattr(build, '__name__', 'the function')}({', '.join(known)})"
     if not any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
         for name in names:
             if name not in known:
                 near = difflib.get_close_matches(name, known, 1)
                 hint = f" Did you mean '{near[0]}'?" if near else ""
-                raise ValueError(f"Dimension '{name}' is not one of {listed}.{hint}")
+                raise ValueError(f"Dimension '{shown(name)}' is not one of {shown(listed)}.{hint}")
     missing = [p.name for p in taken if p.default is p.empty and p.name not in names]
     if missing:
-        raise ValueError(f"Dimension '{missing[0]}' of {listed} is not given.")
+        raise ValueError(f"Dimension '{missing[0]}' of {shown(listed)} is not given.")
 
 
 class Layout(NamedTuple):
@@ -111,14 +140,31 @@ class Layout(NamedTuple):
             for name, shape, part in zip(self.names, self.shapes, parts, strict=True)
         }
 
+    def stacked(self, points: Any) -> dict[str, Any]:
+        """Named arrays with the designs first, from one row a design.
+
+        Args:
+            points: (designs, n).
+        """
+        return {name: np.moveaxis(np.asarray(part), -1, 0) for name, part in self.split(np.asarray(points).T).items()}
+
     def join(self, values: Mapping[str, Any]) -> np.ndarray:
         """One vector from named arrays of these shapes or scalars.
 
         Args:
             values: By name.
+
+        Raises:
+            ValueError: An array has another shape.
         """
-        pairs = zip(self.names, self.shapes, strict=True)
-        return np.concatenate([np.broadcast_to(np.asarray(values[n], float), s).ravel() for n, s in pairs])
+        parts = []
+        for name, shape in zip(self.names, self.shapes, strict=True):
+            array = np.asarray(values[name], float)
+            try:
+                parts.append(np.broadcast_to(array, shape).ravel())
+            except ValueError:
+                raise ValueError(f"'{name}' has shape {shape}, but an array of shape {array.shape} is given.") from None
+        return np.concatenate(parts)
 
 
 def layout_of(values: Mapping[str, Any]) -> Layout:
@@ -169,12 +215,15 @@ def evaluate_concretely(
         Answers by name, None where there are none; code.
     """
     try:
-        made = build(**dimensions)
+        try:
+            made = build(**dimensions)
+        except REFUSED:
+            return None, int(RESULTS.impossible_design)
         values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
     except AnalysisError as fault:
+        if fault.code not in RESULTS.__members__:
+            raise
         return None, int(RESULTS[fault.code])
-    except ModelError:
-        return None, int(RESULTS.not_valid)
     undefined = any(np.any(np.isnan(v)) for v in values.values())
     return values, int(RESULTS.not_finite if undefined else RESULTS.successful)
 
@@ -207,6 +256,26 @@ def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
     with recorded() as models:
         build(**dimensions)
     return models
+
+
+def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], list[Model]]:
+    """The first design that can be built, and its models.
+
+    Args:
+        build: Function of named dimensions.
+        designs: Dimensions with the designs first, (designs, ...), by name.
+
+    Raises:
+        ModelError, SpacarError: Not one can be built; what is said of the first.
+    """
+    refused: Exception | None = None
+    for i in range(len(next(iter(designs.values())))):
+        one = {name: array[i] for name, array in designs.items()}
+        try:
+            return one, build_once(build, one)
+        except REFUSED as fault:
+            refused = refused or fault
+    raise refused or ModelError("There are no designs.")
 
 
 def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):

@@ -10,8 +10,10 @@ import numpy as np
 from ..analysis.linearize import Linearization, linearize
 from ..analysis.modal import modes
 from ..build.restrict import Restriction, can_be_tied, restrict
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError, ModelError, shown
 from ..model.model import Model
+from .designs import numbers, positive
+from .designs import whole as whole_number
 from .deviation import Deviation, Response, deviation, in_band, largest_of, response
 
 # Beams of a leaf spring in the model that others are measured by, unless given.
@@ -144,18 +146,24 @@ def lean(
         Lean. Its ``model`` is an ordinary model, whose new deformations are named "tie".
 
     Raises:
-        ModelError: bandwidth or tolerance is not positive, finest is below two, or the function has no arguments.
+        ModelError: bandwidth or tolerance is not positive and finite, a node is not there, increments are no numbers,
+            finest is below two, or the function has no arguments.
         AnalysisError: An equilibrium fails or is not stable, or no smaller model was found to be good enough.
 
     Source:
         Modes and static responses: Craig, Bampton (1968), AIAA Journal 6, 1313; here as constraints between the
         deformations of the elements, so that the lean model moves through large displacements.
     """
-    for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
-        if not value > 0:
-            raise ModelError(f"Argument `{name}` must be positive, not {value}.")
-    if finest < 2:
-        raise ModelError(f"Argument `finest` must be 2 or more, not {finest}: fewer beams are measured by it.")
+    if not isinstance(model, Model) and not callable(model):
+        raise ModelError(f"Argument `model` must be a Model or a function that builds it, not {type(model).__name__}.")
+    check_question(model if isinstance(model, Model) else None, bandwidth, tolerance, nodes)
+    try:
+        increments = numbers("Argument `increments`", list(increments)).ravel().tolist()
+        finest = whole_number("finest", finest, 2)
+    except (TypeError, ValueError) as fault:
+        raise ModelError(f"{fault} Fewer beams are measured by `finest`.") from None
+    if not increments or not np.all(np.isfinite(increments)):
+        raise ModelError(f"Argument `increments` must be finite numbers, at least one, not {increments}.")
     beams: dict[str, int] = {}
     spent = Deviation(0.0, 0.0, 0.0)
     if isinstance(model, Model):
@@ -197,6 +205,30 @@ def lean(
     )
 
 
+def check_question(model: Model | None, bandwidth: float, tolerance: float, nodes: Sequence[str]) -> None:
+    """Refuse a question that has no answer.
+
+    Args:
+        model: What it is asked of, None where that is not yet built.
+        bandwidth: Frequencies up to here matter [Hz].
+        tolerance: Relative error to allow.
+        nodes: Nodes whose compliance matters.
+
+    Raises:
+        ModelError: One of them is not positive and finite, or not there.
+    """
+    for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
+        try:
+            positive(name, value)
+        except ValueError as fault:
+            raise ModelError(str(fault)) from None
+    if isinstance(nodes, str):
+        raise ModelError(f"Argument `nodes` must be a list of names, such as ['{shown(nodes)}'].")
+    for node in nodes:
+        if model is not None and not model.labels.coordinates(node):
+            raise ModelError(f"Argument `nodes`: there is no node '{shown(node)}' in the model.")
+
+
 def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):
     """Which deformations to FIX and which to tie; None where nothing would be left out."""
     top = model.topology
@@ -211,8 +243,8 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
         energy = np.maximum(np.sum((a @ z) ** 2, axis=0), 1e-12 * np.max(np.diag(z.T @ (a.T @ a) @ z), initial=0.0))
         shares = np.maximum(shares, np.max((a @ z) ** 2 / np.where(energy > 0, energy, 1.0), axis=1))
         moved = (np.asarray(lin.matrices.e) - np.asarray(states[0].matrices.e))[free] * weight
-        whole = moved @ moved
-        shares = np.maximum(shares, moved**2 / whole if whole > 0 else 0.0)
+        size = moved @ moved
+        shares = np.maximum(shares, moved**2 / size if size > 0 else 0.0)
     n_q = rows[0].shape[1]
     fixed: list[int] = []
     null = np.eye(n_q)

@@ -10,6 +10,7 @@ from ..analysis.compliance import compliance
 from ..analysis.linearize import Linearization
 from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..model.model import Model
+from .designs import positive, whole
 
 AXES = {2: ("x", "y", "phi"), 3: ("x", "y", "z", "rx", "ry", "rz")}
 
@@ -53,7 +54,7 @@ def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool
     Source:
         Inverse of the diagonal entry of :func:`flexmb.compliance`.
     """
-    labels = model.labels
+    labels, node = model.labels, str(node)
     found = compliance(model, node, local=local)
     alone = labels.x[labels.coordinates(node)[0]].kind == "rotation"
     axes = AXES[labels.dimension][-found.shape[0] :] if alone else AXES[labels.dimension][: found.shape[0]]
@@ -90,14 +91,18 @@ def settling_time(
         jumps where one more swing leaves the level; in between it is differentiable.
 
     Raises:
-        ValueError: horizon is not positive, or fewer than two samples.
+        ValueError: horizon is not positive or finite, fewer than two samples, or shapes that do not fit.
 
     Source:
         Definition; z(t) = exp(A t) z(0), and Newton's method for the last crossing.
     """
-    if not horizon > 0 or samples < 2:
-        raise ValueError("Arguments `horizon` and `samples` must be positive, and at least two samples.")
+    horizon, samples = positive("horizon", horizon), whole("samples", samples, 2)
     a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
+    if a.ndim != 2 or not a.shape[0] == a.shape[1] == z0.size == c.size or z0.ndim != 1 or c.ndim != 1:
+        raise ValueError(
+            "Arguments `matrix`, `start` and `output` must have shapes (n, n), (n,) and (n,), not"
+            f" {a.shape}, {z0.shape} and {c.shape}."
+        )
     times = horizon * np.arange(samples + 1) / samples
     onward = jax.scipy.linalg.expm(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
@@ -116,4 +121,7 @@ def settling_time(
         rate = side * (c @ a @ at)
         t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)
     t = jnp.where(jnp.any(outside), t, 0.0)
-    return jnp.where(outside[samples], jnp.inf, t)
+    t = jnp.where(outside[samples], jnp.inf, t)
+    # What has grown past all numbers does not settle; of what is no number from the beginning nothing is known.
+    unknown = jnp.isnan(level) | jnp.any(jnp.isnan(jnp.concatenate([a.ravel(), z0, c])))
+    return jnp.where(unknown, jnp.nan, t)

@@ -7,6 +7,8 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from ..errors import shown
+from .designs import numbers
 from .evaluate import Layout
 
 
@@ -156,8 +158,8 @@ def make_problem(
     shapes, labels = dict(zip(layout.names, layout.shapes, strict=True)), layout.labels
     given = [n for n in (minimize, maximize) if n is not None]
     for name in (*given, *targets, *equal, *limits):
-        if name not in places:
-            raise ValueError(f"There is no answer '{name}'. Answers are: {', '.join(places)}.")
+        if not isinstance(name, str) or name not in places:
+            raise ValueError(f"There is no answer '{shown(name)}'. Answers are: {', '.join(places)}.")
     if len(given) > 1:
         raise ValueError("Give either `minimize` or `maximize`, not both; weigh the two in an answer of your own.")
     if not (given or targets):
@@ -174,10 +176,10 @@ def make_problem(
 
     def entries(name: str, value: Any, what: str) -> np.ndarray:
         try:
-            return np.broadcast_to(np.asarray(value, float), shapes[name]).ravel()
+            return np.broadcast_to(numbers(what, value), shapes[name]).ravel()
         except (TypeError, ValueError):
             raise ValueError(
-                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {value!r}."
+                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {shown(repr(value))}."
             ) from None
 
     def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
@@ -207,10 +209,12 @@ def make_problem(
 
 def _limits(name: str, pair: Any, entries) -> tuple[Any, Any]:
     try:
+        if isinstance(pair, str):
+            raise ValueError
         lower, upper = pair
     except (TypeError, ValueError):
         raise ValueError(
-            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {pair!r}."
+            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {shown(repr(pair))}."
         ) from None
     if lower is None and upper is None:
         raise ValueError(f"Limits of '{name}' are both None: leave it out.")

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..errors import shown
 from ..math.compile import jit
 from ..results import RESULTS
 from .problem import Problem
@@ -93,6 +94,7 @@ def search(
     problem: Problem,
     kernel: Kernel,
     of_unit: Callable[[Any], Any],
+    refused: Callable[[np.ndarray], np.ndarray],
     start: np.ndarray,
     optimizer: Any,
     tolerance: float,
@@ -106,6 +108,7 @@ def search(
         problem: What is asked.
         kernel: Answers, derivatives by the scaled dimensions, code.
         of_unit: The same as a function to trace, answers and code.
+        refused: Whether designs (k, n) cannot be built, (k,).
         start: Scaled dimensions, (n,).
         optimizer: None, an optimiser of optax or a least-squares solver of optimistix.
         tolerance: Relative violation that is none.
@@ -127,10 +130,15 @@ def search(
     elif problem.only_targets and optimizer is None:
         end, reason, result = _least_squares(problem, evaluate, start)
     else:
-        inner = _by_scipy(evaluate) if optimizer is None else _by_optax(problem, evaluate, of_unit, optimizer)
+        inner = _by_scipy(evaluate) if optimizer is None else _by_optax(problem, evaluate, of_unit, refused, optimizer)
         end, reason, result = _augmented(problem, evaluate, start, inner, tolerance)
-    evaluate.budget += 1
-    values, _ = evaluate(end) or (evaluate.history[-1][1], None)
+    evaluate.budget += 2
+    found = evaluate(end)
+    if found is None:
+        end, result = _best(problem, evaluate.history, tolerance), evaluate.failed
+        reason = "the search ended at a design that fails"
+        found = evaluate(end) or (evaluate.history[-1][1], None)
+    values = found[0]
     return Run(
         end, values, result, reason, float(problem.objective(values)), problem.violation(values), evaluate.history
     )
@@ -254,6 +262,8 @@ def _augmented(problem: Problem, evaluate: _Evaluations, start: np.ndarray, inne
         return _best(problem, evaluate.history, tolerance), "max_evaluations reached", RESULTS.not_optimal
     if nearest[0] <= NEARLY_STATIONARY or not constrained:
         why = "no further descent was found: the objective may have a kink there, or be known no better"
+        if evaluate.failed is not RESULTS.successful:
+            why += f"; designs around it failed ({evaluate.failed.name})"
         return nearest[1], why, RESULTS.successful if nearest[0] <= NEARLY_STATIONARY else RESULTS.not_optimal
     end = _best(problem, evaluate.history, tolerance)
     if problem.violation(evaluate.history[-1][1]) > tolerance:
@@ -287,12 +297,13 @@ def _by_scipy(evaluate: _Evaluations):
     return inner
 
 
-def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit, optimizer: Any):
+def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit, refused, optimizer: Any):
     import optax
 
     if not isinstance(optimizer, optax.GradientTransformation):
         raise TypeError(
-            f"Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is {optimizer!r}."
+            "Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is"
+            f" {shown(repr(optimizer))}."
         )
     rule = optax.with_extra_args_support(optimizer)
 
@@ -314,7 +325,7 @@ def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit, optimizer: Any)
                 raise _Stop
             after, state, values, gradient, code = compiled(at, state, multipliers, weight)
             here, gradient = np.asarray(at), np.asarray(gradient)
-            if not evaluate.good(values, gradient, int(code)):
+            if refused(here[None])[0] or not evaluate.good(values, gradient, int(code)):
                 return here
             evaluate.count += 1
             evaluate.history.append((here, np.asarray(values)))

@@ -7,9 +7,11 @@ from typing import Any, Literal
 import jax
 import numpy as np
 
+from ..errors import shown
 from ..math.compile import jit
 from ..results import RESULTS, check
-from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
+from .designs import MOST, numbers, whole
+from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .sweep import Sweep, sweep
 
 # A reverse pass costs about this many forward ones (benchmarks/first_impression.py: value and gradient against value).
@@ -93,6 +95,7 @@ def sensitivities(
         Implicit differentiation of the equilibrium and of the eigenvalues (:func:`flexmb.equilibrium`,
         :func:`flexmb.frequencies`); d ln a/d ln p = (p/a) da/dp.
     """
+    dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
     function, rows = flat_function(build, functions, layout, build_once(build, dimensions))
@@ -100,7 +103,7 @@ def sensitivities(
     if mode is None:
         mode = "forward" if len(point) <= REVERSE_COST * m else "reverse"
     if mode not in ("forward", "reverse"):
-        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {mode!r}.")
+        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {shown(repr(mode))}.")
     values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
     result = RESULTS(int(code))
     if result is RESULTS.successful and not np.all(np.isfinite(slopes)):
@@ -213,8 +216,9 @@ def tolerances(
     for name, deviation in deviations.items():
         if name not in dimensions:
             raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
-        if not np.all(np.asarray(deviation, float) >= 0):
-            raise ValueError(f"Deviation of '{name}' must not be negative, but is {deviation}.")
+        if not np.all((own := numbers(f"Deviation of '{name}'", deviation)) >= 0) or not np.all(np.isfinite(own)):
+            raise ValueError(f"Deviation of '{name}' must not be negative, but finite; it is {deviation}.")
+    samples = whole("samples", samples, 0, MOST)
     found = sensitivities(build, answers, dimensions)
     layout = layout_of(dimensions)
     spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
@@ -224,8 +228,8 @@ def tolerances(
     first_order = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
     if not samples:
         return first_order
-    drawn = np.random.default_rng(seed).standard_normal((samples, len(spread)))
-    ran = sweep(build, answers, _stacked(layout, layout.join(dimensions) + spread * drawn))
+    drawn = np.random.default_rng(whole("seed", seed, 0)).standard_normal((samples, len(spread)))
+    ran = sweep(build, answers, layout.stacked(layout.join(dimensions) + spread * drawn))
     good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[ran.codes == 0]
     if len(good) < 2:
         raise ValueError(f"Fewer than two of {samples} samples could be computed: {ran.failures()}")
@@ -236,8 +240,3 @@ def tolerances(
         sampled_interval=np.quantile(good, [0.025, 0.975], axis=0).T,
         samples=ran,
     )
-
-
-def _stacked(layout: Layout, points: np.ndarray) -> dict[str, np.ndarray]:
-    """Named arrays with the designs first, from one row a design."""
-    return {name: np.moveaxis(part, -1, 0) for name, part in layout.split(points.T).items()}

@@ -1,32 +1,35 @@
 """Many designs: compiled once, computed in chunks, failures beside the others."""
 
+import contextlib
 import dataclasses
-import functools
-import hashlib
-import io
-import json
 import os
-import pickle
-from collections.abc import Callable, Iterable, Mapping
+import sys
+from collections.abc import Callable, Container, Mapping
 from concurrent.futures import Executor
-from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
-from ..errors import ModelError
-from ..io.files import save_arrays, write_whole
-from ..math.compile import jit
-from ..math.threads import cores, each
+from .. import __version__
+from ..errors import shown
+from ..io.files import save_arrays
+from ..model.model import Model
 from ..progress import reporting
 from ..results import RESULTS
-from .designs import Designs
-from .evaluate import Answers, Build, build_once, check_dimensions, evaluate, evaluate_concretely, named_answers
+from .checkpoint import Checkpoint
+from .chunks import Task, Values, Worker, one_shape, part_of
+from .designs import Designs, whole
+from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
+from .identity import identity
 from .labelled import pandas, xarray
 
 # A state without derivative is an answer all the same.
 ANSWERED = (RESULTS.successful, RESULTS.critical_state)
+# What is written beside dimensions and answers, in files and in tables.
+RESERVED = ("codes", "about", "result", "design")
+# Designs of a checkpoint that are computed again where nothing is compiled, and how near they must come, relative to
+# the largest of the answer. Our choice: beyond round-off times the condition of a leaf spring.
+REPEATED, SAME = 8, 1e-6
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,7 +50,9 @@ class Sweep:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """An answer or a dimension by name; of a grid, with its axes first."""
-        found = self.answers[name] if name in self.answers else self.designs[name]
+        found = self.answers[name] if name in self.answers else self.designs.get(name)
+        if found is None:
+            raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
         return (
             found.reshape(tuple(len(a) for a in self.designs.axes.values()) + found.shape[1:]) if self.axes else found
         )
@@ -70,7 +75,8 @@ class Sweep:
         columns: dict[str, Any] = {}
         for name, array in {**self.designs, **self.answers}.items():
             for at in np.ndindex(array.shape[1:]):
-                columns[name + (f"[{', '.join(map(str, at))}]" if at else "")] = array[(slice(None), *at)]
+                label = name + (f"[{', '.join(map(str, at))}]" if at else "")
+                columns[_free(label, columns)] = array[(slice(None), *at)]
         columns["result"] = [RESULTS(int(c)).name for c in self.codes]
         frame = pandas().DataFrame(columns)
         frame.attrs["units"] = dict(self.units)
@@ -84,10 +90,10 @@ class Sweep:
         """
         xr = xarray()
         along = tuple(self.axes) or ("design",)
-        variables = {}
+        variables, taken = {}, {*self.answers, *self.designs, "result", "design"}
         for name in (*self.answers, *(() if self.axes else self.designs)):
             values = self[name]
-            own = tuple(f"{name}_{i}" for i in range(values.ndim - len(along)))
+            own = tuple(_free(f"{name}_{i}", taken) for i in range(values.ndim - len(along)))
             variables[name] = ((*along, *own), values, {"units": self.units.get(name, "")})
         shape = tuple(len(a) for a in self.axes.values()) or (-1,)
         variables["result"] = (along, self.codes.reshape(shape), {"meaning": "code of flexmb.RESULTS"})
@@ -114,6 +120,13 @@ class Sweep:
         from ..viewer.notebook import card
 
         return card(self)
+
+
+def _free(name: str, taken: Container[str]) -> str:
+    """A name that is not taken."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def sweep(
@@ -146,18 +159,24 @@ def sweep(
             LAPACK calls at once may hang).
         executor: Anything with ``submit`` of ``concurrent.futures``, such as a pool or
             ``dask.distributed.Client(..).get_executor()``; chunks are its tasks, and each worker compiles for itself.
-        checkpoint: A .npz file that is written after every chunk; an unfinished sweep of the same designs goes on from
-            it.
+        checkpoint: A file that grows by every chunk; a sweep that was interrupted goes on from it. It must be of this
+            sweep: compared are the designs, the names, ``compiled``, the model of the first design that can be built
+            with all its numbers, and ``build`` and the answers as far as they can be seen (their code, defaults, what
+            they capture and what they name in their module, numbers, texts and arrays by value). Since an object may
+            hide what it means, designs of the checkpoint are computed again, as many as a chunk has (eight with
+            ``compiled=False``), and must agree with what is stored, to 1e-6 of the largest of an answer.
         progress: True for a bar, or a function called with the number of designs done and of all.
         units: Units by name, for the labels.
 
     Returns:
-        Sweep with answers (designs, ...), and codes (designs,) of RESULTS: one design that fails stops no other.
+        Sweep with answers (designs, ...), and codes (designs,) of RESULTS: one design that fails stops no other. What
+        a concrete build refuses has the code impossible_design.
 
     Raises:
-        ValueError: A dimension that ``build`` does not take or lacks; numbers of designs that differ; a checkpoint of
-            another sweep.
-        ModelError: Not one design can be built.
+        ValueError: A dimension that ``build`` does not take or lacks; numbers of designs that differ; names that meet;
+            a checkpoint that is damaged, in use, or of another sweep, which is left as it is.
+        ModelError, SpacarError: Not one design can be built.
+        OSError: The checkpoint cannot be read or written.
 
     Source:
         The analyses that are asked; ``jax.lax.map`` over the designs.
@@ -165,202 +184,96 @@ def sweep(
     functions = named_answers(answers)
     designs = designs if isinstance(designs, Designs) else Designs(designs)
     check_dimensions(build, tuple(designs))
-    for name, value in (("chunk", chunk), ("together", together)):
-        if value < 1:
-            raise ValueError(f"Argument `{name}` must be at least 1, but is {value}.")
-    chunk, count = min(int(chunk), designs.count), designs.count
-    starts = list(range(0, count, chunk))
-    key = _fingerprint(designs, functions, chunk)
-    done = _resume(checkpoint, key)
-    todo = [start for start in starts if start not in done]
-    task = (build, functions, compiled, int(together))
-    parts = [_part(designs, start, chunk) for start in todo]
-    with reporting(progress, "designs", count) as report:
-        for index, (values, codes) in _run(task, parts, executor):
-            done[todo[index]] = (values, codes)
-            if checkpoint is not None:
-                _write(checkpoint, key, done)
+    check_names(tuple(designs), tuple(functions), RESERVED)
+    for name in units or {}:
+        if name not in designs and name not in functions:
+            raise ValueError(f"Unit of '{name}': there is no such dimension or answer.")
+    chunk = min(whole("chunk", chunk), designs.count)
+    example, models = None, []
+    if compiled or checkpoint is not None:
+        try:
+            example, models = first_built(build, designs)
+        except REFUSED:
+            if compiled:
+                raise
+    task = Task(build, functions, bool(compiled), whole("together", together), example)
+    parts: list[tuple[np.ndarray, Values]] = []
+    with contextlib.ExitStack() as stack:
+        worker, kept = Worker(task, executor), None
+        if checkpoint is not None:
+            meaning = _meaning(task, designs, models)
+            kept = stack.enter_context(Checkpoint(checkpoint, meaning, designs.count, list(functions)))
+            parts = [(rows, (values, codes)) for rows, values, codes in kept.parts]
+            _check_stored(kept, worker, designs, parts, chunk if compiled else REPEATED, chunk)
+        missing = np.setdiff1d(np.arange(designs.count), np.concatenate([[], *(rows for rows, _ in parts)]))
+        todo = [missing[first : first + chunk].astype(int) for first in range(0, len(missing), chunk)]
+        report = stack.enter_context(reporting(progress, "designs", designs.count))
+        done = designs.count - len(missing)
+        for index, (values, codes) in worker.results([part_of(designs, rows, chunk) for rows in todo]):
+            parts.append((todo[index], (values, codes)))
+            done += len(codes)
+            if kept is not None:
+                kept.add(todo[index], values, codes)
             if report is not None:
-                report(min(sum(len(codes) for _, codes in done.values()), count), count)
-    return _joined(designs, functions, [done[start] for start in starts], dict(units or {}))
+                report(done, designs.count)
+    found, codes = _whole(designs.count, list(functions), parts)
+    return Sweep(designs, found, codes, dict(units or {}))
 
 
-Part = tuple[dict[str, np.ndarray], int]
-Values = tuple[dict[str, np.ndarray], np.ndarray]
+def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any]:
+    """What a checkpoint is about, by the words that say where another one differs."""
+    return {
+        "the version of flexmb": __version__,
+        "the version of Python": list(sys.version_info[:2]),
+        "the names of dimensions": list(designs),
+        "the designs": identity(dict(designs)),
+        "the model or a fixed parameter of it": identity(models),
+        "the function that builds it": identity(task.build),
+        "the argument `compiled`": task.compiled,
+        "the names of answers": list(task.functions),
+        **{f"the meaning of answer '{shown(name)}'": identity(f) for name, f in task.functions.items()},
+    }
 
 
-def _part(designs: Mapping[str, np.ndarray], start: int, chunk: int) -> Part:
-    """One chunk, filled up with its last design so that all have one size, and how many of it count."""
-    part = {name: array[start : start + chunk] for name, array in designs.items()}
-    real = len(next(iter(part.values())))
-    return {name: np.concatenate([a, np.repeat(a[-1:], chunk - real, axis=0)]) for name, a in part.items()}, real
-
-
-def _run(task: tuple, parts: list[Part], executor: Executor | None) -> Iterable[tuple[int, Values]]:
-    if executor is None:
-        kernel = _kernel(*task, threads=cores())
-        for index, part in enumerate(parts):
-            yield index, kernel(*part)
+def _check_stored(
+    kept: Checkpoint, worker: Worker, designs: Designs, parts: list[tuple[np.ndarray, Values]], count: int, chunk: int
+) -> None:
+    """Refuse a checkpoint some of whose designs have another answer today, whatever the reason."""
+    if not parts:
         return
-    import concurrent.futures
-
-    from ..setup import cache_folder
-
-    sent = _packed(task)
-    cache = str(cache_folder()) if jax.config.values["jax_compilation_cache_dir"] else None
-    futures = [executor.submit(_work, sent, part, cache) for part in parts]
-    if all(isinstance(f, concurrent.futures.Future) for f in futures):
-        places = {future: index for index, future in enumerate(futures)}
-        for future in concurrent.futures.as_completed(futures):
-            yield places[future], future.result()
-    else:
-        for index, future in enumerate(futures):
-            yield index, future.result()
-
-
-def _packed(task: tuple) -> Any:
-    """The task as bytes, so that a worker unpacks and compiles it once; as it is where it cannot be packed."""
-    try:
-        return pickle.dumps(task)
-    except (pickle.PicklingError, AttributeError, TypeError):
-        try:
-            import cloudpickle  # pyright: ignore[reportMissingImports]
-        except ImportError:
-            return task
-        return cloudpickle.dumps(task)
+    names = list(kept.answers)
+    known, codes = _whole(designs.count, names, parts)
+    stored = np.unique(np.concatenate([rows for rows, _ in parts]))
+    rows = stored[np.unique(np.linspace(0, len(stored) - 1, min(count, chunk, len(stored))).astype(int))]
+    ((_, values),) = worker.results([part_of(designs, rows, chunk)])
+    today, again = _whole(designs.count, names, [(rows, values)])
+    if not np.array_equal(again[rows], codes[rows]):
+        raise kept.refusal("belongs to another sweep: designs that it holds fail otherwise today")
+    good = rows[np.isin(codes[rows], [int(c) for c in ANSWERED])]
+    for name in names:
+        before, now = known[name], today[name]
+        scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
+        alike = len(good) == 0 or before.shape == now.shape
+        if not alike or not np.allclose(now[good], before[good], rtol=0, atol=SAME * scale, equal_nan=True):
+            raise kept.refusal(f"belongs to another sweep: answer '{shown(name)}' of designs that it holds is another")
 
 
-def _work(sent: Any, part: Part, cache: str | None) -> Values:
-    """One chunk in a worker, which may be another process."""
-    from ..setup import enable_cache, enable_x64
-
-    if not jax.config.values["jax_enable_x64"]:
-        enable_x64()
-    if cache is not None and not jax.config.values["jax_compilation_cache_dir"]:
-        enable_cache(cache)
-    return (_unpacked(sent) if isinstance(sent, bytes) else _kernel(*sent))(*part)
-
-
-@functools.lru_cache(maxsize=8)
-def _unpacked(sent: bytes) -> Callable[..., Values]:
-    return _kernel(*pickle.loads(sent))
-
-
-def _kernel(build: Build, functions: dict, compiled: bool, together: int, *, threads: int = 1) -> Callable[..., Values]:
-    """What computes one chunk, in so many threads."""
-    if not compiled:
-        return functools.partial(_one_by_one, build, functions)
-    program: list[Any] = []
-
-    def call(part: dict[str, np.ndarray], real: int) -> Values:
-        count = len(next(iter(part.values())))
-        size = -(-count // threads)
-        pieces, done = [_part(part, start, size)[0] for start in range(0, count, size)], []
-        if not program:
-            program.append(jit(_mapped(build, functions, _first_models(build, part), together)))
-            # Compiled here, before several threads ask for it.
-            done = [program[0](pieces[0])]
-        done += each(program[0], pieces[len(done) :], threads)
-        values = {name: np.concatenate([own[name] for own, _ in done])[:real] for name in done[0][0]}
-        return values, np.concatenate([codes for _, codes in done])[:real]
-
-    return call
-
-
-def _mapped(build: Build, functions: dict, models: list, together: int):
-    from ..build.carry import carried
-
-    def one(dimensions):
-        with carried(models):
-            return evaluate(build, functions, dimensions)
-
-    def every(part):
-        return jax.lax.map(one, part, batch_size=together if together > 1 else None)
-
-    return every
-
-
-def _first_models(build: Build, part: dict[str, np.ndarray]) -> list:
-    """Models of the first design of a chunk that can be built, whose degrees of freedom the others take over."""
-    first: ModelError | None = None
-    for i in range(len(next(iter(part.values())))):
-        try:
-            return build_once(build, {name: a[i] for name, a in part.items()})
-        except ModelError as fault:
-            first = first or fault
-    raise first or ModelError("There are no designs.")
-
-
-def _one_by_one(build: Build, functions: dict, part: dict[str, np.ndarray], real: int) -> Values:
-    rows, codes = [], []
-    for i in range(real):
-        values, code = evaluate_concretely(build, functions, {name: a[i] for name, a in part.items()})
-        rows.append(values)
-        codes.append(code)
-    known: dict[str, Any] = next((row for row in rows if row is not None), {})
-    shapes = {name: v.shape for name, v in known.items()}
-    for row in rows:
-        for name, v in (row or {}).items():
-            if v.shape != shapes[name]:
-                raise ValueError(
-                    f"Answer '{name}' has shape {v.shape} in one design and {shapes[name]} in another: make it of one."
-                )
-    empty = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-    stacked = {name: np.stack([(row or empty)[name] for row in rows]) for name in shapes}
-    return stacked, np.array(codes, np.int32)
-
-
-def _joined(designs: Designs, functions: dict, parts: list[Values], units: dict[str, str]) -> Sweep:
-    codes = np.concatenate([codes for _, codes in parts])
+def _whole(
+    count: int, names: list[str], parts: list[tuple[np.ndarray, Values]]
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Answers and codes of all designs, NaN where a design failed or is not among the parts."""
+    codes, answers = np.full(count, int(RESULTS.successful), np.int32), {}
+    for rows, (_, own) in parts:
+        codes[rows] = own
     failed = ~np.isin(codes, [int(c) for c in ANSWERED])
-    answers = {}
-    for name in functions:
-        shape = next((values[name].shape[1:] for values, _ in parts if name in values), ())
+    for name in names:
         # A chunk of which no design was answered does not know the shape.
-        pieces = [values.get(name, np.full((len(own), *shape), np.nan)) for values, own in parts]
-        answers[name] = np.concatenate(pieces)
+        known = [(rows, values[name]) for rows, (values, _) in parts if name in values]
+        shape = known[0][1].shape[1:] if known else ()
+        answers[name] = np.full((count, *shape), np.nan)
+        for rows, values in known:
+            if values.shape[1:] != shape:
+                raise ValueError(one_shape(name, values.shape[1:], shape))
+            answers[name][rows] = values
         answers[name][failed] = np.nan
-    return Sweep(designs, answers, codes, units)
-
-
-def _fingerprint(designs: Designs, functions: dict, chunk: int) -> str:
-    digest = hashlib.sha256(json.dumps([list(designs), list(functions), chunk]).encode())
-    for array in designs.values():
-        digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
-
-
-def _write(path: str | os.PathLike, key: str, done: dict[int, Values]) -> None:
-    arrays = {"key": np.asarray(key)}
-    for start, (values, codes) in done.items():
-        arrays[f"{start}:codes"] = codes
-        arrays |= {f"{start}:answer:{name}": v for name, v in values.items()}
-    content = io.BytesIO()
-    np.savez(content, allow_pickle=False, **arrays)  # pyright: ignore[reportArgumentType]
-    write_whole(path, content.getvalue())
-
-
-def _resume(path: str | os.PathLike | None, key: str) -> dict[int, Values]:
-    """What a checkpoint holds already, by the first design of each chunk."""
-    if path is None:
-        return {}
-    if Path(path).suffix != ".npz":
-        raise ValueError(f"Argument `checkpoint` must be a path that ends in .npz, but is '{path}'.")
-    if not Path(path).exists():
-        return {}
-    with np.load(path) as file:
-        if "key" not in file or str(file["key"]) != key:
-            raise ValueError(
-                f"Checkpoint '{path}' belongs to another sweep: its designs, names of answers or chunk differ. Delete"
-                " it or name another file."
-            )
-        done: dict[int, Values] = {}
-        for name in file.files:
-            start, _, kind = name.partition(":")
-            if kind == "codes":
-                done[int(start)] = ({}, file[name])
-        for name in file.files:
-            start, _, kind = name.partition(":")
-            if kind.startswith("answer:"):
-                done[int(start)][0][kind.removeprefix("answer:")] = file[name]
-    return done
+    return answers, codes

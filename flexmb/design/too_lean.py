@@ -8,9 +8,11 @@ import numpy as np
 from ..analysis.linearize import linearize
 from ..build.restrict import can_be_tied, released
 from ..elements import planar, spatial
+from ..errors import ModelError
 from ..mechanics.blocks import companion_of
 from ..model.model import Model
 from .deviation import deviation, response
+from .lean import check_question
 
 # First root of cosh(z) cos(z) = 1: a beam with both ends held.
 CLAMPED = 4.730040744862704
@@ -35,12 +37,17 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
         Reasons, each of which says what to do.
 
     Raises:
+        ModelError: It is asked of something else than a model, bandwidth or tolerance is not positive and finite, or a
+            node is not there.
         AnalysisError: The equilibrium fails or is not stable, of the model or with those deformations released.
 
     Source:
         Vibrations with both ends held, which are to be kept beside the static shapes: Craig, Bampton (1968), AIAA
         Journal 6, 1313. How near to the band they may come is our choice.
     """
+    if not isinstance(model, Model):
+        raise ModelError(f"Argument `model` must be a Model, not {type(model).__name__}.")
+    check_question(model, bandwidth, tolerance, nodes)
     lin = linearize(model)
     reasons = []
     stiffness = np.diag(np.asarray(lin.matrices.S))

@@ -8,19 +8,32 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..errors import AnalysisError
+from ..errors import AnalysisError, shown
 from ..math.compile import jit
 from ..progress import reporting
 from ..results import RESULTS
-from .designs import checked_bounds
-from .evaluate import Answers, Build, Layout, build_once, check_dimensions, flat_function, layout_of, named_answers
+from .designs import checked_bounds, numbers, positive, whole
+from .evaluate import (
+    Answers,
+    Build,
+    Layout,
+    build_once,
+    check_dimensions,
+    check_names,
+    flat_function,
+    layout_of,
+    named_answers,
+)
 from .lockstep import in_lockstep
+from .possible import refusal
 from .problem import Problem, make_problem
 from .search import Run, search
 from .sensitivities import REVERSE_COST
 
 # A dimension this near to a bound, as a share of the range, is at it.
 AT_BOUND = 1e-6
+# What stands beside dimensions and answers in a history.
+RESERVED = ("objective", "violation")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,7 +100,8 @@ class Scaling:
         for what, given in (("Bounds", bounds), ("Scale", scales)):
             for name in given:
                 if name not in layout.names:
-                    raise ValueError(f"{what} of '{name}': there is no such dimension ({', '.join(layout.names)}).")
+                    listed = ", ".join(layout.names)
+                    raise ValueError(f"{what} of '{shown(name)}': there is no such dimension ({listed}).")
         for name in layout.names:
             if name not in bounds:
                 raise ValueError(f"Dimension '{name}' has no bounds: give lower and upper, or fix it in `build`.")
@@ -96,7 +110,7 @@ class Scaling:
         for name, (lower, _) in pairs.items():
             scale = scales.get(name, "log" if np.all(lower > 0) else "linear")
             if scale not in ("log", "linear"):
-                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {scale!r}.")
+                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {shown(repr(scale))}.")
             if scale == "log" and not np.all(lower > 0):
                 raise ValueError(f"Scale of '{name}' cannot be 'log', since its lower bound {lower} is not positive.")
             logarithmic[name] = scale == "log"
@@ -200,24 +214,33 @@ def tune(
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """
+    dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
+    check_names(layout.names, tuple(functions), RESERVED)
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
-    if min(starts, together, max_evaluations) < 1 or not tolerance > 0:
-        raise ValueError(
-            "Arguments `starts`, `together` and `max_evaluations` must be at least 1, and `tolerance` positive."
-        )
-    function, of_answers = flat_function(build, functions, layout, build_once(build, dimensions))
+    starts, together = whole("starts", starts), whole("together", together)
+    max_evaluations, seed = whole("max_evaluations", max_evaluations), whole("seed", seed, 0)
+    tolerance = positive("tolerance", tolerance)
+    models = build_once(build, dimensions)
+    function, of_answers = flat_function(build, functions, layout, models)
+    of_designs = refusal(build, models, layout.split(first))
 
     def of_unit(unit):
         return function(scaling.to_dimensions(unit))
 
+    def refused(units: np.ndarray) -> np.ndarray:
+        return of_designs(layout.stacked(scaling.to_dimensions(units)))
+
+    for name in (minimize, maximize):
+        if name is not None and not isinstance(name, str):
+            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {shown(repr(name))}.")
     named = {name for name in (minimize, maximize, *(targets or {}), *(limits or {}), *(equal or {})) if name}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
-    kernel = _Kernel(of_unit, len(first), np.flatnonzero(asked), len(asked))
     unit = scaling.to_unit(first)
+    kernel = _Kernel(of_unit, refused, unit, np.flatnonzero(asked), len(asked))
     at_start = kernel(unit)
     _check_start(of_answers, at_start)
     problem = make_problem(
@@ -235,7 +258,9 @@ def tune(
     with reporting(progress, "evaluations, objective, violation") as report:
 
         def from_start(kernel, unit):
-            return search(problem, kernel, of_unit, unit, optimizer, tolerance, max_evaluations, progress=report)
+            return search(
+                problem, kernel, of_unit, refused, unit, optimizer, tolerance, max_evaluations, progress=report
+            )
 
         size = min(together, starts)
         if size > 1:
@@ -252,30 +277,38 @@ def tune(
 class _Kernel:
     """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays."""
 
-    def __init__(self, of_unit, n: int, asked: np.ndarray, m: int):
-        differentiate: Any = jax.jacfwd if n <= REVERSE_COST * len(asked) else jax.jacrev
+    def __init__(self, of_unit, refused, start: np.ndarray, asked: np.ndarray, m: int):
+        differentiate: Any = jax.jacfwd if len(start) <= REVERSE_COST * len(asked) else jax.jacrev
 
         def twice(unit):
             values, code = of_unit(unit)
             return values[asked], (values, code)
 
-        self.asked, self.shape = asked, (m, n)
-        self.function = differentiate(twice, has_aux=True)
-        self.one, self.several = jit(self.function), jit(jax.vmap(self.function))
+        self.asked, self.start, self.refused, self.m = asked, start, refused, m
+        function = differentiate(twice, has_aux=True)
+        self.one, self.several = jit(function), jit(jax.vmap(function))
 
     def __call__(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        own, (values, code) = self.one(jnp.asarray(unit))
-        return np.asarray(values), self._whole(own), int(code)
+        (values,), (slopes,), (code,) = self._of(unit[None], lambda units: jax.tree.map(_first, self.one(units[0])))
+        return values, slopes, int(code)
 
     def many(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The same of several designs, (designs, n), in one call."""
-        own, (values, codes) = self.several(jnp.asarray(units))
-        return np.asarray(values), self._whole(own), np.asarray(codes)
+        return self._of(units, self.several)
 
-    def _whole(self, own) -> np.ndarray:
-        slopes = np.zeros((*own.shape[:-2], *self.shape))
-        slopes[..., self.asked, :] = own
-        return slopes
+    def _of(self, units: np.ndarray, call) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        refused = self.refused(units)
+        # The start, which can be built, stands in for a design that cannot: numbers without sense may take long.
+        own, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
+        values, codes = np.array(values), np.where(refused, RESULTS.impossible_design, codes)
+        slopes = np.zeros((*values.shape, units.shape[1]))
+        slopes[:, self.asked] = own
+        values[refused], slopes[refused] = np.nan, np.nan
+        return values, slopes, codes
+
+
+def _first(array):
+    return array[None]
 
 
 def _check_start(of_answers: Layout, at_start) -> None:

@@ -142,9 +142,14 @@ def straight(p, q, place) -> Float[Array, "d"]:
 
 def check_length(*, ref) -> list[str]:
     """Faults of an element with two end positions."""
-    if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:
+    if np.any(np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) == 0):
         return ["has zero length: its two ends have the same position"]
     return []
+
+
+def check_mass(*, ref, mass: float) -> list[str]:
+    """Faults of a point mass."""
+    return [f"has a mass of {mass}, but it cannot be negative"] if np.any(np.asarray(mass) < 0) else []
 
 
 def check_across(ref, y) -> list[str]:
@@ -152,7 +157,7 @@ def check_across(ref, y) -> list[str]:
     if y is None:
         return []
     axis, across = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y, float)
-    size = np.linalg.norm(across) * np.linalg.norm(axis)
-    if np.linalg.norm(np.cross(axis, across)) <= 1e-5 * size:
+    size = np.linalg.norm(across, axis=-1) * np.linalg.norm(axis, axis=-1)
+    if np.any(np.linalg.norm(np.cross(axis, across), axis=-1) <= 1e-5 * size):
         return ["has a local y vector that is zero or parallel to its axis: give one across it"]
     return []

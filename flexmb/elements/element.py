@@ -48,7 +48,8 @@ class Element:
         shape: ``f(*nodes, ref, place, **properties) -> (d,)``, where a point of the element is, 0 at its first end and
             1 at its last, for pictures; its properties are among those of the deformation. Without it an element with
             two points and two rotations is drawn as a cubic, another as a line between its points.
-        check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers.
+        check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers. Those of
+            this package also take many elements at once, stacked along leading axes.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
             The rest is FIXED. None: all if the element is elastic, none if not.
         measured: Numbers (from 1) of the deformations that no one holds: what companions need to know, and angles whose

@@ -58,7 +58,7 @@ def turn_and_tilt(rot_p, rot_q, ref_p, ref_q, near, axis) -> Float[Array, "3"]:
 
 def check_axis(*, ref, axis: Float[Array, "3"]) -> list[str]:
     """Faults of an axis."""
-    return [] if np.linalg.norm(np.asarray(axis)) > 0 else ["has an axis of zero length"]
+    return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
 
 
 def _hinge(
@@ -166,7 +166,7 @@ def _gear(
 
 def _check_gear(*, ref, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ratio: float) -> list[str]:
     faults = check_axis(ref=ref, axis=axis_p) or check_axis(ref=ref, axis=axis_q)
-    return faults if float(ratio) else [*faults, "has a ratio of zero"]
+    return [*faults, "has a ratio of zero"] if np.any(np.asarray(ratio) == 0) else faults
 
 
 gear = Element(_gear, stiffness=mesh_stiffness, damping=mesh_damping, check=_check_gear, measured=(2,))

@@ -163,7 +163,7 @@ def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref, axis: Float[Array, "2"])
 
 
 def _check_axis(*, ref, axis: Float[Array, "2"]) -> list[str]:
-    return [] if np.linalg.norm(np.asarray(axis)) > 0 else ["has an axis of zero length"]
+    return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
 
 
 slider = Element(
@@ -229,7 +229,7 @@ def _mass_inertia(p: Point2, *, ref, mass: float):
     return p[None], jnp.reshape(mass, (1, 1))
 
 
-mass = Element(_nothing_at, inertia=_mass_inertia)
+mass = Element(_nothing_at, inertia=_mass_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
 
 

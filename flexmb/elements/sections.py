@@ -315,7 +315,11 @@ class HollowRectangle(Section):
 
     def faults(self) -> list[str]:
         """As for every section; the walls leave a hole."""
-        thick = [n for n, side in (("wall_y", self.width), ("wall_z", self.thickness)) if 2 * getattr(self, n) >= side]
+        thick = [
+            n
+            for n, side in (("wall_y", self.width), ("wall_z", self.thickness))
+            if np.any(2 * getattr(self, n) >= side)
+        ]
         return super().faults() + [f"{n} = {getattr(self, n)}, which leaves no hole between two walls" for n in thick]
 
     def rigidity(self) -> Rigidity:
@@ -390,7 +394,7 @@ class Tube(Section):
 
     def faults(self) -> list[str]:
         """As for every section; the wall leaves a hole."""
-        thick = 2 * self.wall >= self.diameter
+        thick = np.any(2 * self.wall >= self.diameter)
         return super().faults() + ([f"wall = {self.wall}, which leaves no hole in the tube"] if thick else [])
 
     def rigidity(self) -> Rigidity:

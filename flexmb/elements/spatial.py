@@ -230,7 +230,7 @@ def _mass_inertia(p: Point3, *, ref, mass: float):
     return p[None], jnp.reshape(mass, (1, 1))
 
 
-mass = Element(_nothing_at, inertia=_mass_inertia)
+mass = Element(_nothing_at, inertia=_mass_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
 
 

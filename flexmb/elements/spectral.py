@@ -106,14 +106,14 @@ def _arc_length(chord, half):
 
 
 def _check_planar(*, ref, curvature: float | None = None) -> list[str]:
-    return beams.check_length(ref=ref) or _check_curvature(ref, curvature)
+    return beams.check_length(ref=ref) or _check_curvature(ref, None if curvature is None else np.abs(curvature))
 
 
-def _check_curvature(ref, curvature) -> list[str]:
-    if curvature is None:
+def _check_curvature(ref, size) -> list[str]:
+    if size is None:
         return []
-    half = np.linalg.norm(np.asarray(curvature)) * np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) / 2
-    if not 0 < half <= 1:
+    half = np.asarray(size) * np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) / 2
+    if not np.all((half > 0) & (half <= 1)):
         return ["has an initial curvature that no arc between its ends has: it must not be zero, nor above 2/chord"]
     return []
 
@@ -269,8 +269,9 @@ def _planar_beam(order: int) -> Element:
 
 
 def _check_spatial(*, ref, y: Float[Array, "3"] | None = None, curvature: Float[Array, "3"] | None = None) -> list[str]:
-    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or _check_curvature(ref, curvature)
-    if not faults and curvature is not None and np.asarray(curvature)[0] != 0:
+    size = None if curvature is None else np.linalg.norm(np.asarray(curvature), axis=-1)
+    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or _check_curvature(ref, size)
+    if not faults and curvature is not None and np.any(np.asarray(curvature)[..., 0] != 0):
         return ["has an initial twist, the first component of its curvature: only plane arcs are provided for"]
     return faults
 
@@ -446,10 +447,10 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         if section is None:
             return faults
         s = section.rigidity()
-        compliant = [float(np.asarray(number)) > 0 for number in (s.shear_y, s.shear_z)]
-        if shear and not all(compliant):
+        compliant = [np.asarray(number) > 0 for number in (s.shear_y, s.shear_z)]
+        if shear and not np.all(compliant):
             faults.append("counts shear, but its section has none: give the section shear=True")
-        if not shear and any(compliant):
+        if not shear and np.any(compliant):
             faults.append("does not count shear, but its section has it: make the element with shear=True")
         return faults
 

@@ -27,7 +27,7 @@ def _gear(
 
 
 def _check_centres(*, ref) -> list[str]:
-    if np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p)) == 0:
+    if np.any(np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) == 0):
         return ["has its two centres in one place"]
     return []
 
@@ -112,8 +112,8 @@ def _belt_dissipation(e, ed, *, ref, damping: Damping, radius_p: float, radius_q
 
 def _check_belt(*, ref, radius_p: float, radius_q: float, section: Section | None = None) -> list[str]:
     faults = _check_centres(ref=ref)
-    apart = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p))
-    if not faults and abs(float(radius_q) - float(radius_p)) >= apart:
+    apart = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
+    if not faults and np.any(np.abs(np.asarray(radius_q) - np.asarray(radius_p)) >= apart):
         faults = ["has pulleys that overlap: no straight part of the belt is left between them"]
     if section is not None and np.any(np.asarray(section.rigidity().mass) != 0):
         faults = [*faults, "has a section with mass, but no mass is counted here: put it on the nodes"]

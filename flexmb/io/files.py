@@ -1,9 +1,13 @@
 """Files that appear whole or not at all: JSON, npz and mat."""
 
+import errno
 import io
+import itertools
 import json
 import os
+import re
 import tempfile
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +19,20 @@ from .answers import plain
 def write_whole(path: str | os.PathLike, content: bytes) -> None:
     """Write a file in one piece: a reader sees the old one or the new one, never half of it.
 
+    What is no file on a disk, such as /dev/stdout or a pipe, is written to as it is; a link stays one.
+
     Args:
         path: Where.
         content: What.
 
     Raises:
-        OSError: The folder is missing or not writable.
+        OSError: The folder is missing, not writable or full, or the path is that of a folder.
     """
-    path = Path(path)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    path = _target(path)
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".flexmb.")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
@@ -35,6 +44,30 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def check_writable(path: str | os.PathLike) -> None:
+    """Try whether a file can be written, and leave nothing behind.
+
+    Args:
+        path: Where.
+
+    Raises:
+        OSError: The folder is missing or not writable, the path is that of a folder, or the file is write-protected.
+    """
+    path = _target(path)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if path.exists() and not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    if path.is_file() or not path.exists():
+        tempfile.TemporaryFile(dir=path.parent).close()
+
+
+def _target(path: str | os.PathLike) -> Path:
+    """The file that a link leads to; /dev/stdout and the like as they are."""
+    path = Path(path)
+    return path.resolve() if path.is_symlink() and (path.is_file() or not path.exists()) else path
 
 
 def to_json(data: dict[str, Any]) -> str:
@@ -67,7 +100,7 @@ def _flat(data: dict[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in data.items():
         if isinstance(value, dict):
-            flat.update({f"{key}_{of}".replace(".", "_"): np.asarray(v) for of, v in value.items()})
+            flat.update({f"{key}_{of}": np.asarray(v) for of, v in value.items()})
         elif key == "path":
             flat.update(_stacked(key, value))
         elif isinstance(value, list) and value and isinstance(value[0], dict):
@@ -86,28 +119,28 @@ def save(data: dict[str, Any], path: str | os.PathLike) -> None:
     Args:
         data: Keys and values of an answer. Objects by node or element number become arrays "x_3", "sig_1", those of a
             path "path_x_3" with the steps first; what a JSON file has as null is NaN here, since these formats have no
-            null.
+            null. A .mat file says in "names_of_arrays" which names MATLAB does not take and what they became.
         path: Where; ends in .npz or .mat.
 
     Raises:
         ValueError: Another ending.
         OSError: The folder is missing or not writable.
     """
-    _write(Path(path), {name[:31]: value for name, value in _flat(data).items()} if _is_mat(path) else _flat(data))
-
-
-def _is_mat(path: str | os.PathLike) -> bool:
-    return Path(path).suffix == ".mat"
+    _write(Path(path), _flat(data))
 
 
 def _write(path: Path, arrays: dict[str, Any]) -> None:
     content = io.BytesIO()
     if path.suffix == ".npz":
-        np.savez(content, allow_pickle=False, **{k: np.asarray(v) for k, v in arrays.items()})
-    elif _is_mat(path):
+        # As numpy.savez, which has arguments whose names no array can bear.
+        with zipfile.ZipFile(content, "w") as archive:
+            for name, value in arrays.items():
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array(member, np.asarray(value), allow_pickle=False)
+    elif path.suffix == ".mat":
         import scipy.io
 
-        scipy.io.savemat(content, arrays, oned_as="column", long_field_names=True)
+        scipy.io.savemat(content, _as_variables(arrays), oned_as="column", long_field_names=True)
     else:
         raise ValueError(f"Results are saved as .npz or .mat, not '{path.suffix or path}'.")
     write_whole(path, content.getvalue())
@@ -118,14 +151,39 @@ def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str
 
     Args:
         path: Where; its ending says how.
-        arrays: By name; in a .mat a name is cut to what MATLAB allows and its dots and brackets become underscores.
+        arrays: By name.
         about: Texts and units, kept as JSON under "about".
 
     Raises:
-        ValueError: Another ending.
+        ValueError: Another ending, or an array named "about".
         OSError: The folder is missing or not writable.
     """
-    everything = {**arrays, "about": np.asarray(json.dumps(about))}
-    if _is_mat(path):
-        everything = {"".join(c if c.isalnum() else "_" for c in k)[:63]: v for k, v in everything.items()}
-    _write(Path(path), everything)
+    if "about" in arrays:
+        raise ValueError("An array named 'about' cannot be saved beside what is said about all of them: rename it.")
+    _write(Path(path), {**arrays, "about": np.asarray(json.dumps(about))})
+
+
+def _as_variables(arrays: dict[str, Any]) -> dict[str, Any]:
+    """The same under names that MATLAB takes, no two alike; where some differ, "names_of_arrays" says so as JSON."""
+    of_names = "names_of_arrays"
+    while of_names in arrays:
+        of_names += "_"
+    names = _matlab_names([of_names, *arrays])
+    changed = {names[name]: name for name in arrays if names[name] != name}
+    found = {names[name]: value for name, value in arrays.items()}
+    return {**found, of_names: np.asarray(json.dumps(changed))} if changed else found
+
+
+def _matlab_names(names: list[str]) -> dict[str, str]:
+    """Letters, digits and underscores, a letter first, at most 63: a name that is so already stays."""
+    found = {name: name for name in names if re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII)}
+    taken = set(found)
+    for name in names:
+        if name not in found:
+            plain_name = re.sub(r"^(?![A-Za-z])", "x", re.sub(r"\W", "_", name, flags=re.ASCII))
+            endings = (f"_{i}" if i > 1 else "" for i in itertools.count(1))
+            found[name] = next(
+                one for ending in endings if (one := plain_name[: 63 - len(ending)] + ending) not in taken
+            )
+            taken.add(found[name])
+    return found

@@ -1,14 +1,15 @@
 """Lines of a SPACAR input file: comments, blocks, and parameters checked against the form of their keyword."""
 
-import ast
 import dataclasses
 import math
-import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import jax.core
+
+from ..errors import shown
+from .arithmetic import value_of
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
 BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
@@ -31,15 +32,6 @@ class Fault(Exception):
 
 
 _WORD = re.compile(r"(?:\{[^{}]*\}|[^\s{}]|[{}])+")
-_OPERATIONS: dict[type, Callable[..., Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
-    ast.USub: operator.neg,
-    ast.UAdd: operator.pos,
-}
 
 
 class Placeholder(str):
@@ -54,29 +46,9 @@ class Placeholder(str):
             Fault: Unknown name, or no arithmetic.
         """
         try:
-            tree = ast.parse(self[1:-1].strip(), mode="eval").body
-        except SyntaxError:
-            raise Fault(f"'{self}' is no arithmetic of numbers and parameters") from None
-        try:
-            return self._of(tree)
-        except (ZeroDivisionError, OverflowError) as fault:
-            raise Fault(f"'{self}' has no value: {fault}") from None
-
-    def _of(self, node: ast.expr) -> Any:
-        if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
-            return float(node.value)
-        if isinstance(node, ast.Name):
-            if node.id in self.numbers:
-                return self.numbers[node.id]
-            if node.id == "pi":
-                return math.pi
-            known = ", ".join(self.numbers) or "none is given"
-            raise Fault(f"'{self}': there is no parameter '{node.id}' ({known})")
-        if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
-            return _OPERATIONS[type(node.op)](self._of(node.left), self._of(node.right))
-        if isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATIONS:
-            return _OPERATIONS[type(node.op)](self._of(node.operand))
-        raise Fault(f"'{self}' may have numbers, parameters, pi, + - * / ** and parentheses only")
+            return value_of(self[1:-1], self.numbers)
+        except ValueError as fault:
+            raise Fault(f"'{shown(self)}' {fault}") from None
 
 
 def known(value: Any) -> bool:

@@ -1,6 +1,7 @@
 """Studies in a file: placeholders, the two commands, the same numbers as in Python, one line a fault."""
 
 import json
+import os
 
 import jax
 import numpy as np
@@ -59,7 +60,15 @@ def study(tmp_path):
     (tmp_path / "own.py").write_text(
         "import flexmb as fm\ndef double(model):\n    return 2 * fm.frequencies(model)[0]\n"
         "def guide(t):\n    return fm.read_spacar('guide.dat', numbers={'t': t})\n"
+        "def raising(**numbers):\n    return numbers['thickness']\n"
+        "def nothing(**numbers):\n    return None\n"
+        "def word(model):\n    return 'stiff'\n"
+        "def complex_one(model):\n    return 1j\n"
+        "def formatted(model):\n    return float(f'{fm.frequencies(model)[0]:.5e}')\n"
+        "NUMBER = 1\n"
     )
+    (tmp_path / "faulty.py").write_text("1 / 0\n")
+    (tmp_path / "leaving.py").write_text("raise SystemExit\n")
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     return path
@@ -82,12 +91,12 @@ def test_placeholders_may_be_traced():
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
-        ("{x}", r"text:19: EM: element 1: '\{x\}': there is no parameter 'x' \(t, w, l\)"),
+        ("{x}", r"text:19: EM: element 1: '\{x\}' asks for 'x', but there is no parameter 'x' \(t, w, l\)"),
         ("{t+}", "is no arithmetic"),
         ("{t.real}", "numbers, parameters, pi"),
         ("{1/0}", "has no value"),
         ("{(-t)**0.5}", "must be a real number"),
-        ("{__import__('os')}", "numbers, parameters, pi"),
+        ("{__import__('os')}", "no parameter '__import__'"),
         ("{-t}", "must not be negative|negative"),
         ("2{t}", "must be a number"),
     ],
@@ -150,29 +159,310 @@ def test_what_cannot_be_kept_is_exit_1(study):
     assert result.stderr.startswith("study.toml: infeasible")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("[answers]", "[answer]", "there is no key 'answer'. Did you mean 'answers'?"),
-        ("frequency = 1", "frequency = 0", "[answers] f: frequency must be a whole number"),
-        ("frequency = 1", "frequenzy = 1", "[answers] f must be"),
-        ("mass = true", "stiffness = '3'", "[answers] m: stiffness needs axis"),
-        ("own:double", "own:triple", "cannot take 'own:triple'"),
-        ("guide.dat", "guard.dat", "there is no file"),
-        ("lower = 0.1e-3, upper = 2e-3", "lower = 0.1e-3", "[parameters] t: give value"),
-        ("lower = 0.1e-3, upper = 2e-3", "lower = 1e-3, upper = 2e-3", "is outside its bounds"),
-        ("lower = 0.1e-3, upper = 2e-3", "min = 1e-3", "there is no 'min'"),
-        ('minimize = "m"', 'minimise = "m"', "there is no 'minimise'"),
-        ('minimize = "m"', 'minimize = "n"', "There is no answer 'n'"),
-        ("w = 0.018", "", "there is no parameter 'w'"),
-        ("l = 0.1\n", "l = \n", "study.toml"),
-    ],
-)
+# What is replaced in the study by what, and what the one line says.
+WRONG = [
+    ("[answers]", "[answer]", "there is no key 'answer'. Did you mean 'answers'?"),
+    ("frequency = 1", "frequency = 0", "[answers] f: frequency must be a whole number"),
+    ("frequency = 1", "frequenzy = 1", "[answers] f must be"),
+    ("mass = true", "stiffness = '3'", "[answers] m: stiffness needs axis"),
+    ("own:double", "own:triple", "[answers] double: cannot take 'own:triple': AttributeError"),
+    ("guide.dat", "guard.dat", "model: there is no file"),
+    ("lower = 0.1e-3, upper = 2e-3", "lower = 0.1e-3", "[parameters] t: give value"),
+    ("lower = 0.1e-3, upper = 2e-3", "lower = 1e-3, upper = 2e-3", "is outside its bounds"),
+    ("lower = 0.1e-3, upper = 2e-3", "lower = 2e-3, upper = 1e-3", "[parameters] t: lower 0.002 is not below"),
+    ("lower = 0.1e-3, upper = 2e-3", "min = 1e-3", "[parameters] t: there is no 'min'"),
+    ('minimize = "m"', 'minimise = "m"', "[tune]: there is no 'minimise'"),
+    ('minimize = "m"', 'minimize = "n"', "[tune] minimize: There is no answer 'n'"),
+    ('minimize = "m"', "", "Say what is wanted"),
+    ("w = 0.018", "", "there is no parameter 'w'"),
+    ("w = 0.018", "w = 0.018\nq = { value = 1, lower = 0, upper = 2 }", "[parameters] q: 'guide.dat' has no {q}"),
+    ("l = 0.1\n", "l = \n", "study.toml: Invalid value"),
+    # Indices that would clamp or wrap.
+    ("frequency = 1", "frequency = 99", "[answers] f: frequency = 99, but the model has 1 natural frequency"),
+    ("frequency = 1", "frequency = -1", "[answers] f: frequency must be a whole number from 1"),
+    ("frequency = 1", "frequency = true", "[answers] f: frequency must be a whole number"),
+    ("frequency = 1", "frequency = 1.0", "[answers] f: frequency must be a whole number"),
+    ("frequency = 1", "load_multiplier = 7", "[answers] f: load_multiplier = 7, but the model has 1 load multiplier"),
+    ("frequency = 1", "coordinate = 3, component = 0", "[answers] f: component must be a whole number"),
+    ("frequency = 1", "coordinate = 3, component = -5", "[answers] f: component must be a whole number"),
+    ("frequency = 1", "coordinate = 3, component = 1.5", "[answers] f: component must be a whole number"),
+    ("frequency = 1", "coordinate = 3, component = true", "[answers] f: component must be a whole number"),
+    ("frequency = 1", "coordinate = 3, component = 3", "component = 3, but node '3' has coordinates 1 to 2"),
+    (
+        "frequency = 1",
+        "coordinate = 99, component = 1",
+        "[answers] f: coordinate: there is no node '99'; there are 1, 2",
+    ),
+    ("frequency = 1", "coordinate = '', component = 1", "there is no node ''"),
+    ("frequency = 1", "coordinate = true, component = 1", "[answers] f: coordinate must be the name of a node"),
+    ("frequency = 1", "coordinate = 3.0, component = 1", "[answers] f: coordinate must be the name of a node"),
+    ("frequency = 1", "stiffness = 99, axis = 'x'", "[answers] f: stiffness: there is no node '99'"),
+    ("frequency = 1", "stiffness = 3, axis = 'w'", "[answers] f: stiffness: Node '3' has no axis 'w'"),
+    ("frequency = 1", "stiffness = 3, axis = 1", "[answers] f: axis must be a text"),
+    ("frequency = 1", "stress = true", "[answers] f: stress"),
+    # False is not true.
+    ("mass = true", "mass = false", "[answers] m: mass must be true"),
+    ("mass = true", "mass = 1", "[answers] m: mass must be true"),
+    ("mass = true", "mass = 'yes'", "[answers] m: mass must be true"),
+    ("mass = true", "stress = false", "[answers] m: stress must be true"),
+    ("mass = true", "mass = true, frequency = 1", "[answers] m: frequency does not take mass"),
+    # Models, functions and their modules.
+    ('model = "guide.dat"', "model = 3", "model must be a text"),
+    ('model = "guide.dat"', "model = ['guide.dat']", "model must be a text"),
+    ('model = "guide.dat"', "model = ''", "'model' is missing"),
+    ('model = "guide.dat"', "", "'model' is missing"),
+    ('model = "guide.dat"', "model = '.'", "model: cannot read"),
+    ('model = "guide.dat"', "model = 'guide.dat/x'", "model: there is no file"),
+    ('model = "guide.dat"', "model = '" + "x" * 5000 + "'", "model: cannot read"),
+    ('model = "guide.dat"', 'model = "a\\u0000b"', "model must be a text of printable letters"),
+    ('model = "guide.dat"', "model = ':guide'", "model must be module:function"),
+    ('model = "guide.dat"', "model = 'own:'", "model must be module:function"),
+    ('model = "guide.dat"', "model = '..own:guide'", "model must be module:function"),
+    ('model = "guide.dat"', "model = 'none:guide'", "model: cannot take 'none:guide': ModuleNotFoundError"),
+    ('model = "guide.dat"', "model = 'faulty:guide'", "model: cannot take 'faulty:guide': ZeroDivisionError"),
+    ('model = "guide.dat"', "model = 'leaving:guide'", "model: cannot take 'leaving:guide': SystemExit"),
+    ('model = "guide.dat"', "model = 'own:NUMBER'", "model: 'own:NUMBER' is no function"),
+    ('model = "guide.dat"', "model = 'own:guide'", "[parameters]: Dimension 'l' is not one of guide(t)"),
+    ('model = "guide.dat"', "model = 'own:raising'", "model: 'own:raising' raised KeyError: 'thickness'"),
+    ('model = "guide.dat"', "model = 'own:nothing'", "asked of a Model, but `model` returns of type NoneType"),
+    ('model = "guide.dat"', "model = 'own:nothing'\nrelease = 'auto'", "release is for a model in a file"),
+    ('model = "guide.dat"', "model = 'guide.dat'\nrelease = true", "release must be a text"),
+    ('model = "guide.dat"', "model = 'guide.dat'\nrelease = 'all'", "release must be none or auto"),
+    ("own:double", "own:raising", "[answers] double: 'own:raising' raised TypeError"),
+    ("own:double", "own:word", "[answers] double: 'own:word' must return a number or an array of them"),
+    ("own:double", "own:complex_one", "[answers] double: 'own:complex_one' must return a number"),
+    ("own:double", "double", "[answers] double must be module:function"),
+    ("own:double", "", "[answers] double must be module:function"),
+    # Tables, kinds and ranges of values.
+    (
+        '[answers]\nf = { frequency = 1 }\nm = { mass = true }\ndouble = "own:double"',
+        "[answers]",
+        "'answers' is missing",
+    ),
+    ("f = { frequency = 1 }", "f = {}", "[answers] f must be"),
+    ("f = { frequency = 1 }", "f = 1", "[answers] f must be"),
+    ("f = { frequency = 1 }", "f = []", "[answers] f must be"),
+    ("f = { frequency = 1 }", "t = { frequency = 1 }", "Answer 't' has the name of a dimension"),
+    ("f = { frequency = 1 }", '"" = { frequency = 1 }', "must have a name of printable letters"),
+    ("f = { frequency = 1 }", '"a\\u001b[31m" = { frequency = 1 }', r"'a\x1b[31m'"),
+    ("m = { mass = true }", "objective = { mass = true }\nm = { mass = true }", "Answer 'objective' must have another"),
+    ("t = { value = 0.5e-3, lower = 0.1e-3, upper = 2e-3 }", "t = []", "[parameters] t: value must be a number"),
+    ("t = { value = 0.5e-3, lower = 0.1e-3, upper = 2e-3 }", "t = {}", "[parameters] t: give value"),
+    ("t = { value = 0.5e-3, lower = 0.1e-3, upper = 2e-3 }", "t = 1", "[parameters]: give at least one lower"),
+    ("value = 0.5e-3", "value = nan", "[parameters] t: value must be a finite number"),
+    ("value = 0.5e-3", "value = inf", "[parameters] t: value must be a finite number"),
+    ("value = 0.5e-3", "value = 1" + 400 * "0", "[parameters] t: value must be a finite number"),
+    ("value = 0.5e-3", "value = true", "[parameters] t: value must be a number"),
+    ("value = 0.5e-3", "value = 1979-05-27", "[parameters] t: value must be a number"),
+    ("value = 0.5e-3,", "value = 0.5e-3, scale = 'square',", "[parameters] t: scale must be log or linear"),
+    ("w = 0.018", "w = { value = 0.018, scale = 'log' }", "[parameters] w: a scale belongs"),
+    ("w = 0.018", '"a b" = 1', "[parameters] a b: a parameter's name"),
+    ("w = 0.018", "pi = 3", "[parameters] pi: a parameter's name"),
+    ("w = 0.018", "w = 'thin'", "[parameters] w: value must be a number"),
+    ("[parameters]", "[[parameters]]", "[parameters] must be a table"),
+    ("[limits]\nf", "[limits]\ng", "[limits]: There is no answer 'g'"),
+    ("{ lower = 20.0 }", "20.0", "[limits] f must be a table with lower, upper or both"),
+    ("{ lower = 20.0 }", "{}", "[limits] f must be a table"),
+    ("{ lower = 20.0 }", "{ low = 20.0 }", "[limits] f: there is no 'low'"),
+    ("{ lower = 20.0 }", "{ lower = true }", "[limits] f: lower must be a number"),
+    ("{ lower = 20.0 }", "{ lower = [1, 2] }", "The lower limit of 'f' must be a number"),
+    ("{ lower = 20.0 }", "{ lower = [[1], [1, 2]] }", "[limits] f: lower has lists of several lengths"),
+    ("{ lower = 20.0 }", "{ lower = 20.0, upper = 10.0 }", "Limits of 'f' are empty"),
+    ("[tune]", "[targets]\nf = 'high'\n[tune]", "[targets] f must be a number"),
+    ("[tune]", "[targets]\nf = nan\n[tune]", "[targets] f must be a finite number"),
+    ("[tune]", "[equal]\ng = 1\n[tune]", "[equal]: There is no answer 'g'"),
+    ("[tune]", "[tune]\nmaximize = 'f'", "Give either `minimize` or `maximize`"),
+    ("[tune]", "[tune]\nmaximize = 1", "[tune] maximize must be a text"),
+    ("[tune]", "[tune]\nstarts = 0", "[tune] starts must be a whole number from 1"),
+    ("[tune]", "[tune]\nstarts = 1.5", "[tune] starts must be a whole number"),
+    ("[tune]", "[tune]\nstarts = 10000000000", "[tune] starts must be a whole number from 1 to"),
+    ("[tune]", "[tune]\nseed = -1", "[tune] seed must be a whole number from 0"),
+    ("[tune]", "[tune]\nseed = 'x'", "[tune] seed must be a whole number"),
+    ("[tune]", "[tune]\ntolerance = 0", "[tune] tolerance must be positive"),
+    ("[tune]", "[tune]\ntolerance = inf", "[tune] tolerance must be a finite number"),
+    ("[tune]", "[tune]\ntolerance = true", "[tune] tolerance must be a number"),
+    ("[tune]", "[tune]\nmax_evaluations = 0", "[tune] max_evaluations must be a whole number"),
+    ("points = 3", "points = {}", "[sweep] points: 't' is missing"),
+    ("points = 3", "points = { w = 3 }", "[sweep] points: there is no 'w'"),
+    ("points = 3", "points = { t = 0 }", "[sweep] points: t must be a whole number from 1"),
+    ("points = 3", "points = 1e11", "[sweep] points must be a whole number from 1 to 1e+07"),
+    ("points = 3", "points = 100000000000", "[sweep] points must be a whole number from 1 to 1e+07"),
+    ("points = 3", "points = 2.9", "[sweep] points must be a whole number"),
+    ("points = 3", "points = true", "[sweep] points must be a whole number"),
+    ("points = 3", "points = [3]", "[sweep] points must be a whole number"),
+    ("points = 3", "kind = 'random'", "[sweep] kind must be grid, latin-hypercube or monte-carlo"),
+    ("points = 3", "kind = 3", "[sweep] kind must be a text"),
+    ("points = 3", "samples = 3", "[sweep] samples has no meaning where kind is grid: give points"),
+    ("points = 3", "kind = 'monte-carlo'\npoints = 3", "[sweep] points has no meaning"),
+    ("points = 3", "kind = 'monte-carlo'\nsamples = 0", "[sweep] samples must be a whole number from 1"),
+    ("points = 3", "kind = 'monte-carlo'\nsamples = 1e11", "[sweep] samples must be a whole number from 1 to"),
+    ("points = 3", "kind = 'monte-carlo'\nseed = -1", "[sweep] seed must be a whole number from 0"),
+    ("points = 3", "chunk = 0", "[sweep] chunk must be a whole number from 1"),
+    ("points = 3", "chunk = 2.5", "[sweep] chunk must be a whole number"),
+    # What TOML itself refuses.
+    ("points = 3", "points = " + "[" * 100_000, "study.toml: "),
+    ("points = 3", "points = " + "9" * 5000, "study.toml: "),
+    ("points = 3", "points = 3\x1b[31m", "study.toml: "),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "words"), WRONG, ids=[f"{i}" for i in range(len(WRONG))])
 def test_wrong_studies_are_one_line(study, old, new, words):
     assert old in STUDY
     study.write_text(STUDY.replace(old, new))
-    result = call("tune", study)
-    assert result.exit_code == 2, result.stdout
+    for command in ("tune", "sweep"):
+        # What only a search asks for is no fault of a sweep.
+        if command == "tune" or not any(of_tune in words for of_tune in OF_TUNE):
+            assert_one_line(call(command, study), words)
+
+
+OF_TUNE = (
+    "is outside its",
+    "Say what is wanted",
+    "Give either",
+    "Answer 'objective'",
+    "imits of 'f'",
+    "imit of 'f'",
+)
+
+
+def assert_one_line(result, words):
+    assert result.exit_code == 2, result.output
     assert words in result.stderr
-    assert "Traceback" not in result.stderr
+    lines = result.stderr.splitlines()
+    # Of an input file each fault has its line.
+    assert lines[0].startswith("guide.dat:") or (len(lines) == 1 and lines[0].startswith("flexmb: study.toml: "))
+    assert all(line.isprintable() and len(line) < 500 for line in lines)
     assert result.stdout == ""
+
+
+def test_what_a_study_asks_of_too_many_designs_is_refused(study):
+    more = "".join(f"p{i} = {{ value = 1, lower = 1, upper = 2 }}\n" for i in range(9))
+    study.write_text(STUDY.replace("l = 0.1\n", "l = 0.1\n" + more).replace("points = 3", "points = 10"))
+    assert_one_line(call("sweep", study), "[sweep] points: there are 1e+10 designs, at most 1e+07")
+
+
+def test_impossible_designs_have_their_code(study):
+    study.write_text(STUDY.replace("lower = 0.1e-3, upper = 2e-3", "lower = -2e-3, upper = 2e-3"))
+    result = call("sweep", study, "--json", "-")
+    data = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert data["results"] == ["impossible_design", data["results"][1], "successful"]
+    assert data["message"].startswith("1 designs: impossible_design") or "impossible_design" in data["message"]
+    assert data["answers"]["f"][0] is None
+    assert data["answers"]["m"][0] is None
+    assert "impossible_design" in call("sweep", study).stdout
+
+
+def test_what_cannot_be_traced_is_computed_one_by_one(study, tmp_path):
+    study.write_text(STUDY.replace("own:double", "own:formatted"))
+    found = [call("sweep", study, "--json", "-", "--checkpoint", tmp_path / "c") for _ in range(2)]
+    data = [json.loads(result.stdout) for result in found]
+    assert data[0] == data[1]
+    np.testing.assert_allclose(data[0]["answers"]["double"], data[0]["answers"]["f"], rtol=1e-5)  # five digits of text
+    assert_one_line(call("tune", study), "raised TypeError")
+
+
+def test_warnings_of_the_input_file_are_passed_on(study):
+    study.with_name("guide.dat").write_text(GUIDE + "VISUALIZATION\n")
+    assert any("VISUALIZATION" in text for text in json.loads(call("sweep", study, "--json", "-").stdout)["warnings"])
+
+
+def test_modules_of_one_name_are_told_apart(tmp_path):
+    found = []
+    for factor in (2, 3):
+        folder = tmp_path / f"{factor}"
+        folder.mkdir()
+        (folder / "made.py").write_text(f"def build(a):\n    return {factor} * a\ndef same(made):\n    return made\n")
+        text = (
+            'model = "made:build"\n[parameters]\na = { value = 1, lower = 1, upper = 2 }\n[answers]\nb = "made:same"\n'
+        )
+        (folder / "study.toml").write_text(text + "[sweep]\npoints = 1\n")
+        found.append(json.loads(call("sweep", folder / "study.toml", "--json", "-").stdout)["answers"]["b"])
+    assert found == [[2.0], [3.0]]
+
+
+@pytest.mark.parametrize("command", ["sweep", "tune"])
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--plot", "a.html"), "--plot writes .png or .svg, not 'a.html'"),
+        (("--plot", "a.gif"), "--plot writes .png or .svg, not 'a.gif'"),
+        (("--save", "a.csv"), "--save writes .npz or .mat"),
+        (("--json", "none/a.json"), "the folder of 'none/a.json' does not exist"),
+        (("--save", "none/a.npz"), "the folder of 'none/a.npz' does not exist"),
+        (("--plot", "none/a.svg"), "the folder of 'none/a.svg' does not exist"),
+        (("--json", "folder"), "cannot write 'folder'"),
+        (("--json", "study.toml"), "--json would write over the input file"),
+        (("--json", "a.npz", "--save", "a.npz"), "--save would write over --json"),
+        (("--json", "\x1b[31m/a"), r"'\x1b[31m/a' does not exist"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_the_work(study, monkeypatch, command, options, words):
+    monkeypatch.chdir(study.parent)
+    (study.parent / "folder").mkdir()
+    # Nothing is asked of the model, which raises.
+    study.write_text(STUDY.replace("guide.dat", "own:raising"))
+    before = sorted(path.name for path in study.parent.iterdir())
+    result = call(command, "study.toml", *options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
+    assert sorted(path.name for path in study.parent.iterdir()) == before
+
+
+def test_a_checkpoint_has_a_file_of_its_own(study):
+    for place in (study, study.with_name("a.npz")):
+        result = call("sweep", study, "--save", study.with_name("a.npz"), "--checkpoint", place)
+        assert result.exit_code == 2
+        assert "--checkpoint needs a file of its own" in result.stderr
+    result = call("sweep", study, "--checkpoint", study.parent / "none" / "c")
+    assert result.exit_code == 2
+    assert "cannot read or write" in result.stderr
+    study.with_name("c").write_text("mine")
+    result = call("sweep", study, "--checkpoint", study.with_name("c"))
+    assert_one_line(result, "is no checkpoint of a sweep")
+    assert study.with_name("c").read_text() == "mine"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is full, of Linux")
+@pytest.mark.parametrize("command", ["sweep", "tune"])
+def test_a_full_disk_is_one_line(study, command):
+    result = call(command, study, "--json", "/dev/full")
+    assert result.exit_code == 2
+    assert result.stderr == "flexmb: cannot write '/dev/full': No space left on device.\n"
+
+
+def test_a_picture_needs_two_designs(study):
+    study.write_text(STUDY.replace("points = 3", "points = 1"))
+    result = call("sweep", study, "--plot", study.with_name("a.svg"))
+    assert result.exit_code == 2
+    assert "needs two designs" in result.stderr
+
+
+def test_names_that_meet_in_a_file_are_refused_before_the_work(study):
+    text = STUDY.replace('double = "own:double"', 'history_f = "own:raising"\nabout = "own:raising"')
+    study.write_text(text)
+    result = call("tune", study, "--save", study.with_name("a.npz"))
+    assert result.exit_code == 2
+    assert "is a name that --save gives to something else" in result.stderr
+    study.write_text(STUDY.replace("double =", "codes ="))
+    assert_one_line(call("sweep", study), "Answer 'codes' must have another name")
+
+
+def test_what_has_no_answer_says_so_as_json(study):
+    study.write_text(STUDY.replace("0.5e-3, lower = 0.1e-3, upper = 2e-3", "-2e-3, lower = -2e-3, upper = -1e-3"))
+    for command in ("sweep", "tune"):
+        result = call(command, study, "--json", "-")
+        assert result.exit_code == 2
+        assert "EM" in result.stderr
+    # A mechanism that is not valid, whatever the numbers.
+    study.with_name("guide.dat").write_text(GUIDE.replace("FIX 8\n", ""))
+    study.write_text(STUDY)
+    for command in ("sweep", "tune"):
+        result = call(command, study, "--json", "-")
+        assert result.exit_code == 1
+        assert json.loads(result.stdout)["status"] == "underconstrained"
+        assert result.stderr.startswith("study.toml: underconstrained: ")
+        assert result.stderr.count("\n") == 1

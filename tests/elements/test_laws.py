@@ -366,6 +366,32 @@ def test_rigid_motion_changes_no_deformation(element, data):
     np.testing.assert_allclose(Measured(there)["e"], Measured(sample)["e"], rtol=0, atol=1000 * EPS)
 
 
+CHECKED = {name: element for name, element in ELEMENTS.items() if element.check is not None}
+
+
+@pytest.mark.parametrize("element", CHECKED.values(), ids=CHECKED)
+@given(st.data())
+def test_many_have_a_fault_where_one_of_them_has(element, data):
+    sample = data.draw(drawn(element))
+    whole = (sample.ref, element.arguments(element.check, sample.numbers))
+    leaves, structure = jax.tree.flatten(whole)
+    # One part of it vanishes or changes its sign, or all vanish.
+    which, factor = data.draw(st.integers(0, len(leaves))), data.draw(st.sampled_from([0.0, -1.0]))
+    spoiled = [leaf * factor if i == which else leaf for i, leaf in enumerate(leaves)]
+    if which == len(leaves):
+        spoiled = [leaf * 0 for leaf in leaves]
+
+    def faults(parts):
+        ref, own = jax.tree.unflatten(structure, parts)
+        return element.check(ref=element.reference(ref), **own)
+
+    alone = faults(spoiled)
+    for pair in ((leaves, spoiled), (spoiled, leaves)):
+        # Two designs of one element each.
+        many = [np.stack([one, other])[:, None] for one, other in zip(*pair, strict=True)]
+        assert bool(faults(many)) == bool(alone)
+
+
 @every_beam
 @given(st.data())
 def test_rigid_motion_changes_no_section_resultants(element, data):

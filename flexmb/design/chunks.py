@@ -1,0 +1,206 @@
+"""Some designs at a time: compiled once, on all cores or handed to an executor."""
+
+import functools
+import pickle
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from ..build.carry import carried
+from ..math.compile import jit
+from ..math.threads import cores, each
+from ..results import RESULTS
+from .evaluate import Build, build_once, evaluate, evaluate_concretely
+from .possible import refusal
+
+# Answers by name, (designs, ...), and codes, (designs,).
+Values = tuple[dict[str, np.ndarray], np.ndarray]
+
+
+class Task(NamedTuple):
+    """What is to be computed of every design.
+
+    Attributes:
+        build: Function of named dimensions.
+        functions: Answers by name.
+        compiled: Whether they are compiled.
+        together: Designs that are computed at once.
+        example: Dimensions of a design that can be built, whose degrees of freedom the others take over; None where
+            each has its own.
+    """
+
+    build: Build
+    functions: dict[str, Callable[[Any], Any]]
+    compiled: bool
+    together: int
+    example: dict[str, np.ndarray] | None
+
+
+class Part(NamedTuple):
+    """Some designs, filled up with the last so that all parts have one size.
+
+    Attributes:
+        designs: Dimensions by name, (size, ...).
+        real: How many of them count.
+    """
+
+    designs: dict[str, np.ndarray]
+    real: int
+
+
+def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Part:
+    """Some of the designs.
+
+    Args:
+        designs: Dimensions by name, (designs, ...).
+        rows: Which, at most ``size``.
+        size: Of the part.
+    """
+    filled = np.concatenate([rows, np.repeat(rows[-1:], size - len(rows))])
+    return Part({name: array[filled] for name, array in designs.items()}, len(rows))
+
+
+class Worker:
+    """Computes parts, on the cores of this machine or by an executor, and compiles once."""
+
+    def __init__(self, task: Task, executor: Executor | None):
+        """Begin.
+
+        Args:
+            task: What is to be computed of every design.
+            executor: Where; None for the cores of this machine.
+        """
+        self.executor = executor
+        self.work: Any = kernel_of(task, threads=cores()) if executor is None else _packed(task)
+
+    def results(self, parts: list[Part]) -> Iterator[tuple[int, Values]]:
+        """Number and answers of each part, as they are done.
+
+        Args:
+            parts: Designs.
+        """
+        if self.executor is None:
+            for index, part in enumerate(parts):
+                yield index, self.work(part)
+            return
+        import concurrent.futures
+
+        from ..setup import cache_folder
+
+        cache = str(cache_folder()) if jax.config.values["jax_compilation_cache_dir"] else None
+        futures = [self.executor.submit(_work, self.work, part, cache) for part in parts]
+        if all(isinstance(f, concurrent.futures.Future) for f in futures):
+            places = {future: index for index, future in enumerate(futures)}
+            for future in concurrent.futures.as_completed(futures):
+                yield places[future], future.result()
+        else:
+            for index, future in enumerate(futures):
+                yield index, future.result()
+
+
+def _packed(task: Task) -> Any:
+    """The task as bytes, so that a worker unpacks and compiles it once; as it is where it cannot be packed."""
+    try:
+        return pickle.dumps(task)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        try:
+            import cloudpickle  # pyright: ignore[reportMissingImports]
+        except ImportError:
+            return task
+        return cloudpickle.dumps(task)
+
+
+def _work(sent: Any, part: Part, cache: str | None) -> Values:
+    """One part in a worker, which may be another process."""
+    from ..setup import enable_cache, enable_x64
+
+    if not jax.config.values["jax_enable_x64"]:
+        enable_x64()
+    if cache is not None and not jax.config.values["jax_compilation_cache_dir"]:
+        enable_cache(cache)
+    return (_unpacked(sent) if isinstance(sent, bytes) else kernel_of(sent))(part)
+
+
+@functools.lru_cache(maxsize=8)
+def _unpacked(sent: bytes) -> Callable[[Part], Values]:
+    return kernel_of(pickle.loads(sent))
+
+
+def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Part], Values]:
+    """What computes a part.
+
+    Args:
+        task: What is to be computed of every design.
+        threads: How many designs at a time.
+    """
+    if not task.compiled or task.example is None:
+        return functools.partial(_one_by_one, task.build, task.functions)
+    return _Compiled(task, task.example, threads)
+
+
+class _Compiled:
+    """Designs in one compiled program, each thread with an equal number of them."""
+
+    def __init__(self, task: Task, example: dict[str, np.ndarray], threads: int):
+        models = build_once(task.build, example)
+        self.program = jit(_mapped(task.build, task.functions, models, task.together))
+        self.refused = refusal(task.build, models, example)
+        self.example, self.threads, self.is_compiled = example, threads, False
+
+    def __call__(self, part: Part) -> Values:
+        refused = self.refused(part.designs)
+        # A design that can be built stands in for one that cannot: numbers without sense may take long.
+        designs = {n: np.where(_like(refused, a), self.example[n], a) for n, a in part.designs.items()}
+        count = len(refused)
+        size = -(-count // self.threads)
+        rows = [np.arange(first, min(first + size, count)) for first in range(0, count, size)]
+        pieces = [part_of(designs, own, size).designs for own in rows]
+        done = []
+        if not self.is_compiled:
+            # Before several threads ask for it.
+            done, self.is_compiled = [self.program(pieces[0])], True
+        done += each(self.program, pieces[len(done) :], self.threads)
+        values = {name: np.concatenate([own[name] for own, _ in done])[: part.real] for name in done[0][0]}
+        codes = np.concatenate([codes for _, codes in done])[:count]
+        return values, np.where(refused, RESULTS.impossible_design, codes)[: part.real].astype(np.int32)
+
+
+def _like(rows: np.ndarray, array: np.ndarray) -> np.ndarray:
+    """Rows with as many axes as an array has."""
+    return rows.reshape(-1, *(1,) * (array.ndim - 1))
+
+
+def _mapped(build: Build, functions: dict, models: list, together: int):
+    def one(dimensions):
+        with carried(models):
+            return evaluate(build, functions, dimensions)
+
+    def every(part):
+        return jax.lax.map(one, part, batch_size=together if together > 1 else None)
+
+    return every
+
+
+def _one_by_one(build: Build, functions: dict, part: Part) -> Values:
+    rows, codes = [], []
+    for i in range(part.real):
+        values, code = evaluate_concretely(build, functions, {name: a[i] for name, a in part.designs.items()})
+        rows.append(values)
+        codes.append(code)
+    known: dict[str, Any] = next((row for row in rows if row is not None), {})
+    shapes = {name: v.shape for name, v in known.items()}
+    for row in rows:
+        for name, v in (row or {}).items():
+            if v.shape != shapes[name]:
+                raise ValueError(one_shape(name, v.shape, shapes[name]))
+    empty = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+    stacked = {name: np.stack([(row or empty)[name] for row in rows]) for name in shapes}
+    return stacked, np.array(codes, np.int32)
+
+
+def one_shape(name: str, shape: tuple, other: tuple) -> str:
+    """What is wrong where an answer has not the same shape in all designs."""
+    return f"Answer '{name}' has shape {shape} in one design and {other} in another: make it of one."

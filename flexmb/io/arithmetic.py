@@ -1,0 +1,134 @@
+"""Arithmetic of numbers and named parameters, as it stands in braces in an input file."""
+
+import math
+import operator
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax.core
+import numpy as np
+
+from ..errors import shown
+
+_NUMBER = r"(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])"
+_TOKEN = re.compile(rf"[ \t]*(?:{_NUMBER}|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))")
+
+
+class _Operation(NamedTuple):
+    """What a sign does: the higher its rank, the earlier."""
+
+    sign: str
+    rank: int
+    operands: int
+    function: Callable[..., Any]
+
+
+# As in Python: -a**b is -(a**b), and a**b**c is a**(b**c).
+_BINARY = {
+    o.sign: o
+    for o in (
+        _Operation("+", 1, 2, operator.add),
+        _Operation("-", 1, 2, operator.sub),
+        _Operation("*", 2, 2, operator.mul),
+        _Operation("/", 2, 2, operator.truediv),
+        _Operation("**", 4, 2, operator.pow),
+    )
+}
+_UNARY = {"+": _Operation("+", 3, 1, operator.pos), "-": _Operation("-", 3, 1, operator.neg)}
+_OPEN = _Operation("(", 0, 0, operator.pos)
+
+
+def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
+    """Value of arithmetic with + - * / ** and parentheses, in one pass, so that neither length nor depth has a limit.
+
+    Args:
+        text: Numbers, names, signs.
+        numbers: Values by name, () each, which may be traced; "pi" is known.
+
+    Returns:
+        () real.
+
+    Raises:
+        ValueError: Something else stands there, a name is unknown, or there is no real, finite value; the message is
+            the rest of a sentence about the text.
+    """
+    values: list[Any] = []
+    waiting: list[_Operation] = []
+    place, end, wanted = 0, len(text.rstrip(" \t")), True
+    while place < end:
+        found = _TOKEN.match(text, place)
+        if found is None:
+            raise ValueError(f"may have numbers, parameters, pi, + - * / ** and parentheses only: {_rest(text, place)}")
+        sign = found["sign"]
+        # A number, a name, "(" or a sign before it where a value is wanted; an operation or ")" after one.
+        if wanted and (found["number"] or found["name"]):
+            values.append(_number(found["number"]) if found["number"] else _named(found["name"], numbers))
+            wanted = False
+        elif wanted and sign == "(":
+            waiting.append(_OPEN)
+        elif wanted and sign in _UNARY:
+            waiting.append(_UNARY[sign])
+        elif not wanted and sign == ")":
+            _finish(values, waiting, 1)
+            if not waiting:
+                raise ValueError("is no arithmetic: a parenthesis closes that was not opened")
+            waiting.pop()
+        elif not wanted and sign in _BINARY:
+            operation = _BINARY[sign]
+            _finish(values, waiting, operation.rank + (sign == "**"))
+            waiting.append(operation)
+            wanted = True
+        else:
+            raise ValueError(f"is no arithmetic of numbers and parameters: {_rest(text, place)}")
+        place = found.end()
+    if wanted:
+        raise ValueError("is no arithmetic of numbers and parameters: something is missing at its end")
+    _finish(values, waiting, 1)
+    if waiting:
+        raise ValueError("is no arithmetic: a parenthesis is not closed")
+    return values[0]
+
+
+def _rest(text: str, place: int) -> str:
+    return f"see '{shown(text[place:].strip())}'"
+
+
+def _finish(values: list[Any], waiting: list[_Operation], rank: int) -> None:
+    """Do the operations that wait, back to one of a lower rank or a parenthesis."""
+    while waiting and waiting[-1].rank >= rank:
+        operation = waiting.pop()
+        operands = values[-operation.operands :]
+        del values[-operation.operands :]
+        try:
+            value = operation.function(*operands)
+        except (ZeroDivisionError, OverflowError) as fault:
+            why = "a division by zero" if isinstance(fault, ZeroDivisionError) else "a number too large"
+            raise ValueError(f"has no value: {why}") from None
+        if isinstance(value, complex):
+            raise ValueError("has no value: it must be a real number, not a root of a negative one")
+        values.append(_finite(value))
+
+
+def _finite(value: Any) -> Any:
+    """A number that is finite as far as is known."""
+    if not isinstance(value, jax.core.Tracer) and not math.isfinite(value):
+        raise ValueError("has no value: a number in it is too large, or none")
+    return value
+
+
+def _number(word: str) -> float:
+    return _finite(float(word))
+
+
+def _named(name: str, numbers: Mapping[str, Any]) -> Any:
+    if name not in numbers:
+        if name == "pi":
+            return math.pi
+        known = ", ".join(numbers) or "none is given"
+        raise ValueError(f"asks for '{shown(name)}', but there is no parameter '{shown(name)}' ({shown(known)})")
+    value = numbers[name]
+    if isinstance(value, bool | np.bool_ | str) or np.shape(value) != ():
+        raise ValueError(f"asks for '{shown(name)}', which must be one number, but is {shown(repr(value))}")
+    # A plain number, so that division by zero is a fault and no warning.
+    return value if isinstance(value, jax.core.Tracer) else _finite(float(value))

@@ -1,0 +1,222 @@
+"""Designs that a concrete build refuses have their code in a batch too."""
+
+import jax.numpy as jnp
+import mechanisms
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.elements.element import Element
+
+T = mechanisms.THICKNESS
+GOOD, BAD = "successful", "impossible_design"
+STEEL = {"E": 210e9, "G": 80e9, "rho": 7850.0}
+
+
+def cantilever(make, length=0.1):
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (0, length))
+    b.add(planar.beam, "foot", "tip", section=make, released=(2, 3))
+    b.fix("foot")
+    return b
+
+
+def guide(value, height=0.1):
+    return cantilever(fm.Rectangle(0.02, value, fm.Material(**STEEL)), height).build()
+
+
+def tube(value):
+    return cantilever(fm.Tube(0.01, value, fm.Material(**STEEL))).build()
+
+
+def hollow(value):
+    return cantilever(fm.HollowRectangle(0.02, 0.01, 1e-3, value, fm.Material(**STEEL))).build()
+
+
+def rigidity(value):
+    return cantilever(fm.Rigidity(EIy=value, mass=1.0)).build()
+
+
+def several_sections(value):
+    b = cantilever(fm.Rectangle(0.02, T, fm.Material(**STEEL)))
+    b.node("end", (0, 0.2))
+    b.add(planar.beam, "tip", "end", section=fm.Tube(0.01, value, fm.Material(**STEEL)), released=(2, 3))
+    return b.build()
+
+
+def laden(value):
+    b = cantilever(fm.Rectangle(0.02, T, fm.Material(**STEEL)))
+    b.mass("tip", value)
+    return b.build()
+
+
+def length(value):
+    return cantilever(fm.Rectangle(0.02, T, fm.Material(**STEEL)), value).build()
+
+
+def pushed(value):
+    b = cantilever(fm.Rectangle(0.02, T, fm.Material(**STEEL)))
+    b.force("tip", (0, -1 / value))
+    return b.build()
+
+
+def hinged(value):
+    b = fm.Builder()
+    b.node("a", (0, 0, 0))
+    b.rotation("r")
+    b.rotation("s")
+    b.add(spatial.hinge, "r", "s", axis=[0, 0, value], stiffness=1.0)
+    b.fix("a")
+    b.fix("r")
+    b.inertia("s", (1, 0, 0, 1, 0, 1))
+    return b.build()
+
+
+def _deformation(p: fm.Point2, q: fm.Point2, *, ref):
+    return jnp.stack([jnp.linalg.norm(q - p) - jnp.linalg.norm(ref.q - ref.p)])
+
+
+def _pressed(*, ref, stiffness):
+    # On plain numbers, as a user writes it.
+    return ["has a stiffness beyond its range"] if not 1.0 <= float(stiffness) <= 1e4 else []
+
+
+own_spring = Element(_deformation, stiffness=lambda *, ref, stiffness: jnp.reshape(stiffness, (1, 1)), check=_pressed)
+
+
+def own(value):
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("cart", (1, 0))
+    b.add(own_spring, "wall", "cart", stiffness=value)
+    b.fix("wall")
+    b.fix("cart", "y")
+    b.mass("cart", 1.0)
+    return b.build()
+
+
+FILE = """PLBEAM 1 1 2 3 4
+X 1 0 0
+X 3 0 0.1
+FIX 1
+FIX 2
+RLSE 1 2 3
+END
+HALT
+EM 1 1.0
+ESTIFF 1 0 {1e3*t}
+END
+END
+"""
+
+
+def from_file(value):
+    return fm.read_spacar(FILE, numbers={"t": value}).builder.build()
+
+
+# A function, and values of its dimension with whether the concrete build takes them; the first one it does not.
+CASES = [
+    (guide, {-0.6e-3: False, T: True, 0.0: False, 2 * T: True, np.nan: False, np.inf: False}),
+    (tube, {0.005: False, 0.001: True, 0.006: False, -0.001: False}),
+    (hollow, {0.005: False, 0.001: True}),
+    (rigidity, {-1.0: False, 1.0: True}),
+    (several_sections, {0.005: False, 0.001: True, 0.0: False}),
+    (laden, {-1.0: False, 0.0: True, 1.0: True}),
+    (length, {0.0: False, 0.1: True, -0.1: True}),
+    (pushed, {np.nan: False, 1.0: True}),
+    (hinged, {0.0: False, 1.0: True, -2.0: True}),
+    (own, {0.5: False, 2.0: True, 1e5: False}),
+    (from_file, {-1.0: False, 1.0: True}),
+]
+
+
+@pytest.mark.parametrize(("build", "values"), CASES, ids=lambda one: getattr(one, "__name__", ""))
+def test_a_batch_refuses_what_a_concrete_build_refuses(build, values):
+    for value, good in values.items():
+        if good:
+            build(value)
+        else:
+            with pytest.raises((fm.ModelError, fm.SpacarError)):
+                build(value)
+    designs = {"value": list(values)}
+    expected = [GOOD if good else BAD for good in values.values()]
+    for compiled in (True, False):
+        found = fm.sweep(build, {"mass": fm.mass}, designs, compiled=compiled)
+        assert [fm.RESULTS(c).name for c in found.codes] == expected
+        np.testing.assert_array_equal(np.isnan(found["mass"]), [name == BAD for name in expected])
+        assert found.failures() == {BAD: expected.count(BAD)}
+
+
+def frequency(model):
+    return fm.frequencies(model)[0]
+
+
+def test_designs_before_the_first_good_one_fill_whole_chunks():
+    designs = fm.grid(value=np.linspace(-1e-3, 1e-3, 9))
+    found = fm.sweep(guide, frequency, designs, chunk=2)
+    assert [fm.RESULTS(c).name for c in found.codes] == [BAD] * 5 + [GOOD] * 4
+    # The frequency of a leaf spring goes as its thickness but for its rotary inertia, some 1e-5 of it.
+    np.testing.assert_allclose(found["frequency"][5:] / found["frequency"][5], [1, 2, 3, 4], rtol=1e-3)
+
+
+def test_nothing_can_be_built():
+    with pytest.raises(fm.ModelError, match="must be positive"):
+        fm.sweep(guide, frequency, {"value": [-1e-3, 0.0]}, chunk=1)
+
+
+def test_a_search_does_not_leave_what_can_be_built():
+    # The mass is least where the thickness is most negative, but for what can be built.
+    found = fm.tune(guide, fm.mass, {"value": T}, {"value": (-1e-3, 1e-3)}, minimize="mass", throw=False)
+    assert found.dimensions["value"] > 0
+    assert np.min(found.history["value"]) > 0
+    assert found.answers["mass"] > 0
+
+
+@pytest.mark.parametrize("together", [1, 2])
+def test_a_start_that_cannot_be_built_is_no_design(together):
+    found = fm.tune(
+        guide,
+        frequency,
+        {"value": T},
+        {"value": (-1e-3, 1e-3)},
+        targets={"frequency": 80.0},
+        starts=4,
+        together=together,
+    )
+    drawn = np.isnan(found.runs[:, 0])
+    assert 0 < np.sum(drawn) < 4
+    assert found.answers["frequency"] == pytest.approx(80.0, rel=1e-8)
+
+
+@pytest.mark.parametrize("optimizer", ["optax", "optimistix"])
+def test_optimisers_of_others_stop_at_what_cannot_be_built(optimizer):
+    import optax
+    import optimistix
+
+    taken = {"optax": optax.sgd(10.0), "optimistix": optimistix.LevenbergMarquardt(rtol=1e-8, atol=1e-8)}[optimizer]
+    found = fm.tune(
+        guide,
+        {"mass": fm.mass},
+        {"value": T},
+        {"value": (-1e-3, 1e-3)},
+        targets={"mass": -1.0},
+        optimizer=taken,
+        throw=False,
+    )
+    assert found.result is fm.RESULTS.impossible_design
+    assert found.answers["mass"] > 0
+    assert found.dimensions["value"] > 0
+
+
+def test_samples_that_cannot_be_built_are_left_out():
+    found = fm.tolerances(guide, frequency, {"value": T}, {"value": T}, samples=60, seed=1)
+    drawn = found.samples.designs["value"]
+    np.testing.assert_array_equal(found.samples.codes == fm.RESULTS.impossible_design, drawn <= 0)
+    assert np.any(drawn <= 0)
+    assert found.sampled_interval[0, 0] > 0
+
+
+def test_the_code_says_what_to_try():
+    assert "bounds" in fm.RESULTS.impossible_design.message
