@@ -1,5 +1,28 @@
 """What flexmb raises. Every message names the culprit and says what is right."""
 
+from typing import Any
+
+# A name longer than this says nothing more to a reader; a file may hold a word of megabytes.
+LONGEST = 80
+
+
+def shown(text: Any) -> str:
+    """A user's text as a message may show it: one line, printable, and no longer than a reader needs.
+
+    Args:
+        text: A word, a name, or any value by its ``str``.
+
+    Returns:
+        The text without quotation marks around it; what a terminal would act on stands as its escape, and of a long
+        one the beginning, with its length.
+    """
+    try:
+        text = str(text)
+    except Exception:  # Whatever a user's own class does, or an integer of thousands of digits.
+        text = f"<{type(text).__name__}>"
+    start = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text[:LONGEST])
+    return start if len(text) <= LONGEST else f"{start}... ({len(text)} characters)"
+
 
 class ModelError(ValueError):
     """A model is described wrongly: a node, element, property or number."""

@@ -1,0 +1,32 @@
+"""What messages show of a user's text."""
+
+import pytest
+
+from flexmb.errors import LONGEST, shown
+
+
+class Unwilling:
+    def __str__(self):
+        raise RuntimeError
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("top plate", "top plate"),
+        ("Führung 3", "Führung 3"),
+        (0.5, "0.5"),
+        ("a\nb\x1b[31m\0", r"a\nb\x1b[31m\x00"),
+        # A lone surrogate and a mark that turns the direction of writing.
+        ("\udcff\u202e", r"\udcff\u202e"),
+        ("x" * LONGEST, "x" * LONGEST),
+        ("x" * 10**6, "x" * LONGEST + "... (1000000 characters)"),
+        # Python refuses to print an integer of so many digits.
+        (10**6000, "<int>"),
+        (Unwilling(), "<Unwilling>"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_users_text_is_one_printable_line(text, expected):
+    assert shown(text) == expected
+    assert shown(text).isprintable()
