@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..errors import shown
 from ..model.roles import Role
 from . import spacar_series as series
 from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
@@ -235,8 +236,11 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
             raise Fault(str(fault)) from None
         values = [own.get(n, 0.0) for n in range(1, max(own, default=1) + 1)]
         roles = member.roles[: len(values)]
-    if all(role is Role.FIXED for role, value in zip(roles, values, strict=True) if value):
-        r.warnings.append((s, "acts on deformations that are fixed and has no effect there"))
+    numbered = enumerate(zip(roles, values, strict=True), 1)
+    held = [i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)]
+    if held:
+        listed = f"{'deformation' if len(held) == 1 else 'deformations'} {', '.join(map(str, held))}"
+        r.warnings.append((s, f"{listed} of element {of} cannot give way, so that the value there has no effect"))
     return values
 
 
@@ -272,6 +276,8 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
         if name in p and p[name] <= 0:
             raise Fault(f"{name} must be positive, but is {p[name]}")
     r.settings[s.keyword] = p
+    if s.keyword == "ITERSTEP":
+        r.warnings.append((s, "has no effect: a path (mode 10) finds its own load steps and iterates to round-off"))
 
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
@@ -289,10 +295,12 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
     """USERSIG, USERINP: a Python function given beside the file."""
     r.once(s)
     if p["name"] not in r.callables:
-        raise Fault(
-            f"needs the user routine '{p['name']}': pass read_spacar(..., callables={{'{p['name']}': function}})"
-        )
+        name = shown(p["name"])
+        raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
     r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
+    r.warnings.append(
+        (s, "the function is kept in settings and acts in no analysis by itself: hand it to simulate (loads=, motion=)")
+    )
 
 
 def log_level(r: Reading, s: Statement, p: Values) -> None:
@@ -302,13 +310,9 @@ def log_level(r: Reading, s: Statement, p: Values) -> None:
 
 
 def drawing(r: Reading, s: Statement) -> None:
-    """A line of the visualization section, kept as it stands; one warning names them all."""
+    """A line of the visualization section, kept as it stands."""
     r.settings.setdefault(DRAWING.upper(), []).append(s.raw)
-    first = r.given.setdefault((DRAWING,), s)
-    if first is s:
-        r.warnings.append((s, "drawing keywords are kept in settings and have no effect on results:"))
-    i, (_, text) = next((i, w) for i, w in enumerate(r.warnings) if w[0] is first)
-    r.warnings[i] = first, f"{text}{'' if first is s else ','} {s.keyword} (line {s.line})"
+    r.drawn.append(s)
 
 
 # -- inputs and outputs -------------------------------------------------------------------------------------------

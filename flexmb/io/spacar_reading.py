@@ -54,6 +54,7 @@ class Reading:
         signals: Inputs and outputs by number: their line, and the call that adds them.
         excused: Numbers in faulty element lines, about which no other line is blamed.
         settings: What is not part of the mechanism.
+        drawn: Lines that draw.
         warnings: Line and text.
     """
 
@@ -71,6 +72,7 @@ class Reading:
     )
     excused: set[int] = dataclasses.field(default_factory=set)
     settings: dict[str, Any] = dataclasses.field(default_factory=dict)
+    drawn: list[Statement] = dataclasses.field(default_factory=list)
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
 
     def once(self, statement: Statement, *key) -> None:
