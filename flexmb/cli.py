@@ -1,15 +1,85 @@
 """The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
 
+import contextlib
+import io
+import os
+import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
+
+EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
+# As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
+EXIT_INTERRUPTED, EXIT_NOBODY_READS = 130, 141
+MOST_STEPS = 100_000
+LATER = {"edit": "a page to build mechanisms on", "fmu": "mechanisms as units for co-simulation"}
+
+
+class Once(TyperCommand):
+    """A command that refuses an option given twice instead of taking the last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse, as the base class does.
+
+        Args:
+            ctx: Call.
+            args: What stands behind the name of the command.
+        """
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for param in order:
+            if order.count(param) > 1 and not getattr(param, "multiple", False) and param.param_type_name == "option":
+                ctx.fail(f"{param.opts[0]} is given twice; give it once.")
+        return super().parse_args(ctx, args)
+
+
+class Program(TyperGroup):
+    """The program: every fault of the call is one line on standard error and exit status 2."""
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Command of a name.
+
+        Args:
+            ctx: Call.
+            cmd_name: Name.
+        """
+        if cmd_name in LATER:
+            _refuse(f"flexmb {cmd_name} ({LATER[cmd_name]}) is not available yet.")
+        return super().get_command(ctx, cmd_name)
+
+    def main(self, *args: Any, **options: Any) -> NoReturn:
+        """Run, and end the process with the exit status.
+
+        Args:
+            args: As of the base class.
+            options: As of the base class.
+        """
+        _prepare_streams()
+        try:
+            code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
+        except typer.Exit as end:
+            code = end.exit_code
+        except TyperException as fault:
+            context: Any = getattr(fault, "ctx", None)
+            where = context.command_path if context else "flexmb"
+            what = " ".join(fault.format_message().split()) or "Give a command"
+            _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
+            code = EXIT_WRONG_CALL
+        if code == EXIT_INTERRUPTED:
+            _complain("flexmb: interrupted from the keyboard.")
+        sys.exit(code or 0)
+
 
 app = typer.Typer(
+    cls=Program,
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     help="Flexible multibody mechanisms: motion, frequencies, buckling, state space of a SPACAR input file; designs.",
 )
 
@@ -21,19 +91,67 @@ Release = Annotated[str, typer.Option("--release", help="auto: release over-cons
 Plot = Annotated[
     Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg, or as .html to turn and play.")
 ]
-MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, help="Steps of a path (mode 10) at most.")]
+Numbers = Annotated[
+    list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
+]
+MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Steps of a path (mode 10) at most.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
-EXIT_WRONG_CALL = 2
+
+def _prepare_streams() -> None:
+    """No letter is too rare for a stream, and a closed one is none for the first file that is opened."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _complain(message: str) -> None:
+    """Say on standard error what is wrong, one line a fault."""
+    with contextlib.suppress(OSError):
+        print(message, file=sys.stderr, flush=True)
 
 
 def _refuse(message: str) -> NoReturn:
     """End with one line on standard error for each fault of the file or the call."""
-    print(message, file=sys.stderr)
+    _complain(message)
     raise typer.Exit(EXIT_WRONG_CALL)
 
 
+def _tell(text: str) -> None:
+    """Print on standard output; where nothing can be, end with what the reader deserves."""
+    if sys.stdout is None:
+        _refuse("flexmb: cannot write to standard output: it is closed.")
+    try:
+        print(text, flush=True)
+    except OSError as fault:
+        # What is left in the buffer would fail again when the process ends.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(fault, BrokenPipeError):
+            raise typer.Exit(EXIT_NOBODY_READS) from None
+        _refuse(f"flexmb: cannot write to standard output: {fault.strerror}.")
+
+
+@contextlib.contextmanager
+def _writing(path: Any) -> Iterator[None]:
+    """Refuse a path that cannot be written to."""
+    from .errors import shown
+
+    try:
+        yield
+    except OSError as fault:
+        _refuse(f"flexmb: cannot write '{shown(path)}': {fault.strerror or fault}.")
+
+
 def _mode_number(mode: str | None, analysis: str | None) -> int:
+    from .errors import shown
     from .io.answers import MODES, RESERVED
 
     names = {name: number for number, (name, _) in MODES.items()}
@@ -43,26 +161,84 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     text = str(wanted)
     if text in names:
         return names[text]
-    number = abs(int(text)) if text.lstrip("-").isdigit() else None
+    # SPACAR draws nothing for a negative number; the analysis is the same.
+    number = int(text.removeprefix("-")) if re.fullmatch(r"-?\d{1,9}", text, re.ASCII) else None
     if number in MODES:
         return number
     known = ", ".join(f"{n} ({name})" for n, (name, _) in MODES.items())
     if number in RESERVED or text in RESERVED.values():
         _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
-    _refuse(f"flexmb run: there is no mode '{text}'. Available: {known}.")
+    _refuse(f"flexmb run: there is no mode '{shown(text)}'. Available: {known}.")
 
 
-def _check_call(release: str, json_path: str | None, save: Path | None, log: Path | None, plot: Path | None) -> None:
-    """Refuse wrong options before anything is computed."""
+def _check_call(
+    release: str,
+    json_path: str | None,
+    save: Path | None,
+    log: Path | None,
+    plot: Path | None,
+    source: Path | None = None,
+) -> None:
+    """Refuse wrong options, and files that cannot be written, before anything is computed."""
+    from .errors import shown
+    from .io.files import check_writable
+
     if release not in ("none", "auto"):
-        _refuse(f"flexmb: --release takes auto or none, not '{release}'.")
+        _refuse(f"flexmb: --release takes auto or none, not '{shown(release)}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
-        _refuse(f"flexmb: --save writes .npz or .mat, not '{save}'.")
+        _refuse(f"flexmb: --save writes .npz or .mat, not '{shown(save)}'.")
     if plot is not None and plot.suffix not in (".png", ".svg", ".html"):
-        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{plot}'.")
-    for path in (json_path if json_path != "-" else None, save, log, plot):
-        if path is not None and not Path(path).absolute().parent.is_dir():
-            _refuse(f"flexmb: the folder of '{path}' does not exist.")
+        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{shown(plot)}'.")
+    given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
+    taken = {} if source is None else {os.path.realpath(source): "the input file"}
+    for option, path in given.items():
+        if path is None:
+            continue
+        if not Path(path).absolute().parent.is_dir():
+            _refuse(f"flexmb: the folder of '{shown(path)}' does not exist.")
+        first = taken.setdefault(os.path.realpath(path), option)
+        if first is not option and (Path(path).is_file() or not Path(path).exists()):
+            _refuse(f"flexmb: {option} would write over {first}: '{shown(path)}'.")
+        with _writing(path):
+            check_writable(path)
+
+
+def _numbers(given: list[str] | None) -> dict[str, float]:
+    """Values of parameters by name, of texts such as "t=0.5e-3"."""
+    from .errors import shown
+    from .io.spacar_lines import Fault, parse
+
+    found: dict[str, float] = {}
+    for text in given or ():
+        name, equals, word = (part.strip() for part in text.partition("="))
+        if not equals or not name.isidentifier():
+            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{shown(text)}'.")
+        if name in found:
+            _refuse(f"flexmb: --set gives '{shown(name)}' twice; give it once.")
+        try:
+            found[name] = parse("--set", "value", (word,))["value"]
+        except Fault as fault:
+            _refuse(f"flexmb: --set {shown(name)}: {str(fault).partition(';')[0]}.")
+    return found
+
+
+def _read(model: Path, given: list[str] | None) -> Any:
+    """What the input file says."""
+    from . import SpacarError, read_spacar
+    from .errors import shown
+
+    numbers = _numbers(given)
+    try:
+        read = read_spacar(model, numbers=numbers)
+    except SpacarError as fault:
+        _refuse(str(fault))
+    except OSError as fault:
+        _refuse(f"flexmb: cannot read '{shown(model)}': {fault.strerror or fault}.")
+    for name in numbers:
+        if name not in read.parameters:
+            known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
+            _refuse(f"flexmb: --set {shown(name)}: {read.name} has no {{{shown(name)}}}; it has: {shown(known)}.")
+    return read
 
 
 def _run(
@@ -74,33 +250,26 @@ def _run(
     release: str,
     max_steps: int = 200,
     plot: Path | None = None,
+    given: list[str] | None = None,
 ) -> None:
-    from . import SpacarError, enable_cache, enable_x64, read_spacar
+    from . import SpacarError, enable_cache, enable_x64
     from .io.answers import answer
     from .io.files import save as save_answer
     from .io.files import to_json, write_whole
     from .io.tables import log as log_text
     from .io.tables import table
 
-    _check_call(release, json_path, save, log, plot)
+    _check_call(release, json_path, save, log, plot, model)
     enable_x64()
-    try:
-        enable_cache()
-    except OSError:
+    with contextlib.suppress(OSError):
         # Without a writable cache folder the program is slower and otherwise the same.
-        pass
-    try:
-        source = model.read_text()
-    except (OSError, UnicodeDecodeError) as fault:
-        _refuse(f"flexmb: cannot read '{model}': {fault}")
-    try:
-        read = read_spacar(model)
-    except SpacarError as fault:
-        _refuse(str(fault))
+        enable_cache()
+    read = _read(model, given)
     try:
         found = answer(
             read.builder,
-            model.name,
+            # As letters that any reader of JSON takes, also of a name that is none in UTF-8.
+            os.fsencode(model.name).decode(errors="backslashreplace"),
             number,
             list(read.warnings),
             release,
@@ -109,21 +278,22 @@ def _run(
         )
     except SpacarError as fault:
         _refuse(str(fault))
-    if json_path == "-":
-        print(to_json(found.data))
-    else:
-        print(table(found.data))
     if json_path not in (None, "-"):
-        write_whole(json_path, to_json(found.data).encode())
+        with _writing(json_path):
+            write_whole(json_path, to_json(found.data).encode())
     if save is not None:
-        save_answer(found.data, save)
+        with _writing(save):
+            save_answer(found.data, save)
     if log is not None:
-        write_whole(log, log_text(found, source).encode())
+        with _writing(log):
+            write_whole(log, log_text(found, read.text).encode(errors="backslashreplace"))
     if plot is not None:
-        _draw(found, number, plot)
+        with _writing(plot):
+            _draw(found, number, plot)
+    _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
         first = found.data["message"].splitlines()[0]
-        print(f"{model.name}: {found.data['status']}: {first}", file=sys.stderr)
+        _complain(f"{read.name}: {found.data['status']}: {first}")
         raise typer.Exit(found.exit_status)
 
 
@@ -150,16 +320,36 @@ def _guarded(debug: bool, *arguments: Any) -> None:
     except Exception as fault:
         if debug:
             raise
-        first = (str(fault).splitlines() or [""])[0]
-        print(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)", file=sys.stderr)
-        raise typer.Exit(1) from None
+        from .errors import shown
+
+        first = shown((str(fault).splitlines() or [""])[0])
+        _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
+        raise typer.Exit(EXIT_FAILED) from None
 
 
-@app.command()
+def _version(wanted: bool) -> None:
+    if wanted:
+        from . import __version__
+
+        _tell(f"flexmb {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_version, help="Show the version.")
+    ] = False,
+) -> None:
+    """Flexible multibody mechanisms: motion, frequencies, buckling, state space of a SPACAR input file; designs."""
+
+
+@app.command(cls=Once)
 def run(
     model: ModelFile,
     mode: Annotated[str | None, typer.Option("--mode", help="0, 1, 4, 7, 8, 9 or 10.")] = None,
     analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
+    numbers: Numbers = None,
     json_path: Json = None,
     save: Save = None,
     log: Log = None,
@@ -169,12 +359,13 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
-    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot)
+    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
 
 
-@app.command()
+@app.command(cls=Once)
 def check(
     model: ModelFile,
+    numbers: Numbers = None,
     json_path: Json = None,
     save: Save = None,
     log: Log = None,
@@ -182,10 +373,10 @@ def check(
     debug: Debug = False,
 ) -> None:
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
-    _guarded(debug, model, 0, json_path, save, log, "none", 200, plot)
+    _guarded(debug, model, 0, json_path, save, log, "none", 200, plot, numbers)
 
 
-@app.command()
+@app.command(cls=Once)
 def demo(
     name: Annotated[str | None, typer.Argument(help="A shipped mechanism.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="List the shipped mechanisms.")] = False,
@@ -193,38 +384,55 @@ def demo(
     debug: Debug = False,
 ) -> None:
     """Run the main job on a mechanism that ships with the package, or copy it out."""
+    from .errors import shown
     from .mechanisms import mechanism_path, mechanisms
 
     if listing:
-        for key, text in mechanisms().items():
-            print(f"{key:<14}{text}")
+        if name is not None or to is not None:
+            _refuse("flexmb demo: --list takes neither a mechanism nor --to.")
+        _tell("\n".join(f"{key:<14}{text}" for key, text in mechanisms().items()))
         return
     name = name or "pf3d"
     if name not in mechanisms():
-        _refuse(f"flexmb demo: no mechanism '{name}'. Shipped: {', '.join(mechanisms())}.")
+        _refuse(f"flexmb demo: no mechanism '{shown(name)}'. Shipped: {', '.join(mechanisms())}.")
     path = mechanism_path(name)
     if to is not None:
-        from .io.files import write_whole
-
-        if not to.is_dir():
-            _refuse(f"flexmb demo: the folder '{to}' does not exist.")
-        write_whole(to / path.name, path.read_bytes())
-        print(to / path.name)
+        _copy(path, to)
         return
     picture = _demo_picture(name)
     for number in (0, 7, 9):
         _guarded(debug, path, number, None, None, None, "none", 200, picture if number == 7 else None)
-        print()
-    print(f"picture: {picture}")
+        _tell("")
+    _tell(f"picture: {picture}")
+
+
+def _copy(path: Path, to: Path) -> None:
+    """Copy a shipped mechanism to a folder, but over no file that is another."""
+    from .errors import shown
+    from .io.files import write_whole
+
+    if not to.is_dir():
+        _refuse(f"flexmb demo: the folder '{shown(to)}' does not exist.")
+    target, content = to / path.name, path.read_bytes()
+    with _writing(target):
+        if target.exists() and target.read_bytes() != content:
+            _refuse(f"flexmb demo: '{shown(target)}' is there already and differs; move it away first.")
+        write_whole(target, content)
+    _tell(str(target))
 
 
 def _demo_picture(name: str) -> Path:
     """Where the demo leaves its picture: here, or among temporary files where this folder takes none."""
-    import os
     import tempfile
 
-    folder = Path.cwd()
-    return (folder if os.access(folder, os.W_OK) else Path(tempfile.mkdtemp())) / f"{name}.png"
+    from .io.files import check_writable
+
+    path = Path.cwd() / f"{name}.png"
+    try:
+        check_writable(path)
+    except OSError:
+        return Path(tempfile.mkdtemp()) / path.name
+    return path
 
 
 def _study(path: Path, json_path: str | None, save: Path | None, plot: Path | None, debug: bool, work: Any) -> None:
@@ -274,7 +482,7 @@ def _study(path: Path, json_path: str | None, save: Path | None, plot: Path | No
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
 
 
-@app.command()
+@app.command(cls=Once)
 def sweep(
     study: StudyFile,
     json_path: Json = None,
@@ -297,7 +505,7 @@ def sweep(
     _study(study, json_path, save, plot, debug, work)
 
 
-@app.command()
+@app.command(cls=Once)
 def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Plot = None, debug: Debug = False) -> None:
     """Find parameters within bounds that meet targets and keep limits."""
 

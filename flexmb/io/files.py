@@ -1,5 +1,6 @@
 """Files that appear whole or not at all: JSON, npz and mat."""
 
+import errno
 import io
 import json
 import os
@@ -15,15 +16,20 @@ from .answers import plain
 def write_whole(path: str | os.PathLike, content: bytes) -> None:
     """Write a file in one piece: a reader sees the old one or the new one, never half of it.
 
+    What is no file on a disk, such as /dev/stdout or a pipe, is written to as it is; a link stays one.
+
     Args:
         path: Where.
         content: What.
 
     Raises:
-        OSError: The folder is missing or not writable.
+        OSError: The folder is missing, not writable or full, or the path is that of a folder.
     """
-    path = Path(path)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    path = _target(path)
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".flexmb.")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
@@ -35,6 +41,30 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def check_writable(path: str | os.PathLike) -> None:
+    """Try whether a file can be written, and leave nothing behind.
+
+    Args:
+        path: Where.
+
+    Raises:
+        OSError: The folder is missing or not writable, the path is that of a folder, or the file is write-protected.
+    """
+    path = _target(path)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if path.exists() and not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    if path.is_file() or not path.exists():
+        tempfile.TemporaryFile(dir=path.parent).close()
+
+
+def _target(path: str | os.PathLike) -> Path:
+    """The file that a link leads to; /dev/stdout and the like as they are."""
+    path = Path(path)
+    return path.resolve() if path.is_symlink() and (path.is_file() or not path.exists()) else path
 
 
 def to_json(data: dict[str, Any]) -> str:

@@ -14,7 +14,7 @@ from ..model.roles import Role
 from . import spacar_series as series
 from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
 from .spacar_lines import DRAWING, Fault, Statement, known
-from .spacar_reading import Declared, Reading
+from .spacar_reading import Declared, Reading, Setting
 
 Values = dict[str, Any]
 VECTORS = ("y1", "y2", "y3", "axis1", "axis2", "axis3", "x1", "x2", "x3")
@@ -275,7 +275,7 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
     for name in ("end", "absolute", "relative", "tolerance"):
         if name in p and p[name] <= 0:
             raise Fault(f"{name} must be positive, but is {p[name]}")
-    r.settings[s.keyword] = p
+    r.settings[s.keyword] = Setting(s.line, p)
     if s.keyword == "ITERSTEP":
         r.warnings.append((s, "has no effect: a path (mode 10) finds its own load steps and iterates to round-off"))
 

@@ -16,6 +16,18 @@ class AlreadyReported(Exception):
     """A line refers to a node or element whose own line is at fault."""
 
 
+class Setting(dict[str, float]):
+    """Numbers of a line that is not part of the mechanism, and where it stands.
+
+    Attributes:
+        line: Its number.
+    """
+
+    def __init__(self, line: int, numbers: Mapping[str, float]):
+        super().__init__(numbers)
+        self.line = line
+
+
 @dataclasses.dataclass(frozen=True)
 class Declared:
     """An element as its line describes it.
