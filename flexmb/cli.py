@@ -17,6 +17,7 @@ EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
 EXIT_INTERRUPTED, EXIT_NOBODY_READS = 130, 141
 MOST_STEPS = 100_000
+LONGEST_MESSAGE = 300
 LATER = {"edit": "a page to build mechanisms on", "fmu": "mechanisms as units for co-simulation"}
 
 
@@ -58,6 +59,8 @@ class Program(TyperGroup):
             args: As of the base class.
             options: As of the base class.
         """
+        from .errors import shown
+
         _prepare_streams()
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
@@ -66,7 +69,8 @@ class Program(TyperGroup):
         except TyperException as fault:
             context: Any = getattr(fault, "ctx", None)
             where = context.command_path if context else "flexmb"
-            what = " ".join(fault.format_message().split()) or "Give a command"
+            words = " ".join(fault.format_message().split()) or "Give a command"
+            what = "".join(map(shown, words[:LONGEST_MESSAGE]))
             _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
             code = EXIT_WRONG_CALL
         if code == EXIT_INTERRUPTED:

@@ -437,7 +437,7 @@ def _warn_of_screws(r: Reading) -> None:
 def _warn_of_drawing(r: Reading) -> None:
     """One warning names all lines that draw."""
     if r.drawn:
-        named = [f"{s.keyword} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
+        named = [f"{shown(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
         named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
         text = f"drawing keywords are kept in settings and have no effect on results: {', '.join(named)}"
         r.warnings.append((r.drawn[0], text))
