@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import jax.core
+import numpy as np
 
 from ..errors import SpacarError, shown
 
@@ -41,6 +42,16 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 class Fault(Exception):
     """What is wrong with one line."""
+
+
+def within(value: Any) -> Any:
+    """Whether numbers are zero or between the smallest and the largest that are taken.
+
+    Args:
+        value: Number or array.
+    """
+    size = np.abs(value)
+    return (size == 0) | ((size >= SMALLEST) & (size <= LARGEST))
 
 
 _WORD = re.compile(r"(?:\{[^{}]*\}|[^\s{}]|[{}])+")

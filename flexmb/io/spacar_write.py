@@ -19,7 +19,7 @@ from ..model.roles import Role
 from . import spacar_series as series
 from .spacar_actions import QUANTITIES
 from .spacar_elements import KINDS, NOTHING, ElementKind
-from .spacar_lines import DRAWING, LARGEST, MOST, SMALLEST
+from .spacar_lines import DRAWING, LARGEST, MOST, SMALLEST, within
 
 if TYPE_CHECKING:
     from .spacar import SpacarModel
@@ -58,7 +58,7 @@ def _line(keyword: str, *values: Any) -> str:
     words = [str(v) if isinstance(v, int | str) else repr(float(v)) for v in values]
     line = " ".join([keyword, *words])
     for value in values:
-        if not isinstance(value, int | str) and value != 0 and not SMALLEST <= abs(value) <= LARGEST:
+        if not isinstance(value, int | str) and not within(value):
             raise ModelError(
                 f"'{shown(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
                 f" {LARGEST:g} in size."
