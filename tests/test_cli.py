@@ -340,6 +340,15 @@ def test_help(command, option):
 def test_version():
     result = call("--version")
     assert (result.exit_code, result.stdout) == (0, f"flexmb {fm.__version__}\n")
+    code = "import sys\nfrom flexmb.cli import app\ntry: app(['--version'])\nfinally: print('jax' in sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split("\n")[1] == "False"
+
+
+def test_a_path_of_too_few_steps_says_so():
+    result, data = answer("pf2db", 10, "--max-steps", "1")
+    assert (result.exit_code, data["status"]) == (1, "max_steps")
+    assert 0 < data["path"][-1]["load_factor"] < 1
 
 
 def test_numbers_of_parameters(workplace):
