@@ -118,12 +118,17 @@ def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: s
             raise Fault(f"{what} {component} is named twice")
         for number in r.meant(of, component, kind):
             named.setdefault(number, component)
+    again: dict[int, Statement] = {}
     for number, component in named.items():
         first = r.roles.get((kind, of, number))
         if first is not None and (first.keyword != s.keyword or not repeatable):
             raise Fault(
                 f"{what} {component} has a role already by {first.keyword} on line {first.line}; it can have one only"
             )
+        if first is not None:
+            again.setdefault(component, first)
+    for component, first in list(again.items())[:1]:
+        r.warnings.append((s, f"{what} {component} of {kind} {of} is named already on line {first.line}"))
     r.roles |= {(kind, of, number): s for number in named}
     return list(named)
 
