@@ -6,8 +6,7 @@ Each takes the reading, the line, and its parameters by name.
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
+from ..build.assemble import stack
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import shown
 from ..model.roles import Role
@@ -187,7 +186,7 @@ def lumped(r: Reading, s: Statement, p: Values) -> None:
             raise Fault(f"mass must not be negative, but is {values[0]}; only a rotational node may have that")
         r.builder.mass(str(p["node"]), values[0])
     else:
-        r.builder.inertia(str(p["node"]), values[0] if kind is ANGLE else values)
+        r.builder.inertia(str(p["node"]), values[0] if kind is ANGLE else stack(values))
 
 
 def force(r: Reading, s: Statement, p: Values) -> None:
@@ -215,7 +214,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
     r.builder.prescribe(str(of), component, p["value"] - start, kind=kind)
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
-    if any(rates):
+    if any(not known(rate) or rate != 0 for rate in rates):
         r.warnings.append((s, "velocity and acceleration are for modes 1 and 4; static analyses do not use them"))
 
 
@@ -234,9 +233,10 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
     r.once(s, of)
     member = r.builder.members[str(of)]
     if member.element.fields:
-        start, end = (np.asarray(r.builder.nodes[member.nodes[k]].start, float) for k in (0, 2))
+        start, end = (r.builder.nodes[member.nodes[k]].start for k in (0, 2))
+        length = sum((q - p) ** 2 for p, q in zip(start, end, strict=True)) ** 0.5
         try:
-            own = spread(member.element, float(np.linalg.norm(end - start)), values)
+            own = spread(member.element, length, values)
         except ValueError as fault:
             raise Fault(str(fault)) from None
         values = [own.get(n, 0.0) for n in range(1, max(own, default=1) + 1)]
@@ -266,7 +266,7 @@ def gravity(r: Reading, s: Statement, p: Values) -> None:
     values = [p[name] for name in ("gx", "gy", "gz") if name in p]
     if r.builder.dimension == 3 and len(values) != 3:
         raise Fault("a spatial mechanism needs three components: gx gy gz")
-    if r.builder.dimension == 2 and values[2:] not in ([], [0.0]):
+    if r.builder.dimension == 2 and any(not known(value) or value != 0 for value in values[2:]):
         raise Fault(f"a planar mechanism has no third axis: gz must be 0, but is {values[2]}")
     r.builder.gravity(values[: r.builder.dimension])
 
@@ -278,7 +278,7 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
     """TIMESTEP, ERROR, ITERSTEP: numbers for an analysis."""
     r.once(s)
     for name in ("end", "absolute", "relative", "tolerance"):
-        if name in p and p[name] <= 0:
+        if name in p and known(p[name]) and p[name] <= 0:
             raise Fault(f"{name} must be positive, but is {p[name]}")
     r.settings[s.keyword] = Setting(s.line, p)
     if s.keyword == "ITERSTEP":

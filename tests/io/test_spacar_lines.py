@@ -3,6 +3,8 @@
 import codecs
 import re
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from spacar_checks import faults
@@ -298,6 +300,68 @@ def test_numbers_for_parameters_that_are_none(value, error, words):
 def test_a_user_routine_is_a_function():
     with pytest.raises(TypeError, match="'wall' must be a function, but is 3"):
         fm.read_spacar(TRUSS, callables={"wall": 3})
+
+
+# Lines with a number that may be traced, among those of PLANE, and of a mechanism in space.
+TRACED = [
+    *("TIMESTEP {t} 10", "ERROR {t} 1e-3", "ITERSTEP 10 9 {t}", "INPUTX 5 1 {t} {t} {t}", "INPUTE 2 3 {t} {t}"),
+    *(
+        "GRAVITY 0 {t}",
+        "ESIG 1 {t} 1",
+        "EINIT 1 {t}",
+        "XF 5 {t} 1",
+        "DELXF 5 {t}",
+        "XM 4 {t}",
+        "XM 3 {t}",
+        "EM 2 {t} 1",
+    ),
+    *("EDAMP 2 {t}", "STARTDE 2 2 {t} {t}", "DELINPX 5 1 {t}", "DELESIG 1 {t}", "DELINPE 2 3 {t}"),
+]
+TRACED_IN_SPACE = [
+    *("ESIG 1 {t} {t} {t} {t} {t} {t}", "EINIT 1 {t} {t} {t} {t} {t} {t}", "XF 4 {t} 0 1", "XF 4 0 {t} 0 1"),
+    *("XM 4 {t} 0 0 1 0 1", "ESTIFF 3 {t}", "ESTIFF 1 1 1 1 1 {t} {t}", "EM 1 {t} {t} {t} {t} {t}"),
+]
+TURNING = """SBEAM 1 1 2 3 4 0 1 {t}
+SCREW 2 1 2 5 6 1 {t} 0 {t}
+HINGE 3 4 7 0 {t} 1
+X 3 1 0 {t}
+X 5 2 0 0
+DYNE 1 1 2 3 5
+END
+HALT
+"""
+
+
+@pytest.mark.parametrize("line", [*TRACED, *TRACED_IN_SPACE])
+def test_every_number_may_be_traced(line):
+    text = filled(PLANE, "dynamics", line) if line in TRACED else f"{TURNING}{line}\nEND\nEND\n"
+
+    def numbers(t):
+        read = fm.read_spacar(text, numbers={"t": t})
+        b = read.builder
+        everything = [
+            b.loads,
+            b.starts,
+            [m.properties for m in b.members.values()],
+            [n.start for n in b.nodes.values()],
+        ]
+        settings = [v for k, v in read.settings.items() if k in (*TAKEN, "ITERSTEP")]
+        leaves = jax.tree.leaves([list(_values(everything)), list(_values(settings))])
+        return [jnp.asarray(leaf, float) for leaf in leaves if not isinstance(leaf, str | bool)]
+
+    # What is traced is not known to be zero, and so is not left out.
+    found = [[leaf for leaf in leaves if np.any(leaf)] for leaves in (jax.jit(numbers)(0.25), numbers(0.25))]
+    for traced, plain in zip(*found, strict=True):
+        np.testing.assert_allclose(traced, plain, rtol=1e-14)
+
+
+def _values(of):
+    """Contents of dictionaries whose keys have no order."""
+    if isinstance(of, dict | list | tuple):
+        for value in of.values() if isinstance(of, dict) else of:
+            yield from _values(value)
+    else:
+        yield of
 
 
 # -- files --------------------------------------------------------------------------------------------------------
