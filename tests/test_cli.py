@@ -537,6 +537,16 @@ END
 """
 
 
+def test_a_motion_that_cannot_begin_has_no_states(tmp_path):
+    path = tmp_path / "light.dat"
+    text = re.sub("END\\nHALT\\n+INPUTF 1 2 1", SWING, mechanism_path("pf1dtrx").read_text())
+    path.write_text(re.sub("(?m)^(XM|EM) .*$", "", text))
+    result = call("run", path, "--mode", "1", "--json", "-")
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"]) == (1, "singular_mass")
+    assert not {"time", "trajectory", "x", "energy"} & set(data)
+
+
 def test_poles_stand_where_there_are_no_frequencies(tmp_path):
     path = tmp_path / "turned.dat"
     path.write_text(TURNED)

@@ -367,7 +367,9 @@ def _answer(
     data["warnings"] += extra.pop("warnings", [])
     returned = extra.pop("found", None)
     bad = [key for key, value in extra.items() if not _finite({key: value})]
-    if bad and not failed:
+    if failed:
+        extra = {key: value for key, value in extra.items() if key not in bad}
+    elif bad:
         extra = {"status": RESULTS.not_finite.name, "message": f"{RESULTS.not_finite.message} ({', '.join(bad)})"}
         failed = 1
     data.update(extra)

@@ -48,6 +48,14 @@ def _motions(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
 
 
 NAMES = ("value", "velocity", "acceleration")
+# Of a motion that ended so there are states up to then; any other has not begun.
+PARTLY = (
+    RESULTS.successful,
+    RESULTS.step_too_small,
+    RESULTS.step_too_large,
+    RESULTS.motion_unfinished,
+    RESULTS.stopped,
+)
 
 
 def times_of(name: str, settings: dict[str, Any], numbers: int = 1) -> np.ndarray:
@@ -140,11 +148,13 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     driven = _motions(model, settings)
     found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
     code = RESULTS(int(found.result))
+    extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
+    if code not in PARTLY:
+        return extra
     reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
     if not reached[-1]:
         count = int(np.argmin(reached))
         found = found.until(count)
-    extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if not len(found.t):
         return extra
     seen = found.observe()

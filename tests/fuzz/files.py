@@ -624,7 +624,7 @@ def _called(case: Case, folder: str) -> str:
     from flexmb.cli import app
 
     assert case.call is not None
-    out, err = io.StringIO(), io.StringIO()
+    out, err, status = io.StringIO(), io.StringIO(), None
     before = os.getcwd()
     os.chdir(folder)
     try:
