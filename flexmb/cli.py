@@ -207,6 +207,44 @@ def _check_call(
             check_writable(path)
 
 
+def _numbers(given: list[str] | None) -> dict[str, float]:
+    """Values of parameters by name, of texts such as "t=0.5e-3"."""
+    from .errors import shown
+    from .io.spacar_lines import Fault, parse
+
+    found: dict[str, float] = {}
+    for text in given or ():
+        name, equals, word = (part.strip() for part in text.partition("="))
+        if not equals or not name.isidentifier():
+            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{shown(text)}'.")
+        if name in found:
+            _refuse(f"flexmb: --set gives '{shown(name)}' twice; give it once.")
+        try:
+            found[name] = parse("--set", "value", (word,))["value"]
+        except Fault as fault:
+            _refuse(f"flexmb: --set {shown(name)}: {str(fault).partition(';')[0]}.")
+    return found
+
+
+def _read(model: Path, given: list[str] | None) -> Any:
+    """What the input file says."""
+    from . import SpacarError, read_spacar
+    from .errors import shown
+
+    numbers = _numbers(given)
+    try:
+        read = read_spacar(model, numbers=numbers)
+    except SpacarError as fault:
+        _refuse(str(fault))
+    except OSError as fault:
+        _refuse(f"flexmb: cannot read '{shown(model)}': {fault.strerror or fault}.")
+    for name in numbers:
+        if name not in read.parameters:
+            known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
+            _refuse(f"flexmb: --set {shown(name)}: {read.name} has no {{{shown(name)}}}; it has: {shown(known)}.")
+    return read
+
+
 def _run(
     model: Path,
     number: int,
@@ -216,33 +254,26 @@ def _run(
     release: str,
     max_steps: int = 200,
     plot: Path | None = None,
+    given: list[str] | None = None,
 ) -> None:
-    from . import SpacarError, enable_cache, enable_x64, read_spacar
+    from . import SpacarError, enable_cache, enable_x64
     from .io.answers import answer
     from .io.files import save as save_answer
     from .io.files import to_json, write_whole
     from .io.tables import log as log_text
     from .io.tables import table
 
-    _check_call(release, json_path, save, log, plot)
+    _check_call(release, json_path, save, log, plot, model)
     enable_x64()
-    try:
-        enable_cache()
-    except OSError:
+    with contextlib.suppress(OSError):
         # Without a writable cache folder the program is slower and otherwise the same.
-        pass
-    try:
-        source = model.read_text()
-    except (OSError, UnicodeDecodeError) as fault:
-        _refuse(f"flexmb: cannot read '{model}': {fault}")
-    try:
-        read = read_spacar(model)
-    except SpacarError as fault:
-        _refuse(str(fault))
+        enable_cache()
+    read = _read(model, given)
     try:
         found = answer(
             read.builder,
-            model.name,
+            # As letters that any reader of JSON takes, also of a name that is none in UTF-8.
+            os.fsencode(model.name).decode(errors="backslashreplace"),
             number,
             list(read.warnings),
             release,
@@ -251,21 +282,22 @@ def _run(
         )
     except SpacarError as fault:
         _refuse(str(fault))
-    if json_path == "-":
-        print(to_json(found.data))
-    else:
-        print(table(found.data))
     if json_path not in (None, "-"):
-        write_whole(json_path, to_json(found.data).encode())
+        with _writing(json_path):
+            write_whole(json_path, to_json(found.data).encode())
     if save is not None:
-        save_answer(found.data, save)
+        with _writing(save):
+            save_answer(found.data, save)
     if log is not None:
-        write_whole(log, log_text(found, source).encode())
+        with _writing(log):
+            write_whole(log, log_text(found, read.text).encode(errors="backslashreplace"))
     if plot is not None:
-        _draw(found, number, plot)
+        with _writing(plot):
+            _draw(found, number, plot)
+    _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
         first = found.data["message"].splitlines()[0]
-        print(f"{model.name}: {found.data['status']}: {first}", file=sys.stderr)
+        _complain(f"{read.name}: {found.data['status']}: {first}")
         raise typer.Exit(found.exit_status)
 
 
@@ -292,16 +324,36 @@ def _guarded(debug: bool, *arguments: Any) -> None:
     except Exception as fault:
         if debug:
             raise
-        first = (str(fault).splitlines() or [""])[0]
-        print(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)", file=sys.stderr)
-        raise typer.Exit(1) from None
+        from .errors import shown
+
+        first = shown((str(fault).splitlines() or [""])[0])
+        _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
+        raise typer.Exit(EXIT_FAILED) from None
 
 
-@app.command()
+def _version(wanted: bool) -> None:
+    if wanted:
+        from . import __version__
+
+        _tell(f"flexmb {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_version, help="Show the version.")
+    ] = False,
+) -> None:
+    """Flexible multibody mechanisms: motion, frequencies, buckling, state space of a SPACAR input file; designs."""
+
+
+@app.command(cls=Once)
 def run(
     model: ModelFile,
     mode: Annotated[str | None, typer.Option("--mode", help="0, 1, 4, 7, 8, 9 or 10.")] = None,
     analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
+    numbers: Numbers = None,
     json_path: Json = None,
     save: Save = None,
     log: Log = None,
@@ -311,12 +363,13 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
-    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot)
+    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
 
 
-@app.command()
+@app.command(cls=Once)
 def check(
     model: ModelFile,
+    numbers: Numbers = None,
     json_path: Json = None,
     save: Save = None,
     log: Log = None,
@@ -324,10 +377,10 @@ def check(
     debug: Debug = False,
 ) -> None:
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
-    _guarded(debug, model, 0, json_path, save, log, "none", 200, plot)
+    _guarded(debug, model, 0, json_path, save, log, "none", 200, plot, numbers)
 
 
-@app.command()
+@app.command(cls=Once)
 def demo(
     name: Annotated[str | None, typer.Argument(help="A shipped mechanism.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="List the shipped mechanisms.")] = False,
@@ -335,38 +388,55 @@ def demo(
     debug: Debug = False,
 ) -> None:
     """Run the main job on a mechanism that ships with the package, or copy it out."""
+    from .errors import shown
     from .mechanisms import mechanism_path, mechanisms
 
     if listing:
-        for key, text in mechanisms().items():
-            print(f"{key:<14}{text}")
+        if name is not None or to is not None:
+            _refuse("flexmb demo: --list takes neither a mechanism nor --to.")
+        _tell("\n".join(f"{key:<14}{text}" for key, text in mechanisms().items()))
         return
     name = name or "pf3d"
     if name not in mechanisms():
-        _refuse(f"flexmb demo: no mechanism '{name}'. Shipped: {', '.join(mechanisms())}.")
+        _refuse(f"flexmb demo: no mechanism '{shown(name)}'. Shipped: {', '.join(mechanisms())}.")
     path = mechanism_path(name)
     if to is not None:
-        from .io.files import write_whole
-
-        if not to.is_dir():
-            _refuse(f"flexmb demo: the folder '{to}' does not exist.")
-        write_whole(to / path.name, path.read_bytes())
-        print(to / path.name)
+        _copy(path, to)
         return
     picture = _demo_picture(name)
     for number in (0, 7, 9):
         _guarded(debug, path, number, None, None, None, "none", 200, picture if number == 7 else None)
-        print()
-    print(f"picture: {picture}")
+        _tell("")
+    _tell(f"picture: {picture}")
+
+
+def _copy(path: Path, to: Path) -> None:
+    """Copy a shipped mechanism to a folder, but over no file that is another."""
+    from .errors import shown
+    from .io.files import write_whole
+
+    if not to.is_dir():
+        _refuse(f"flexmb demo: the folder '{shown(to)}' does not exist.")
+    target, content = to / path.name, path.read_bytes()
+    with _writing(target):
+        if target.exists() and target.read_bytes() != content:
+            _refuse(f"flexmb demo: '{shown(target)}' is there already and differs; move it away first.")
+        write_whole(target, content)
+    _tell(str(target))
 
 
 def _demo_picture(name: str) -> Path:
     """Where the demo leaves its picture: here, or among temporary files where this folder takes none."""
-    import os
     import tempfile
 
-    folder = Path.cwd()
-    return (folder if os.access(folder, os.W_OK) else Path(tempfile.mkdtemp())) / f"{name}.png"
+    from .io.files import check_writable
+
+    path = Path.cwd() / f"{name}.png"
+    try:
+        check_writable(path)
+    except OSError:
+        return Path(tempfile.mkdtemp()) / path.name
+    return path
 
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]

@@ -1,24 +1,41 @@
 """The command line as CLI.md fixes it: exit status, JSON keys, one line a fault, nothing written by half."""
 
 import json
+import os
 import re
+import resource
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+import scipy.io
 from typer.testing import CliRunner
 
+import flexmb as fm
 from flexmb.cli import app
+from flexmb.io import answers
+from flexmb.io.files import write_whole
 from flexmb.mechanisms import mechanism_path, mechanisms
 
 ALWAYS = {"model", "mode", "flexmb", "status", "message", "warnings", "nx", "ne", "nxo", "neo", "ndof", "dofs"}
 STATE = {"x", "e", "sig", "reactions", "m0", "c0", "d0", "k0", "n0", "g0", "stable"}
+MOTION = {"x", "time", "trajectory", "velocities", "energy"}
+SECOND_ORDER = {"m0", "c0", "d0", "k0", "n0", "g0"}
 KEYS = {
     0: {"overconstraints", "underconstraints", "mobility"},
+    1: MOTION,
+    4: MOTION | {"inputs", "outputs", "steps"},
+    10: {"x", "e", "sig", "reactions", "stable", "path", "critical_points"},
     7: STATE | {"eigenvalues", "frequencies_hz", "massless", "modes"},
     8: STATE | {"load_multipliers", "modes", "compliance"},
     9: STATE | {"A", "B", "C", "D", "inputs", "outputs", "poles"},
+}
+
+
+INSIDE = {
+    ("steps", 4): {"time", "frequencies_hz", "A", "B", "C", "D"} | SECOND_ORDER,
+    ("path", 10): (STATE | {"load_factor", "eigenvalues", "frequencies_hz", "load_multipliers", "compliance"}),
 }
 
 
@@ -26,12 +43,18 @@ def call(*arguments):
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
+def program(*arguments, **options):
+    """The program as a process of its own."""
+    options = {"capture_output": True, "check": False, "timeout": 200, **options}
+    return subprocess.run([sys.executable, "-m", "flexmb", *map(str, arguments)], **options)
+
+
 def answer(name, mode, *options):
     result = call("run", mechanism_path(name), "--mode", mode, "--json", "-", *options)
     return result, json.loads(result.stdout)
 
 
-@pytest.mark.parametrize("mode", [0, 7, 8, 9])
+@pytest.mark.parametrize("mode", [0, 7, 8, 9, 10])
 def test_json_has_the_keys_of_the_contract(mode):
     result, data = answer("pf2db", mode)
     assert result.exit_code == 0
@@ -39,6 +62,39 @@ def test_json_has_the_keys_of_the_contract(mode):
     assert data["status"] == "ok"
     assert data["dofs"] == [{"kind": "x", "of": 3, "component": 1}]
     assert (data["nx"], data["nxo"], data["neo"], data["ndof"]) == (12, 6, 5, 1)
+    for step in data.get("path", ()):
+        assert set(step) >= INSIDE["path", 10]
+
+
+# A mass on a spring with damper, 945 N/m, 0.0365 N s/m and 0.206 kg + 0.01413 kg/3, let go at 10 mm.
+SWING = """TIMESTEP 0.02 4
+STARTDX 2 1 0.11
+END
+HALT
+INPUTF 1 2 1"""
+
+
+@pytest.mark.parametrize("mode", [1, 4])
+def test_json_of_a_motion(mode, tmp_path):
+    text = mechanism_path("pf1dtrx").read_text().replace("XF 2 1\n", "")
+    path = tmp_path / "swing.dat"
+    path.write_text(re.sub("END\nHALT\n+INPUTF 1 2 1", SWING, text))
+    result = call("run", path, "--mode", mode, "--json", "-")
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"], data["warnings"]) == (0, "ok", [])
+    assert set(data) >= ALWAYS | KEYS[mode]
+    m, d, k = 0.206 + 0.01413 / 3, 0.0365, 945.0
+    w, a, t = np.sqrt(k / m - (d / m / 2) ** 2), d / m / 2, np.array(data["time"])
+    expected = 0.1 + 0.01 * np.exp(-a * t) * (np.cos(w * t) + a / w * np.sin(w * t))
+    # Ten times the default relative tolerance, 1e-5 of the displacement.
+    np.testing.assert_allclose([x for x, _ in data["trajectory"]["2"]], expected, atol=1e-6)
+    for step in data.get("steps", ()):
+        assert set(step) >= INSIDE["steps", 4]
+        np.testing.assert_allclose(step["A"], [[0, 1], [-k / m, -d / m]], rtol=1e-5, atol=1e-12)
+        np.testing.assert_allclose(step["B"], [[0], [1 / m]], rtol=1e-5)
+        assert (step["C"], step["D"]) == ([[1, 0]], [[0]])
+    if mode == 4:
+        assert (data["inputs"], data["outputs"], len(data["steps"])) == (["force 2.1"], ["position 2.1"], 5)
 
 
 # Model, key and what the tutorial prints; tolerance half a unit of the last printed digit.
@@ -172,24 +228,266 @@ def test_files_appear_whole_or_not_at_all(tmp_path):
     assert "does not exist" in refused.stderr
 
 
+# What is wrong with a call, and what its one line on standard error says. Files are made by `workplace`.
+MISUSED = {
+    "": "flexmb: Give a command (flexmb --help).",
+    "sweet": "flexmb: No such command 'sweet'. Did you mean 'sweep'? (flexmb --help).",
+    "--nope": "flexmb: No such option: --nope (flexmb --help).",
+    "edit": "flexmb edit (a page to build mechanisms on) is not available yet.",
+    "edit guide.dat --port 8000": "flexmb edit (a page to build mechanisms on) is not available yet.",
+    "fmu guide.dat --to guide.fmu": "flexmb fmu (mechanisms as units for co-simulation) is not available yet.",
+    "run": "flexmb run: Missing argument 'MODEL.dat' (flexmb run --help).",
+    "run guide.dat": "give one of --mode and --analysis",
+    "run guide.dat --mode": "Option '--mode' requires an argument",
+    "run guide.dat --mode 7 --nope": "No such option: --nope",
+    "run guide.dat guide.dat --mode 7": "Got unexpected extra argument(s) (guide.dat)",
+    "run guide.dat --mode 7 --analysis buckling": "give one of --mode and --analysis",
+    "run guide.dat --mode 7 --mode 7": "--mode is given twice; give it once",
+    "run guide.dat --mode 7 --json a.json --json b.json": "--json is given twice; give it once",
+    "run guide.dat --mode 77": "there is no mode '77'. Available: 0 (mobility), 1 (simulate)",
+    "run guide.dat --mode --7": "there is no mode '--7'",
+    "run guide.dat --mode \u00b2": "there is no mode '\u00b2'",
+    "run guide.dat --mode 7.0": "there is no mode '7.0'",
+    "run guide.dat --mode seven\x1b[31m": r"there is no mode 'seven\x1b[31m'",
+    **{f"run guide.dat --mode {n}": f"mode {n} is reserved and not available yet" for n in (2, 3, 5, 6, -2)},
+    "run guide.dat --analysis inverse": "mode inverse is reserved and not available yet",
+    "run nowhere.dat --mode 7": "flexmb: cannot read 'nowhere.dat': No such file or directory.",
+    "run folder.dat --mode 7": "flexmb: cannot read 'folder.dat': Is a directory.",
+    "run guide.dat/x --mode 7": "flexmb: cannot read 'guide.dat/x': Not a directory.",
+    "run empty.dat --mode 7": "empty.dat:1: file is empty",
+    "run utf16.dat --mode 7": "utf16.dat:1: the file is in UTF-16; save it as UTF-8",
+    "run guide.dat --mode 7 --release all": "--release takes auto or none, not 'all'",
+    "run guide.dat --mode 7 --save a.txt": "--save writes .npz or .mat, not 'a.txt'",
+    "run guide.dat --mode 7 --plot a.pdf": "--plot writes .png, .svg or .html, not 'a.pdf'",
+    "run guide.dat --mode 10 --max-steps 0": "Invalid value for '--max-steps'",
+    "run guide.dat --mode 10 --max-steps 1e3": "Invalid value for '--max-steps'",
+    "run guide.dat --mode 10 --max-steps 999999999": "Input should be less than or equal to 100000",
+    "run guide.dat --mode 7 --json none/a.json": "the folder of 'none/a.json' does not exist",
+    "run guide.dat --mode 7 --json folder.dat": "flexmb: cannot write 'folder.dat': Is a directory.",
+    "run guide.dat --mode 7 --json guide.dat": "--json would write over the input file: 'guide.dat'",
+    "run guide.dat --mode 7 --log link.dat": "--log would write over the input file: 'link.dat'",
+    "run guide.dat --mode 7 --log a.json --json ./a.json": "--log would write over --json: 'a.json'",
+    "run guide.dat --mode 7 --json /proc/a.json": "cannot write '/proc/a.json'",
+    "run guide.dat --mode 7 --json /dev/full": "cannot write '/dev/full': No space left on device.",
+    "run guide.dat --mode 7 --log /dev/full": "cannot write '/dev/full': No space left on device.",
+    "run guide.dat --mode 7 --save full.npz": "cannot write 'full.npz': No space left on device.",
+    "run guide.dat --mode 7 --plot full.svg": "cannot write 'full.svg': No space left on device.",
+    "run guide.dat --mode 7 --set": "Option '--set' requires an argument",
+    "run guide.dat --mode 7 --set t=1": "--set t: guide.dat has no {t}; it has: none.",
+    "run thick.dat --mode 7": "thick.dat:25: XM: node 3: '{m}': there is no parameter 'm'",
+    "run thick.dat --mode 7 --set m": "--set takes NAME=NUMBER, such as t=0.5e-3, not 'm'",
+    "run thick.dat --mode 7 --set =1": "--set takes NAME=NUMBER, such as t=0.5e-3, not '=1'",
+    "run thick.dat --mode 7 --set m=": "--set m: value must be a number, but is ''",
+    "run thick.dat --mode 7 --set m=abc": "--set m: value must be a number, but is 'abc'",
+    "run thick.dat --mode 7 --set m=1_0": "--set m: value must be a number, but is '1_0'",
+    "run thick.dat --mode 7 --set m=nan": "--set m: value must be a finite number, but is 'nan'",
+    "run thick.dat --mode 7 --set m=1e999": "--set m: value must be a finite number, but '1e999' is too large",
+    "run thick.dat --mode 7 --set m=1 --set m=2": "--set gives 'm' twice; give it once",
+    "run thick.dat --mode 7 --set m=1 --set q=2": "--set q: thick.dat has no {q}; it has: {m}.",
+    "run guide.dat --mode 1": "guide.dat: TIMESTEP: modes 1 and 4 need it",
+    "run endless.dat --mode 1": "endless.dat:26: TIMESTEP: 999999999 steps of 46 numbers take 1.38e+13 bytes",
+    "check guide.dat --mode 7": "No such option: --mode",
+    "check nowhere.dat": "cannot read 'nowhere.dat'",
+    "demo nothing": "no mechanism 'nothing'. Shipped: elevator",
+    "demo pf3d pf2d": "Got unexpected extra argument(s) (pf2d)",
+    "demo --list pf3d": "--list takes neither a mechanism nor --to",
+    "demo --to nowhere": "the folder 'nowhere' does not exist",
+    "demo --to guide.dat": "the folder 'guide.dat' does not exist",
+    "demo pf3d --to taken": "'taken/pf3d.dat' is there already and differs; move it away first",
+}
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    """A folder with what the calls of MISUSED name."""
+    text = mechanism_path("pf2d").read_text()
+    (tmp_path / "guide.dat").write_text(text)
+    (tmp_path / "link.dat").symlink_to("guide.dat")
+    (tmp_path / "empty.dat").write_text("")
+    (tmp_path / "utf16.dat").write_text(text, encoding="utf-16")
+    (tmp_path / "thick.dat").write_text(re.sub("(?m)^XM 3 .*$", "XM 3 {m}", text))
+    (tmp_path / "endless.dat").write_text(re.sub("(?m)^(XM 3 .*)$", r"\1\nTIMESTEP 1 999999999", text))
+    (tmp_path / "folder.dat").mkdir()
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "pf3d.dat").write_text("% mine\n")
+    for name in ("full.npz", "full.svg"):
+        (tmp_path / name).symlink_to("/dev/full")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("line", MISUSED)
+def test_a_wrong_call_is_one_line(line, workplace):
+    before = {path: path.read_bytes() for path in sorted(workplace.rglob("*")) if path.is_file()}
+    result = call(*line.split(" ")) if line else call()
+    assert result.exit_code == 2
+    assert MISUSED[line] in result.stderr
+    assert result.stderr.endswith("\n")
+    assert result.stderr[:-1].isprintable()
+    # Without a command the help is shown.
+    assert bool(result.stdout) is (not line)
+    assert {path: path.read_bytes() for path in sorted(workplace.rglob("*")) if path.is_file()} == before
+
+
+@pytest.mark.parametrize("command", ["", "run", "check", "demo", "sweep", "tune"])
+@pytest.mark.parametrize("option", ["-h", "--help"])
+def test_help(command, option):
+    result = call(*command.split(), option)
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "Usage: flexmb" in result.stdout
+
+
+def test_version():
+    result = call("--version")
+    assert (result.exit_code, result.stdout) == (0, f"flexmb {fm.__version__}\n")
+    code = "import sys\nfrom flexmb.cli import app\ntry: app(['--version'])\nfinally: print('jax' in sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split("\n")[1] == "False"
+
+
+def test_a_path_of_too_few_steps_says_so():
+    result, data = answer("pf2db", 10, "--max-steps", "1")
+    assert (result.exit_code, data["status"]) == (1, "max_steps")
+    assert 0 < data["path"][-1]["load_factor"] < 1
+
+
+def test_numbers_of_parameters(workplace):
+    told = call("run", "thick.dat", "--mode", "7", "--set", "m=0.103", "--json", "-")
+    plain = call("run", "guide.dat", "--mode", "7", "--json", "-")
+    assert told.exit_code == plain.exit_code == 0
+    assert json.loads(told.stdout)["eigenvalues"] == json.loads(plain.stdout)["eigenvalues"]
+    assert call("check", "thick.dat", "--set", "m=1D-1").exit_code == 0
+    assert call("check", "thick.dat").exit_code == 2
+
+
+def test_the_demo_is_copied_again(tmp_path):
+    assert [call("demo", "pf3d", "--to", tmp_path).exit_code for _ in range(2)] == [0, 0]
+    assert [path.name for path in tmp_path.iterdir()] == ["pf3d.dat"]
+
+
+def test_an_interrupt_is_one_line(monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(answers, "answer", interrupted)
+    result = call("run", mechanism_path("pf2d"), "--mode", "7")
+    assert (result.exit_code, result.stdout, result.stderr) == (130, "", "flexmb: interrupted from the keyboard.\n")
+
+
+def test_a_fault_nobody_foresaw_is_one_line(monkeypatch):
+    def surprised(*_, **__):
+        raise RuntimeError("\x1b[31m\nand more")
+
+    monkeypatch.setattr(answers, "answer", surprised)
+    result = call("run", mechanism_path("pf2d"), "--mode", "7")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "flexmb: RuntimeError: \\x1b[31m (--debug shows where)\n"
+
+
+def test_an_answer_that_is_not_finite_is_none(monkeypatch):
+    monkeypatch.setitem(answers.MODES, 7, ("frequencies", lambda *_: {"x": {"1": [0.0, np.nan]}, "stable": True}))
+    result, data = answer("pf2d", 7)
+    assert (result.exit_code, data["status"]) == (1, "not_finite")
+    assert data["message"].endswith("(x)")
+    assert "x" not in data
+    assert result.stderr.startswith("pf2d.dat: not_finite: A matrix of the analysis is not finite.")
+
+
+def test_warnings_of_the_package_are_in_the_answer(monkeypatch):
+    monkeypatch.setattr(answers, "linearize", warned_by_the_package)
+    result, data = answer("pf2d", 7)
+    assert (result.exit_code, data["warnings"], result.stderr) == (0, ["Not what you may think."], "")
+
+
+def warned_by_the_package(model):
+    source = "import warnings\nwarnings.warn('Not what you may think.', stacklevel=1)"
+    exec(compile(source, answers.__file__, "exec"))
+    return fm.linearize(model)
+
+
+@pytest.mark.parametrize("mode", [0, 7, 9])
+def test_incremental_loads_that_do_not_act_are_told(mode, tmp_path):
+    path = tmp_path / "more.dat"
+    path.write_text(mechanism_path("pf2d").read_text().replace("XM 3", "DELXF 3 1\nXM 3"))
+    data = json.loads(call("run", path, "--mode", mode, "--json", "-").stdout)
+    told = [f"Incremental loads (DELXF, DELESIG, DELINPX, DELINPE) act in modes 8 and 10: mode {mode} answers without"]
+    assert [w[: len(told[0])] for w in data["warnings"]] == (told if mode else [])
+
+
+# -- streams and files ----------------------------------------------------------------------------------------------
+
+
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("redirected", "status", "words"),
     [
-        (("run", "nowhere.dat", "--mode", "7"), "cannot read 'nowhere.dat'"),
-        (("run", "pf2d", "--mode", "77"), "there is no mode '77'"),
-        (("run", "pf2d", "--mode", "2"), "reserved"),
-        (("run", "pf2d"), "--mode"),
-        (("run", "pf2d", "--mode", "7", "--release", "all"), "--release"),
-        (("run", "pf2d", "--mode", "7", "--save", "a.txt"), ".npz or .mat"),
-        (("demo", "nothing"), "no mechanism 'nothing'"),
+        ("> /dev/full", 2, "flexmb: cannot write to standard output: No space left on device.\n"),
+        (">&-", 2, "flexmb: cannot write to standard output: it is closed.\n"),
+        ("2>&-", 0, ""),
+        ("| true; exit ${PIPESTATUS[0]}", 141, ""),
     ],
 )
-def test_wrong_calls(arguments, words):
-    arguments = [mechanism_path(a) if a in mechanisms() else a for a in arguments]
-    result = call(*arguments)
-    assert result.exit_code == 2
-    assert words in result.stderr
-    assert result.stderr.count("\n") == 1
+def test_streams_that_take_nothing(redirected, status, words):
+    # The list of the shipped mechanisms may fit into a pipe that is not read yet, so it waits until nobody can.
+    script = f"(sleep 0.5; {sys.executable} -m flexmb demo --list) {redirected}"
+    found = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=False, timeout=60)
+    assert (found.returncode, found.stderr) == (status, words)
+
+
+def test_every_name_and_comment_in_every_locale(tmp_path):
+    """Comments in Latin-1 and a name in UTF-8 or in none, where neither files nor streams know more than ASCII."""
+    ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"}
+    text = "% Führung, 5 µm\n" + mechanism_path("pf1dtrx").read_text()
+    for raw, model in ((b"F\xc3\xbchrung.dat", "Führung.dat"), (b"F\xfchrung.dat", r"F\xfchrung.dat")):
+        name = os.fsdecode(raw)
+        (tmp_path / name).write_bytes(text.encode("latin-1"))
+        options = ["--json", name + ".json", "--save", name + ".mat", "--log", name + ".log", "--plot", name + ".svg"]
+        found = program("run", name, "--mode", "7", *options, env={**os.environ, **ascii_only}, cwd=tmp_path)
+        assert (found.returncode, found.stderr) == (0, b"")
+        assert b"10.65844" in found.stdout
+        assert json.loads((tmp_path / (name + ".json")).read_bytes())["model"] == model
+        assert scipy.io.loadmat(tmp_path / (name + ".mat"))["frequencies_hz"] == pytest.approx(10.65844, rel=1e-6)
+        assert b"NDOF 1" in (tmp_path / (name + ".log")).read_bytes()
+        assert (tmp_path / (name + ".svg")).read_bytes().startswith(b"<?xml")
+
+
+def test_a_file_from_a_pipe(tmp_path):
+    found = program("check", "/dev/stdin", input=mechanism_path("pf1dtrx").read_bytes())
+    assert (found.returncode, found.stderr) == (0, b"")
+    assert found.stdout.startswith(b"stdin  mode 0  status ok")
+
+
+def test_a_disk_that_is_full_leaves_nothing(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_bytes(b"old")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        with pytest.raises(OSError, match="too large"):
+            write_whole(path, b"x" * 10**5)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert [(p.name, p.read_bytes()) for p in tmp_path.iterdir()] == [("a.json", b"old")]
+
+
+def test_what_is_no_file_and_what_is_a_link_stay_what_they_are(tmp_path):
+    (tmp_path / "real.json").write_text("old")
+    (tmp_path / "link.json").symlink_to("real.json")
+    (tmp_path / "later.json").symlink_to("made.json")
+    (tmp_path / ("long" * 62 + ".json")).write_text("old")
+    for path in tmp_path.iterdir():
+        write_whole(path, b"new")
+    assert {p.name: p.read_text() for p in tmp_path.iterdir() if not p.is_symlink()} == {
+        "real.json": "new",
+        "made.json": "new",
+        "long" * 62 + ".json": "new",
+    }
+    assert sorted(p.name for p in tmp_path.iterdir() if p.is_symlink()) == ["later.json", "link.json"]
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, b"through")
+    assert os.read(reader, 100) == b"through"
+    os.close(reader)
 
 
 def test_bad_file_names_line_and_keyword(tmp_path):
@@ -219,3 +517,51 @@ def test_the_module_is_the_program():
     result = subprocess.run([sys.executable, "-m", "flexmb", "--help"], capture_output=True, text=True, check=True)
     assert "run" in result.stdout
     assert "demo" in result.stdout
+
+
+TURNED = """BEAM 1 1 2 3 4
+X 1 0 0 0
+X 3 1 0 0
+FIX 1
+FIX 2
+RLSE 1 1 2 3 4 5 6
+DYNX 3 1 2 3
+DYNX 4 2 3 4
+END
+HALT
+ESTIFF 1 1e5 1 1 1
+EM 1 1 0.1 0.1 0.1
+XF 4 0 0 0.1
+END
+END
+"""
+
+
+def test_a_motion_that_cannot_begin_has_no_states(tmp_path):
+    path = tmp_path / "light.dat"
+    text = re.sub("END\\nHALT\\n+INPUTF 1 2 1", SWING, mechanism_path("pf1dtrx").read_text())
+    path.write_text(re.sub("(?m)^(XM|EM) .*$", "", text))
+    result = call("run", path, "--mode", "1", "--json", "-")
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"]) == (1, "singular_mass")
+    assert not {"time", "trajectory", "x", "energy"} & set(data)
+
+
+def test_poles_stand_where_there_are_no_frequencies(tmp_path):
+    path = tmp_path / "turned.dat"
+    path.write_text(TURNED)
+    data = json.loads(call("run", path, "--mode", "7", "--json", "-").stdout)
+    assert data["warnings"][0].startswith("The stiffness is unsymmetric")
+    assert len(data["poles"]) == 12
+    assert not {"frequencies_hz", "modes"} & set(data)
+    shown = call("run", path, "--mode", "7").stdout
+    assert f"   12  {data['poles'][11][0]:.7g} {data['poles'][11][1]:+.7g}j" in shown
+
+
+def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
+    path = tmp_path / "held.dat"
+    path.write_text(mechanism_path("pf2d").read_text().replace("OUTX 1 3 1", "OUTS 1 1 1"))
+    result = call("run", path, "--mode", "9", "--json", "-")
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"]) == (1, "not_valid")
+    assert result.stderr.startswith("held.dat: not_valid: Output 'stress 1.1' is the stress of a fixed deformation")

@@ -11,6 +11,7 @@ from ..analysis.linearize import Linearization, linearize
 from ..analysis.modal import modes
 from ..build.restrict import Restriction, can_be_tied, restrict
 from ..errors import AnalysisError, ModelError, shown
+from ..math.threads import one_thread
 from ..model.model import Model
 from .designs import numbers, positive
 from .designs import whole as whole_number

@@ -9,6 +9,7 @@ from ..analysis.linearize import linearize
 from ..build.restrict import can_be_tied, released
 from ..elements import planar, spatial
 from ..errors import ModelError
+from ..math.threads import one_thread
 from ..mechanics.blocks import companion_of
 from ..model.model import Model
 from .deviation import deviation, response

@@ -1,6 +1,8 @@
 """The answer of each analysis mode as plain numbers: what the command line prints, writes and saves."""
 
 import dataclasses
+import pathlib
+import warnings as python_warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -16,7 +18,7 @@ from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
 from ..analysis.stress import stress, without_shape
 from ..build.dofs import complete_series
-from ..errors import AnalysisError, MechanismError
+from ..errors import AnalysisError, MechanismError, ModelError
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
 from ..model.model import Labels, Model
@@ -25,6 +27,7 @@ from ..results import RESULTS
 from ..statespace import state_matrices
 from .motion_answers import simulated
 
+PACKAGE = pathlib.Path(__file__).parents[1]
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
 
@@ -126,11 +129,12 @@ def _configuration(lin: Linearization) -> dict[str, Any]:
 
 
 def _stress(lin: Linearization) -> dict[str, Any]:
-    """Largest von Mises stress of each flexible element, where all of their sections have a shape."""
+    """Largest von Mises stress and where it is, where the sections of all flexible elements have a shape."""
     if not any(map(any, lin.labels.stressed)) or without_shape(lin.model):
         return {}
     found = stress(lin.model, at=lin)
-    return {"stress": dict(zip(found.names, np.asarray(found.by_element).tolist(), strict=True))}
+    element, place, _ = found.where
+    return {"stress": {"maximum": float(found.maximum), "element": _number(element), "place": place}}
 
 
 def _matrices(lin: Linearization) -> dict[str, Any]:
@@ -160,7 +164,8 @@ def _hertz(values, hertz) -> list[float | None]:
 
 def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
     if not lin.matrices.symmetric:
-        return {**_state(lin), **_poles(lin, always=True)}
+        silent = "The stiffness is unsymmetric (moments about fixed axes, follower loads): `poles` answers alone."
+        return {**_state(lin), **_poles(lin, always=True), "warnings": [silent]}
     found = modes(lin)
     values, hertz = np.asarray(found.eigenvalues), np.asarray(found.frequencies)
     return {
@@ -248,7 +253,11 @@ MODES: dict[int, tuple[str, Callable[[Model, Linearization], dict[str, Any]] | N
 RESERVED = {
     2: "inverse",
     3: "trajectory-linearisation",
+    5: "perturbation",
+    6: "superposition",
 }
+# Modes in which incremental loads act.
+INCREMENTAL = (8, 10)
 
 
 def _loose_warnings(lin: Linearization) -> list[str]:
@@ -291,7 +300,31 @@ def answer(
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = list(warnings or [])
+    with python_warnings.catch_warnings(record=True) as caught:
+        python_warnings.simplefilter("always")
+        found = _answer(data, builder, name, mode, release, dofs, max_steps, settings or {})
+    for warned in caught:
+        if pathlib.Path(warned.filename).is_relative_to(PACKAGE):
+            data["warnings"].append(str(warned.message))
+        elif not issubclass(warned.category, RuntimeWarning):
+            # numpy's on overflow go: what is not finite in the end has a status.
+            python_warnings.warn_explicit(warned.message, warned.category, warned.filename, warned.lineno)
+    return found
+
+
+def _answer(
+    data: dict[str, Any],
+    builder,
+    name: str,
+    mode: int,
+    release: Any,
+    dofs: Any,
+    max_steps: int,
+    settings: dict[str, Any],
+) -> Answer:
+    """Fill in the keys and values of an answer."""
     model = complete_series(builder, builder.build(check=False))
+    data["warnings"] += _increment_warnings(builder, mode)
     lin = None
     failed = 0
     try:
@@ -307,7 +340,7 @@ def answer(
             }
         elif mode in (1, 4):
             model = builder.build(dofs=dofs, release=release)
-            extra = simulated(model, name, settings or {}, mode == 4)
+            extra = simulated(model, name, settings, mode == 4)
             failed = int(extra["status"] != "ok")
         elif mode == 10:
             model = builder.build(dofs=dofs, release=release)
@@ -325,12 +358,47 @@ def answer(
     except (MechanismError, AnalysisError) as fault:
         extra = {"status": fault.code, "message": str(fault)}
         failed = 1
+    except ModelError as fault:
+        # Such as an output that cannot be given.
+        extra = {"status": "not_valid", "message": str(fault)}
+        failed = 1
     data.update(model.counts())
     data["dofs"] = _dofs(model)
     data["warnings"] += extra.pop("warnings", [])
     returned = extra.pop("found", None)
+    bad = [key for key, value in extra.items() if not _finite({key: value})]
+    if failed:
+        extra = {key: value for key, value in extra.items() if key not in bad}
+    elif bad:
+        extra = {"status": RESULTS.not_finite.name, "message": f"{RESULTS.not_finite.message} ({', '.join(bad)})"}
+        failed = 1
     data.update(extra)
     return Answer(data, failed, model, lin, returned)
+
+
+def _finite(value: Any) -> bool:
+    """Whether all numbers in a value are finite."""
+    if isinstance(value, dict):
+        # A motion that nothing holds is infinitely compliant, and null.
+        return all(_finite(v) for key, v in value.items() if key != "compliance")
+    if isinstance(value, list | tuple):
+        return all(map(_finite, value))
+    numeric = isinstance(value, float | complex | np.generic) or (
+        isinstance(value, np.ndarray) and value.dtype.kind in "fc"
+    )
+    return not numeric or bool(np.all(np.isfinite(value)))
+
+
+def _increment_warnings(builder, mode: int) -> list[str]:
+    """What to say where loads of the file do not act."""
+    hidden = (m for m in builder.members.values() if m.hidden)
+    there = any(builder.loads["increment"].values()) or any(m.properties.get("incremental") for m in hidden)
+    if not there or mode in (0, *INCREMENTAL):
+        return []
+    return [
+        f"Incremental loads (DELXF, DELESIG, DELINPX, DELINPE) act in modes {' and '.join(map(str, INCREMENTAL))}:"
+        f" mode {mode} answers without them."
+    ]
 
 
 def plain(value: Any) -> Any:

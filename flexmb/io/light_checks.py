@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from ..build.assemble import is_concrete
-from ..errors import ModelError
-from .light_input import AXES, INPUTS, OUTPUTS, Script, StructArray
+from ..errors import ModelError, shown
+from .light_input import AXES, COUNTS, INPUTS, OUTPUTS, Script, in_form, numbered
+from .spacar_lines import LARGEST, SMALLEST, within
 
 SHORTEST = 1e-5
 LONGEST = 1000
@@ -15,6 +16,9 @@ LONGEST = 1000
 PARALLEL = 1e-5
 THIN = 1e-4
 MANY_STEPS = 100
+# Each step keeps its matrices, and beams cost the square of their number.
+MOST_STEPS = 10_000
+MOST_BEAMS = 1000
 
 
 def check(script: Script) -> None:
@@ -57,8 +61,11 @@ def acts(value: Any) -> bool:
 def _connections(script: Script) -> Iterator[str]:
     n = len(script.nodes)
     if is_concrete(script.nodes):
-        for i in np.flatnonzero(~np.all(np.isfinite(script.nodes), axis=1)):
-            yield f"Node {i + 1}: its position must be finite numbers, but is {script.nodes[i]}."
+        for i in np.flatnonzero(~np.all(within(script.nodes), axis=1)):
+            yield (
+                f"Node {i + 1}: its position must be finite numbers, 0 or from {SMALLEST:g} to {LARGEST:g} in size, but"
+                f" is {script.nodes[i]}."
+            )
     pairs: dict[tuple[int, int], int] = {}
     for k in script.numbers():
         p, q = script.ends(k)
@@ -127,7 +134,7 @@ def _membership(script: Script) -> Iterator[str]:
 def _set(script: Script, number: int) -> Iterator[str]:
     own, where = script.eprops[number], f"eprops({number})"
     if own.get("type", "beam") not in ("beam", "hinge"):
-        yield f"{where}.type: must be 'hinge' or left out, but is {own['type']!r}."
+        yield f"{where}.type: must be 'hinge' or left out, but is {shown(repr(own['type']))}."
     if own.get("type") == "hinge":
         other = [name for name in own if name not in ("elems", "type", "orien")]
         if other:
@@ -148,6 +155,8 @@ def _set(script: Script, number: int) -> Iterator[str]:
             script.warnings.append(f"{where}.{name} has no effect: it is for flexible elements of cshape 'rect'.")
     if "warping" in own and "cw" in own:
         yield f"{where}: has warping and cw, which count the same effect; leave out cw."
+    if own.get("nbeams", 1) > MOST_BEAMS:
+        yield f"{where}.nbeams: must be at most {MOST_BEAMS}, but is {own['nbeams']}."
     if "nbeams" in own and not flex:
         script.warnings.append(f"{where}.nbeams has no effect on rigid elements.")
 
@@ -167,7 +176,7 @@ def _section(script: Script, number: int) -> Iterator[str]:
         return
     wanted = {"rect": (2, "[width, thickness]"), "circ": (1, "the diameter")}.get(own["cshape"])
     if wanted is None:
-        yield f"{where}.cshape: must be 'rect' or 'circ', but is {own['cshape']!r}."
+        yield f"{where}.cshape: must be 'rect' or 'circ', but is {shown(repr(own['cshape']))}."
     elif "dim" in own and own["dim"].shape[0] != wanted[0]:
         yield f"{where}.dim: of a '{own['cshape']}' must be {wanted[1]}, but has {own['dim'].shape[0]} numbers."
     elif "dim" in own and is_concrete(own["dim"]):
@@ -224,7 +233,7 @@ def _node(script: Script, number: int) -> Iterator[str]:
     for field, known in (("transfer_in", INPUTS), ("transfer_out", OUTPUTS)):
         for word in own.get(field, ()):
             if word not in known:
-                yield f"{where}: {field} must be some of {', '.join(known)}, but names {word!r}."
+                yield f"{where}: {field} must be some of {', '.join(known)}, but names {shown(repr(word))}."
 
 
 def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
@@ -271,7 +280,9 @@ def _options(script: Script) -> Iterator[str]:
             )
     if opt.get("mode", 10) != 10:
         yield f"opt.mode: must be 10 (equilibrium at load steps) or left out, but is {opt['mode']}."
-    if opt.get("loadsteps", 1) >= MANY_STEPS:
+    if opt.get("loadsteps", 1) > MOST_STEPS:
+        yield f"opt.loadsteps: must be at most {MOST_STEPS}, but is {opt['loadsteps']}."
+    elif opt.get("loadsteps", 1) >= MANY_STEPS:
         script.warnings.append(f"opt.loadsteps = {opt['loadsteps']}: that many equilibria take a while.")
     if "rls" in opt:
         yield from _releases(script)
@@ -280,8 +291,8 @@ def _options(script: Script) -> Iterator[str]:
             given = np.ravel(np.asarray(opt["transfer"], float))
         except (ValueError, TypeError):
             given = np.zeros(0)
-        if given.size not in (1, 2) or given[0] not in (0, 1) or np.any(given < 0):
-            yield f"opt.transfer: must be true, or [true, damping ratio], but is {opt['transfer']!r}."
+        if given.size not in (1, 2) or given[0] not in (0, 1) or not np.all(given >= 0):
+            yield f"opt.transfer: must be true, or [true, damping ratio], but is {shown(repr(opt['transfer']))}."
             return
         opt["transfer"] = tuple(given.tolist()) if given[0] else None
     fields = [name for name in ("transfer_in", "transfer_out") if any(name in own for own in script.nprops.values())]
@@ -295,13 +306,19 @@ def _options(script: Script) -> Iterator[str]:
 def _releases(script: Script) -> Iterator[str]:
     """``opt.rls`` by element number; empty means that nothing is released."""
     given, releases = script.opt["rls"], {}
-    pairs = list(given.items()) if isinstance(given, StructArray | dict) else list(enumerate(given, 1))
+    faults: list[str] = []
+    pairs = numbered(given, "opt.rls", faults)
+    yield from faults
     for number, value in pairs:
         if not isinstance(value, dict) and hasattr(value, "__dict__") and not hasattr(value, "shape"):
             value = vars(value)
         if isinstance(value, dict):
             value = value.get("def", value.get("def_", ()))
-        numbers = tuple(np.ravel(np.asarray(value, int)).tolist())
+        try:
+            numbers = in_form(value, COUNTS) if np.size(value) else ()
+        except (ValueError, TypeError, OverflowError):
+            yield f"opt.rls({number}): must be numbers of deformations, but is {shown(repr(value))}."
+            continue
         if not 1 <= number <= len(script.elements):
             yield f"opt.rls({number}): there is no element {number}; they are numbered to {len(script.elements)}."
         elif not set(numbers) <= set(script.flexible(number)):

@@ -14,7 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..build.assemble import is_concrete, stack
-from ..errors import ModelError
+from ..errors import ModelError, shown
+from .spacar_lines import LARGEST, MOST, SMALLEST, within
 
 AXES = ("x", "y", "z")
 
@@ -176,21 +177,19 @@ def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Scrip
         ModelError: One line a fault.
     """
     faults: list[str] = []
-    positions = nodes if not isinstance(nodes, Sequence) else [list(row) for row in nodes]
-    positions = np.asarray(positions, float) if is_concrete(positions) else _traced(positions)
-    if positions.ndim != 2 or positions.shape[1] != 3:
-        faults.append(f"nodes: must be one row of x, y and z a node, but has shape {positions.shape}.")
-    pairs = np.asarray(elements)
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or np.any(pairs != np.round(pairs)):
-        faults.append(f"elements: must be one row of two node numbers an element, but has shape {pairs.shape}.")
-    if faults:
+    positions, pairs = _rows(nodes), _rows(elements)
+    if positions is None or positions.shape[1] != 3:
+        faults.append(f"nodes: must be one row of x, y and z a node, but is {_seen(nodes, positions)}.")
+    if pairs is None or pairs.shape[1] != 2 or not _are_counts(pairs):
+        faults.append(f"elements: must be one row of two node numbers an element, but is {_seen(elements, pairs)}.")
+    if faults or positions is None or pairs is None:
         raise ModelError("\n".join(faults))
     script = Script(positions, pairs.astype(int), {}, {}, {}, {}, [])
     for what, given, fields, found in (
         ("nprops", nprops, NODE_FIELDS, script.nprops),
         ("eprops", eprops, SET_FIELDS, script.eprops),
     ):
-        for number, struct in _numbered(given, what, faults):
+        for number, struct in numbered(given, what, faults):
             found[number] = _fields(struct, fields, f"{what}({number})", faults, script.warnings)
     script.opt.update(_fields(opt or {}, OPTIONS, "opt", faults, script.warnings))
     if faults:
@@ -198,21 +197,48 @@ def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Scrip
     return script
 
 
-def _traced(rows: Any) -> Any:
-    if not isinstance(rows, list):
-        return jnp.asarray(rows, float)
-    return jnp.stack([stack(row) for row in rows])
+def _rows(given: Any) -> Any:
+    """Rows of numbers, (n, m), which may be traced; None if they are none."""
+    if isinstance(given, str):
+        return None
+    try:
+        rows = [list(row) for row in given] if isinstance(given, Sequence) else given
+        if is_concrete(rows):
+            found = np.asarray(rows, float)
+        else:
+            found = jnp.stack([stack(row) for row in rows]) if isinstance(rows, list) else jnp.asarray(rows, float)
+    except (ValueError, TypeError, OverflowError):
+        return None
+    return found if found.ndim == 2 else None
 
 
-def _numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
-    """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1."""
+def _are_counts(numbers: np.ndarray) -> bool:
+    """Whether all are whole numbers that something can have, of either sign."""
+    return bool(np.all(np.abs(numbers) <= MOST) and np.all(numbers == np.round(numbers)))
+
+
+def _seen(given: Any, rows: Any) -> str:
+    return shown(repr(given)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"
+
+
+def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
+    """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1.
+
+    Args:
+        given: The structures.
+        what: Name of them all, for the faults.
+        faults: What is wrong is added here.
+    """
     if isinstance(given, StructArray | Mapping):
         pairs = list(given.items())
-    else:
+    elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
         pairs = list(enumerate(given or (), 1))
+    else:
+        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {shown(repr(given))}.")
+        return []
     for number, _ in pairs:
-        if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < 1:
-            faults.append(f"{what}: structures are numbered from 1, but one is {number!r}.")
+        if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= MOST:
+            faults.append(f"{what}: structures are numbered from 1, but one is {shown(repr(number))}.")
             return []
     return [(int(number), struct) for number, struct in pairs]
 
@@ -221,14 +247,14 @@ def _fields(struct: Any, known: dict[str, Form], where: str, faults: list[str], 
     """Fields that are given, in the form they should have."""
     found: dict[str, Any] = {}
     if not isinstance(struct, Mapping) and not hasattr(struct, "__dict__"):
-        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {struct!r}.")
+        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {shown(repr(struct))}.")
         return found
     for key, value in (struct if isinstance(struct, Mapping) else vars(struct)).items():
-        name = key.rstrip("_")
+        name = str(key).rstrip("_")
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
+            near = difflib.get_close_matches(name[:40], known, 1)
             hint = f" Did you mean {near[0]}?" if near else f" It takes: {', '.join(known)}."
-            faults.append(f"{where}.{name}: there is no such field.{hint}")
+            faults.append(f"{where}.{shown(name)}: there is no such field.{hint}")
         elif value is None or (known[name] is not ANYTHING and _is_empty(value)):
             continue
         elif name in WITHOUT_EFFECT:
@@ -241,8 +267,9 @@ def _fields(struct: Any, known: dict[str, Form], where: str, faults: list[str], 
         else:
             try:
                 read_value = in_form(value, known[name])
-            except (ValueError, TypeError):
-                faults.append(f"{where}.{name}: must be {_wanted(known[name])}, but is {value!r}.")
+            except (ValueError, TypeError, OverflowError) as fault:
+                wanted = f"0 or from {SMALLEST:g} to {LARGEST:g} in size" if isinstance(fault, OutOfRange) else None
+                faults.append(f"{where}.{name}: must be {wanted or _wanted(known[name])}, but is {shown(repr(value))}.")
             else:
                 # "fix = false" says nothing, but an option may be on unless it is said to be off.
                 if read_value is not False or known is OPTIONS:
@@ -259,13 +286,17 @@ def _wanted(form: Form) -> str:
     if isinstance(form, str):
         return {
             FLAG: "true or false",
-            COUNT: "a whole number from 1",
-            COUNTS: "whole numbers from 1",
+            COUNT: f"a whole number from 1 to {MOST}",
+            COUNTS: f"whole numbers from 1 to {MOST}",
             NUMBER: "a finite number",
             WORD: "a word",
             WORDS: "a word or a list of words",
         }[form]
     return f"{' or '.join(str(n) for n in form)} finite number{'' if form == (1,) else 's'}"
+
+
+class OutOfRange(ValueError):
+    """A number is beyond what mechanics in double precision survives."""
 
 
 def in_form(value: Any, form: Form) -> Any:
@@ -293,15 +324,24 @@ def in_form(value: Any, form: Form) -> Any:
             raise ValueError
         return bool(np.ravel(value)[0])
     if form is COUNT or form is COUNTS:
-        numbers = np.ravel(np.asarray(value, float))
-        if np.any(numbers != np.round(numbers)) or np.any(numbers < 1) or (form is COUNT and numbers.size != 1):
+        numbers = np.ravel(_real(value))
+        if not _are_counts(numbers) or np.any(numbers < 1) or (form is COUNT and numbers.size != 1):
             raise ValueError
         return int(numbers[0]) if form is COUNT else tuple(int(n) for n in numbers)
-    array: Any = np.ravel(np.asarray(value, float)) if is_concrete(value) else jnp.ravel(_flat(value))
+    array: Any = np.ravel(_real(value)) if is_concrete(value) else jnp.ravel(_flat(value))
     lengths = (1,) if form is NUMBER else form
     if array.shape[0] not in lengths or (is_concrete(array) and not np.all(np.isfinite(array))):
         raise ValueError
+    if is_concrete(array) and not np.all(within(array)):
+        raise OutOfRange
     return array[0] if form is NUMBER else array
+
+
+def _real(value: Any) -> np.ndarray:
+    """Numbers, of which a text is none though numpy would read it."""
+    if np.asarray(value).dtype.kind in "US":
+        raise TypeError
+    return np.asarray(value, float)
 
 
 def _flat(value: Any) -> Any:

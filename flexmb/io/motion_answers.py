@@ -3,18 +3,28 @@
 import sys
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy.linalg
 from jax.tree_util import Partial
 
+from ..analysis.linearize import Linearization
 from ..analysis.moving import linearize_motion
 from ..analysis.simulate import Motion, simulate
 from ..errors import SpacarError
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
 from ..results import RESULTS
+from ..statespace import state_matrices
+from .spacar_reading import Setting
 
 RTOL = 1e-5
+# What the output times of one motion may take. A number is kept in arrays, in lists and as text, 300 bytes in all, as
+# 200 000 times of a truss are measured to take; the arrays of the linearised equations beside their numbers 24 000.
+LARGEST_ANSWER = 4 * 2**30
+BYTES_A_NUMBER = 300
+BESIDE_MATRICES = 80
 
 
 def _uniformly_accelerated(t, value, velocity, acceleration):
@@ -38,22 +48,38 @@ def _motions(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
 
 
 NAMES = ("value", "velocity", "acceleration")
+# Of a motion that ended so there are states up to then; any other has not begun.
+PARTLY = (
+    RESULTS.successful,
+    RESULTS.step_too_small,
+    RESULTS.step_too_large,
+    RESULTS.motion_unfinished,
+    RESULTS.stopped,
+)
 
 
-def times_of(name: str, settings: dict[str, Any]) -> np.ndarray:
+def times_of(name: str, settings: dict[str, Any], numbers: int = 1) -> np.ndarray:
     """Output times that TIMESTEP asks for, (n_t,) [s].
 
     Args:
         name: Name of the file.
         settings: What is not part of the mechanism.
+        numbers: How many numbers the answer has at every time.
 
     Raises:
-        SpacarError: There is no TIMESTEP.
+        SpacarError: There is no TIMESTEP, or the answer would be too large.
     """
     if "TIMESTEP" not in settings:
         raise SpacarError(f"{name}: TIMESTEP: modes 1 and 4 need it: TIMESTEP end steps, such as TIMESTEP 1.0 100")
     given = settings["TIMESTEP"]
-    return np.linspace(0.0, given["end"], int(given["steps"]) + 1)
+    steps, most = int(given["steps"]), LARGEST_ANSWER // (BYTES_A_NUMBER * numbers)
+    if steps > most:
+        at = f"{name}:{given.line}" if isinstance(given, Setting) else name
+        raise SpacarError(
+            f"{at}: TIMESTEP: {steps} steps of {numbers} numbers take {steps * numbers * BYTES_A_NUMBER:.3g} bytes,"
+            f" but {LARGEST_ANSWER:.3g} is the most; give at most {most} steps"
+        )
+    return np.linspace(0.0, given["end"], steps + 1)
 
 
 def _over_time(values, entries) -> dict[str, list]:
@@ -66,18 +92,34 @@ def _over_time(values, entries) -> dict[str, list]:
     return {owner: values[:, columns].tolist() for owner, columns in grouped.items()}
 
 
-def _steps(found: Motion) -> list[dict[str, Any]]:
-    """Linearised equations at every time."""
-    m = linearize_motion(found).matrices
-    steps = []
+def _steps(found: Motion) -> dict[str, Any]:
+    """Linearised equations at every time, null where there are none, and what to say of that."""
+    along, labels = linearize_motion(found), found.labels
+    named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
+    # Once as numpy's, of which the parts at a time cost nothing.
+    matrices, steps, lost = jax.tree.map(np.asarray, along.matrices), [], []
     for i, t in enumerate(np.asarray(found.t).tolist()):
-        own = {name: np.asarray(getattr(m, name)[i]) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
-        fine = int(m.result[i]) == RESULTS.successful
-        values = np.linalg.eigvals(np.linalg.solve(own["M0"], own["K0"] + own["N0"] + own["G0"])) if fine else []
-        values = sorted(values, key=lambda v: v.real)
+        m = jax.tree.map(lambda a, i=i: a[i], matrices)
+        own: dict[str, Any] = {name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
+        if int(m.result) != RESULTS.successful:
+            lost.append(t)
+            steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in own}})
+            continue
+        values = scipy.linalg.eigvals(own["K0"] + own["N0"] + own["G0"], own["M0"])
+        # What has no mass is infinite.
+        values = sorted(values[np.isfinite(values)], key=lambda v: v.real)
         hertz = [None if v.real < 0 or v.imag else float(np.sqrt(v.real)) / (2 * np.pi) for v in values]
-        steps.append({"time": t, "frequencies_hz": hertz, **{name.lower(): value for name, value in own.items()}})
-    return steps
+        if all(named.values()):
+            of_state, _ = state_matrices(Linearization(m, found.model))
+            own |= {name: np.asarray(value) for name, value in of_state._asdict().items()}
+        lower = {name.lower() if len(name) > 1 else name: value for name, value in own.items()}
+        steps.append({"time": t, "frequencies_hz": hertz, **lower})
+    warnings = [
+        f"At {len(lost)} of {len(steps)} times, first at {t:.6g} s, the degrees of freedom do not determine the"
+        " configuration: there are no matrices there."
+        for t in lost[:1]
+    ]
+    return {"steps": steps, **named, "warnings": warnings}
 
 
 def simulated(model: Model, name: str, settings: dict[str, Any], linearised: bool) -> dict[str, Any]:
@@ -95,7 +137,10 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     Raises:
         SpacarError: There is no TIMESTEP.
     """
-    times = times_of(name, settings)
+    n_x, n_e, n_q = len(model.labels.x), len(model.labels.e), model.topology.n_q
+    n_u, n_y = len(model.labels.inputs), len(model.labels.outputs)
+    matrices = BESIDE_MATRICES + 6 * n_q**2 + (2 * n_q + n_u) * (2 * n_q + n_y) if linearised else 0
+    times = times_of(name, settings, 4 + 2 * (n_x + n_e) + matrices)
     error = settings.get("ERROR", {})
     extent = float(jnp.max(sizes_of(model.topology, model.parameters)[model.topology.axes], initial=0.0)) or 1.0
     rtol = error.get("relative", RTOL)
@@ -103,11 +148,13 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     driven = _motions(model, settings)
     found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
     code = RESULTS(int(found.result))
+    extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
+    if code not in PARTLY:
+        return extra
     reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
     if not reached[-1]:
         count = int(np.argmin(reached))
         found = found.until(count)
-    extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if not len(found.t):
         return extra
     seen = found.observe()
@@ -122,5 +169,5 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
         "deformations": _over_time(seen.e, labels.e),
         "stresses": _over_time(seen.sigma, labels.e),
         "energy": {kind: np.asarray(getattr(seen, kind)) for kind in ("kinetic", "elastic", "potential")},
-        **({"steps": _steps(found)} if linearised else {}),
+        **(_steps(found) if linearised else {}),
     }

@@ -1,12 +1,18 @@
-"""SPACAR input files (.dat) to a Builder: every line is acted on, refused, or named in a warning."""
+"""SPACAR input files (.dat) to a Builder.
 
-import codecs
+Every line is acted on, refused, or named in a warning: ROWS says what is done with a keyword in a block, DRAWN what is
+warned of, REFUSED what is refused and why. What ROWS reads without effect warns by itself (OUTLEVEL, ITERSTEP and the
+like). Some lines act in some modes only: TIMESTEP, ERROR, STARTDX, STARTDE, and velocities of INPUTX and INPUTE in 1
+and 4, inputs and outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
+"""
+
 import dataclasses
 import difflib
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +20,7 @@ import numpy as np
 
 from ..build.builder import Builder
 from ..elements import spatial
-from ..errors import ModelError, SpacarError
+from ..errors import ModelError, SpacarError, shown
 from ..model.roles import Role
 from . import spacar_actions as act
 from .spacar_elements import FORMS, KINDS
@@ -29,7 +35,10 @@ from .spacar_lines import (
     first_parameter,
     known,
     parse,
+    placeholders,
+    read_text,
     statements,
+    whole_number,
 )
 from .spacar_reading import AlreadyReported, Declared, Reading
 from .spacar_write import write_spacar as write_spacar
@@ -121,7 +130,9 @@ _KINEMATIC = (
 )
 _INVERSE = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
 REFUSED = {
-    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE"), f"element type {_LATER}"),
+    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE", "LEAF", "PLLEAF"), f"element type {_LATER}"),
+    "SECTION": f"(a section by its dimensions) {_LATER}",
+    **dict.fromkeys(("TRAJX", "TRAJE"), f"(a trajectory) {_LATER}"),
     **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
     **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
     **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), _INVERSE),
@@ -130,6 +141,13 @@ REFUSED = {
     **dict.fromkeys(("INX", "INE"), f"(prescribed motion as an input of the state space) {_LATER}"),
     "OUTF": f"(a force as an output of the state space) {_LATER}",
 }
+
+KEYWORDS = tuple(dict.fromkeys([row.keyword for row in ROWS] + [*REFUSED, *DRAWN, "END", "HALT"]))
+"""All keywords that are known."""
+
+# Nobody reads more, and a file of another kind has one in each line.
+MOST_FAULTS = 1000
+SHOWN_LINES = 20
 
 
 @dataclasses.dataclass(frozen=True)
@@ -143,12 +161,16 @@ class SpacarModel:
         settings: What is not part of the mechanism, by keyword: TIMESTEP, ERROR and ITERSTEP as dictionaries; STARTDX,
             STARTDE as lists of (node or element, component, value, velocity); INPUTX, INPUTE as lists of (.., value,
             velocity, acceleration); USERSIG, USERINP as (name, function); VISUALIZATION as a list of lines.
+        text: What was read.
+        parameters: Names in the placeholders of the file.
     """
 
     builder: Builder
     warnings: list[str]
     name: str
     settings: dict[str, Any]
+    text: str = ""
+    parameters: tuple[str, ...] = ()
 
 
 def read_spacar(
@@ -177,11 +199,67 @@ def read_spacar(
     Raises:
         SpacarError: The file is wrong: one line a fault, each with file, line number and keyword.
         OSError: The file cannot be read.
+        TypeError, ValueError: A number or a user routine is none.
     """
+    _check_arguments(callables or {}, numbers or {})
     name, text = _source(path_or_text)
-    faults: list[tuple[int, str]] = []
+    faults = _Faults()
     r = Reading(dict(callables or {}))
     found = statements(text, numbers)
+    try:
+        _read(r, found, faults)
+    except _Enough:
+        pass
+    if faults:
+        more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(faults) >= MOST_FAULTS)
+        raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
+    warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
+    parameters = placeholders(found)
+    warnings += [f"{name}: parameter '{shown(n)}' is in no line" for n in numbers or {} if n not in parameters]
+    return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
+
+
+def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+    for name, value in callables.items():
+        if not callable(value):
+            raise TypeError(f"Argument `callables`: '{shown(name)}' must be a function, but is {shown(value)}.")
+    for name, value in numbers.items():
+        scalar = isinstance(value, Real) or getattr(value, "shape", None) == ()
+        if not scalar or isinstance(value, bool) or (known(value) and np.asarray(value).dtype.kind not in "iuf"):
+            raise TypeError(f"Argument `numbers`: '{shown(name)}' must be a real number, but is {shown(value)}.")
+        if known(value) and not np.isfinite(float(value)):
+            raise ValueError(f"Argument `numbers`: '{shown(name)}' must be a finite number, but is {shown(value)}.")
+
+
+def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
+    """Name and text of what is to be read."""
+    if isinstance(path_or_text, str) and ("\n" in path_or_text or not path_or_text.strip()):
+        return "text", path_or_text.removeprefix("\ufeff")
+    return shown(Path(path_or_text).name), read_text(path_or_text)
+
+
+class _Enough(Exception):
+    """More faults than anyone reads."""
+
+
+class _Faults(list[tuple[int, str]]):
+    """Faults so far: line and text."""
+
+    def blame(self, s: Statement, text: str, form: str = "") -> None:
+        """Add a fault, with the node or element that a line is about."""
+        about = first_parameter(form)
+        if about == "number":
+            about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
+        if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
+            subject = f"{about} {shown(s.words[0])}"
+            text = f"{subject}: {text.removeprefix(subject).lstrip()}"
+        self.append((s.line, f"{shown(s.keyword)}: {text}"))
+        if len(self) >= MOST_FAULTS:
+            raise _Enough
+
+
+def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
+    """Act on all lines, in the order in which they build on each other."""
     placed = list(_Blocks(r, faults).rows(found))
     for stage in (DECLARE, DESCRIBE):
         _run(r, placed, stage, faults)
@@ -189,39 +267,16 @@ def read_spacar(
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
     _warn_of_screws(r)
+    _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
         faults.append((1, f"file {what}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
-    if faults:
-        raise SpacarError("\n".join(f"{name}:{line}: {text}" for line, text in sorted(faults)))
-    warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
-    return SpacarModel(r.builder, warnings, name, r.settings)
-
-
-def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
-    """Name and text of what is to be read."""
-    if isinstance(path_or_text, str) and ("\n" in path_or_text or not path_or_text.strip()):
-        return "text", path_or_text
-    path = Path(path_or_text)
-    # Comments may be in any 8-bit encoding of old; what counts is ASCII in all of them.
-    return path.name, path.read_bytes().removeprefix(codecs.BOM_UTF8).decode("latin-1")
-
-
-def _blame(faults: list[tuple[int, str]], s: Statement, text: str, form: str = "") -> None:
-    """Add a fault, with the node or element that a line is about."""
-    about = first_parameter(form)
-    if about == "number":
-        about = "input" if s.keyword.startswith("IN") else "output"
-    if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
-        subject = f"{about} {s.words[0]}"
-        text = f"{subject}: {text.removeprefix(subject).lstrip()}"
-    faults.append((s.line, f"{s.keyword[:40]}: {text}"))
 
 
 class _Blocks:
     """Where in the file a line stands: in a block, after END, or in the visualization section."""
 
-    def __init__(self, r: Reading, faults: list[tuple[int, str]]):
+    def __init__(self, r: Reading, faults: _Faults):
         self.reading, self.faults = r, faults
         self.block, self.ends, self.drawing = 0, 0, False
 
@@ -231,7 +286,7 @@ class _Blocks:
             try:
                 row = self._row(s)
             except Fault as fault:
-                _blame(self.faults, s, str(fault), _form(s.keyword))
+                self.faults.blame(s, str(fault), _form(s.keyword))
                 if _may_declare(s.keyword):
                     self.reading.excused |= s.numbers
             else:
@@ -249,8 +304,8 @@ class _Blocks:
         if s.keyword in DRAWN or (self.drawing and not _homes(s.keyword)):
             return act.drawing(self.reading, s)
         if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
-            if s.keyword in ("INX", "INE", "OUTF") and s.words and s.words[0].isdecimal():
-                act.number_signal(self.reading, s, int(s.words[0]))
+            if s.keyword in ("INX", "INE", "OUTF") and s.words and (number := whole_number(s.words[0])):
+                act.number_signal(self.reading, s, number)
             raise Fault(REFUSED.get(s.keyword, _INVERSE))
         if self.drawing:
             raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
@@ -267,7 +322,7 @@ class _Blocks:
         if self.block + 1 == len(BLOCKS):
             raise Fault(f"announces another block, but none is known after {BLOCKS[-1]}")
         if self.ends != 1:
-            _blame(self.faults, s, "must follow the END of a block" if not self.ends else "stands after the last END")
+            self.faults.blame(s, "must follow the END of a block" if not self.ends else "stands after the last END")
         self.block, self.ends = self.block + 1, 0
 
     def _resume(self, s: Statement) -> None:
@@ -275,7 +330,7 @@ class _Blocks:
         later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
         if self.ends > 1 or not later:
             raise Fault("stands after END; only HALT and a later block, or a VISUALIZATION section, may follow")
-        _blame(self.faults, s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
+        self.faults.blame(s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
         self.block, self.ends = later[0], 0
 
 
@@ -286,13 +341,15 @@ def _homes(keyword: str) -> list[str]:
 def _form(keyword: str) -> str:
     """Form of a keyword; of a refused one, what it is about."""
     if keyword in REFUSED:
-        return {"KINX": "node", "INX": "number", "INE": "number", "OUTF": "number"}.get(keyword, "element")
+        numbered = ("INX", "INE", "OUTF", "NOM", "REF")
+        return "number" if keyword.startswith(numbered) else "node" if keyword in ("KINX", "TRAJX") else "element"
     return next((row.form for row in ROWS if row.keyword == keyword), "")
 
 
 def _near(keyword: str) -> str | None:
-    known = [row.keyword for row in ROWS] + list(REFUSED) + list(DRAWN) + ["END", "HALT"]
-    return next(iter(difflib.get_close_matches(keyword, known, 1, 0.7)), None)
+    if len(keyword) > 2 * max(map(len, KEYWORDS)):
+        return None
+    return next(iter(difflib.get_close_matches(keyword, KEYWORDS, 1, 0.7)), None)
 
 
 def _may_declare(keyword: str) -> bool:
@@ -310,7 +367,7 @@ def _row(s: Statement, block: str) -> Row:
     raise Fault("unknown keyword" + (f"; did you mean {near}?" if near else ""))
 
 
-def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: list) -> None:
+def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _Faults) -> None:
     """Act on the lines of one stage, each by itself."""
     for row, s in placed:
         if row.stage != stage:
@@ -320,7 +377,7 @@ def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: li
         except AlreadyReported:
             pass
         except (Fault, ModelError) as fault:
-            _blame(faults, s, _without_name(str(fault)), row.form)
+            faults.blame(s, _without_name(str(fault)), row.form)
             if stage == DECLARE:
                 r.excused |= s.numbers
             elif row.action is act.position:
@@ -332,7 +389,7 @@ def _without_name(text: str) -> str:
     return re.sub(r"^Element '\d+' (\(\w+\) )?", "", text)
 
 
-def _build(r: Reading, faults: list) -> None:
+def _build(r: Reading, faults: _Faults) -> None:
     """Nodes in the order of their numbers, then elements in the order of the file."""
     first = next(iter(r.elements.values()), None)
     r.builder.dimension = first.kind.dimension if first else None
@@ -356,7 +413,7 @@ def _build(r: Reading, faults: list) -> None:
             r.builder.add(element, *names, name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):
-                _blame(faults, declared.statement, _without_name(str(fault)), kind.form)
+                faults.blame(declared.statement, _without_name(str(fault)), kind.form)
 
 
 def _check_rigid(r: Reading, declared: Declared) -> None:
@@ -377,12 +434,21 @@ def _warn_of_screws(r: Reading) -> None:
             r.warnings.append((declared.statement, text))
 
 
-def _connect_signals(r: Reading, faults: list) -> None:
+def _warn_of_drawing(r: Reading) -> None:
+    """One warning names all lines that draw."""
+    if r.drawn:
+        named = [f"{shown(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
+        named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
+        text = f"drawing keywords are kept in settings and have no effect on results: {', '.join(named)}"
+        r.warnings.append((r.drawn[0], text))
+
+
+def _connect_signals(r: Reading, faults: _Faults) -> None:
     """Add inputs and outputs in the order of their numbers, which must be complete."""
     for side, signals in r.signals.items():
         for place, (number, (s, add)) in enumerate(sorted(signals.items()), 1):
             if number > place and place not in signals:
-                _blame(faults, s, f"{side} {place} is missing; {side}s are numbered from 1 without gap", "number")
+                faults.blame(s, f"{side} {place} is missing; {side}s are numbered from 1 without gap", "number")
                 break
             if add is not None:
                 add()

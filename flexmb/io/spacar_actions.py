@@ -6,14 +6,14 @@ Each takes the reading, the line, and its parameters by name.
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
+from ..build.assemble import stack
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..errors import shown
 from ..model.roles import Role
 from . import spacar_series as series
 from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
 from .spacar_lines import DRAWING, Fault, Statement, known
-from .spacar_reading import Declared, Reading
+from .spacar_reading import Declared, Reading, Setting
 
 Values = dict[str, Any]
 VECTORS = ("y1", "y2", "y3", "axis1", "axis2", "axis3", "x1", "x2", "x3")
@@ -117,12 +117,17 @@ def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: s
             raise Fault(f"{what} {component} is named twice")
         for number in r.meant(of, component, kind):
             named.setdefault(number, component)
+    again: dict[int, Statement] = {}
     for number, component in named.items():
         first = r.roles.get((kind, of, number))
         if first is not None and (first.keyword != s.keyword or not repeatable):
             raise Fault(
                 f"{what} {component} has a role already by {first.keyword} on line {first.line}; it can have one only"
             )
+        if first is not None:
+            again.setdefault(component, first)
+    for component, first in list(again.items())[:1]:
+        r.warnings.append((s, f"{what} {component} of {kind} {of} is named already on line {first.line}"))
     r.roles |= {(kind, of, number): s for number in named}
     return list(named)
 
@@ -181,7 +186,7 @@ def lumped(r: Reading, s: Statement, p: Values) -> None:
             raise Fault(f"mass must not be negative, but is {values[0]}; only a rotational node may have that")
         r.builder.mass(str(p["node"]), values[0])
     else:
-        r.builder.inertia(str(p["node"]), values[0] if kind is ANGLE else values)
+        r.builder.inertia(str(p["node"]), values[0] if kind is ANGLE else stack(values))
 
 
 def force(r: Reading, s: Statement, p: Values) -> None:
@@ -209,7 +214,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
     r.builder.prescribe(str(of), component, p["value"] - start, kind=kind)
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
-    if any(rates):
+    if any(not known(rate) or rate != 0 for rate in rates):
         r.warnings.append((s, "velocity and acceleration are for modes 1 and 4; static analyses do not use them"))
 
 
@@ -228,15 +233,19 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
     r.once(s, of)
     member = r.builder.members[str(of)]
     if member.element.fields:
-        start, end = (np.asarray(r.builder.nodes[member.nodes[k]].start, float) for k in (0, 2))
+        start, end = (r.builder.nodes[member.nodes[k]].start for k in (0, 2))
+        length = sum((q - p) ** 2 for p, q in zip(start, end, strict=True)) ** 0.5
         try:
-            own = spread(member.element, float(np.linalg.norm(end - start)), values)
+            own = spread(member.element, length, values)
         except ValueError as fault:
             raise Fault(str(fault)) from None
         values = [own.get(n, 0.0) for n in range(1, max(own, default=1) + 1)]
         roles = member.roles[: len(values)]
-    if all(role is Role.FIXED for role, value in zip(roles, values, strict=True) if value):
-        r.warnings.append((s, "acts on deformations that are fixed and has no effect there"))
+    numbered = enumerate(zip(roles, values, strict=True), 1)
+    held = [i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)]
+    if held:
+        listed = f"{'deformation' if len(held) == 1 else 'deformations'} {', '.join(map(str, held))}"
+        r.warnings.append((s, f"{listed} of element {of} cannot give way, so that the value there has no effect"))
     return values
 
 
@@ -257,7 +266,7 @@ def gravity(r: Reading, s: Statement, p: Values) -> None:
     values = [p[name] for name in ("gx", "gy", "gz") if name in p]
     if r.builder.dimension == 3 and len(values) != 3:
         raise Fault("a spatial mechanism needs three components: gx gy gz")
-    if r.builder.dimension == 2 and values[2:] not in ([], [0.0]):
+    if r.builder.dimension == 2 and any(not known(value) or value != 0 for value in values[2:]):
         raise Fault(f"a planar mechanism has no third axis: gz must be 0, but is {values[2]}")
     r.builder.gravity(values[: r.builder.dimension])
 
@@ -269,9 +278,11 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
     """TIMESTEP, ERROR, ITERSTEP: numbers for an analysis."""
     r.once(s)
     for name in ("end", "absolute", "relative", "tolerance"):
-        if name in p and p[name] <= 0:
+        if name in p and known(p[name]) and p[name] <= 0:
             raise Fault(f"{name} must be positive, but is {p[name]}")
-    r.settings[s.keyword] = p
+    r.settings[s.keyword] = Setting(s.line, p)
+    if s.keyword == "ITERSTEP":
+        r.warnings.append((s, "has no effect: a path (mode 10) finds its own load steps and iterates to round-off"))
 
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
@@ -289,10 +300,12 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
     """USERSIG, USERINP: a Python function given beside the file."""
     r.once(s)
     if p["name"] not in r.callables:
-        raise Fault(
-            f"needs the user routine '{p['name']}': pass read_spacar(..., callables={{'{p['name']}': function}})"
-        )
+        name = shown(p["name"])
+        raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
     r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
+    r.warnings.append(
+        (s, "the function is kept in settings and acts in no analysis by itself: hand it to simulate (loads=, motion=)")
+    )
 
 
 def log_level(r: Reading, s: Statement, p: Values) -> None:
@@ -302,13 +315,9 @@ def log_level(r: Reading, s: Statement, p: Values) -> None:
 
 
 def drawing(r: Reading, s: Statement) -> None:
-    """A line of the visualization section, kept as it stands; one warning names them all."""
+    """A line of the visualization section, kept as it stands."""
     r.settings.setdefault(DRAWING.upper(), []).append(s.raw)
-    first = r.given.setdefault((DRAWING,), s)
-    if first is s:
-        r.warnings.append((s, "drawing keywords are kept in settings and have no effect on results:"))
-    i, (_, text) = next((i, w) for i, w in enumerate(r.warnings) if w[0] is first)
-    r.warnings[i] = first, f"{text}{'' if first is s else ','} {s.keyword} (line {s.line})"
+    r.drawn.append(s)
 
 
 # -- inputs and outputs -------------------------------------------------------------------------------------------

@@ -4,8 +4,6 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from ..build.assemble import stack
 from ..elements import planar, spatial
 from ..elements.element import Element
@@ -86,9 +84,9 @@ class ElementKind:
         """
         found: dict[str, Any] = dict(numbers)
         if vector is not None and "y" in self.element.properties:
-            found["y"] = np.array(vector)
+            found["y"] = stack(vector)
         if vector is not None and "axis" in self.element.properties:
-            found["axis"] = np.array(vector)
+            found["axis"] = stack(vector)
         if "stiffness" in self.stiffness:
             for keyword, name in (("ESTIFF", "stiffness"), ("EDAMP", "damping")):
                 if keyword in lines:

@@ -1,14 +1,18 @@
 """Lines of a SPACAR input file: comments, blocks, and parameters checked against the form of their keyword."""
 
+import codecs
 import dataclasses
 import math
+import os
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import jax.core
+import numpy as np
 
-from ..errors import shown
+from ..errors import SpacarError, shown
 from .arithmetic import value_of
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
@@ -20,15 +24,33 @@ WHOLE: dict[str, int] = dict.fromkeys(
 )
 WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0}
 TEXT = ("name",)
+# Real numbers are zero or between these: beyond, their squares and cubes leave double precision.
+SMALLEST, LARGEST = 1e-100, 1e50
+# A file of 100 000 beams has 12 MiB.
+LARGEST_FILE = 64 * 2**20
 
 _WHOLE = re.compile(r"[+-]?\d{1,9}", re.ASCII)
+# The largest whole number, of nine digits.
+MOST = 999_999_999
 # Fortran programs write 1.0D-3.
 _REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([EeDd][+-]?\d+)?", re.ASCII)
+_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
+_DIGIT = re.compile("[1-9]")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 
 class Fault(Exception):
     """What is wrong with one line."""
+
+
+def within(value: Any) -> Any:
+    """Whether numbers are zero or between the smallest and the largest that are taken.
+
+    Args:
+        value: Number or array.
+    """
+    size = np.abs(value)
+    return (size == 0) | ((size >= SMALLEST) & (size <= LARGEST))
 
 
 _WORD = re.compile(r"(?:\{[^{}]*\}|[^\s{}]|[{}])+")
@@ -82,6 +104,54 @@ class Statement:
         return {int(w) for w in self.words if _WHOLE.fullmatch(w)}
 
 
+def whole_number(word: str) -> int | None:
+    """A whole number from 1, or None.
+
+    Args:
+        word: As the file has it.
+    """
+    return int(word) if _WHOLE.fullmatch(word) and int(word) > 0 else None
+
+
+def placeholders(found: list[Statement]) -> tuple[str, ...]:
+    """Names of the parameters that placeholders name, each once.
+
+    Args:
+        found: Lines of a file.
+    """
+    words = [w for s in found for w in s.words if isinstance(w, Placeholder)]
+    return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w)))
+
+
+def read_text(path: str | os.PathLike) -> str:
+    """Text of a file: UTF-8, with or without its mark, or else Latin-1; what counts is ASCII in both.
+
+    Args:
+        path: Where.
+
+    Raises:
+        SpacarError: It is UTF-16, no text at all, or too large.
+        OSError: It cannot be read.
+    """
+    path, name = Path(path), shown(Path(path).name)
+    with path.open("rb") as file:
+        content = file.read(LARGEST_FILE + 1)
+    if len(content) > LARGEST_FILE:
+        raise SpacarError(f"{name}:1: the file has more than {LARGEST_FILE} bytes; an input file is smaller")
+    # The mark of UTF-32 begins with that of UTF-16.
+    for mark, encoding in ((codecs.BOM_UTF32_LE, "32"), (codecs.BOM_UTF16_LE, "16"), (codecs.BOM_UTF16_BE, "16")):
+        if content.startswith(mark):
+            raise SpacarError(f"{name}:1: the file is in UTF-{encoding}; save it as UTF-8")
+    if b"\0" in content:
+        line = content[: content.index(b"\0")].count(b"\n") + 1
+        raise SpacarError(f"{name}:{line}: the file holds a byte of zero, so it is no text in UTF-8 or Latin-1")
+    content = content.removeprefix(codecs.BOM_UTF8)
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
 def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
     """Words of a line, those in braces as placeholders."""
     found: list[str] = []
@@ -105,7 +175,8 @@ def statements(text: str, numbers: Mapping[str, Any] | None = None) -> list[Stat
         raw = re.split("[%#;]", line, maxsplit=1)[0].strip()
         if raw:
             keyword, *words = raw.split() if numbers is None else _words(raw, numbers)
-            found.append(Statement(number, keyword.upper(), tuple(words), raw))
+            # Outside of ASCII, other letters have the same capitals: the ligature of f and i those of FI.
+            found.append(Statement(number, keyword.upper() if keyword.isascii() else keyword, tuple(words), raw))
     return found
 
 
@@ -175,24 +246,33 @@ def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
 def _value(name: str, given: Any, expected: str) -> Any:
     if isinstance(given, list):
         return [_value(name, word, expected) for word in given]
-    if isinstance(given, Placeholder) and name not in TEXT and name not in WHOLE:
-        value = given.value()
-        if isinstance(value, complex):
-            raise Fault(f"{name} must be a real number, but '{given}' is {value}; {expected}")
-        if known(value) and not math.isfinite(value):
-            raise Fault(f"{name} must be a finite number, but '{given}' is {value}; {expected}")
-        return value
     if name in TEXT:
         return given
     if name in WHOLE:
         if not _WHOLE.fullmatch(given) or int(given) < WHOLE[name]:
-            raise Fault(f"{name} must be a whole number from {WHOLE[name]}, but is '{given}'; {expected}")
+            to = f" to {MOST}" if _WHOLE.match(given) and len(given) > 9 else ""
+            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{shown(given)}'; {expected}")
         return int(given)
-    if _NOT_FINITE.fullmatch(given):
+    if isinstance(given, Placeholder):
+        value = given.value()
+        if isinstance(value, complex):
+            raise Fault(f"{name} must be a real number, but '{shown(given)}' is {value}; {expected}")
+        if not known(value):
+            return value
+    elif _NOT_FINITE.fullmatch(given):
         raise Fault(f"{name} must be a finite number, but is '{given}'; {expected}")
-    if not _REAL.fullmatch(given):
-        raise Fault(f"{name} must be a number, but is '{given}'; {expected}")
-    value = float(given.lower().replace("d", "e"))
-    if not math.isfinite(value):
-        raise Fault(f"{name} must be a finite number, but '{given}' is too large; {expected}")
+    elif not _REAL.fullmatch(given):
+        raise Fault(f"{name} must be a number, but is '{shown(given)}'; {expected}")
+    else:
+        value = float(given.lower().replace("d", "e"))
+    if math.isnan(value) or abs(value) > LARGEST:
+        too = "no number" if math.isnan(value) else f"too large: at most {LARGEST:g} is taken"
+        raise Fault(f"{name} must be a finite number, but '{shown(given)}' is {too}; {expected}")
+    if abs(value) < SMALLEST and not _is_zero(given, value):
+        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{shown(given)}'; {expected}")
     return value
+
+
+def _is_zero(given: str, value: float) -> bool:
+    """Whether a number is zero as it is written: what is too small for a double has become zero too."""
+    return value == 0 and (isinstance(given, Placeholder) or not _DIGIT.search(re.split("[eEdD]", given)[0]))

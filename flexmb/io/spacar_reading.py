@@ -16,6 +16,18 @@ class AlreadyReported(Exception):
     """A line refers to a node or element whose own line is at fault."""
 
 
+class Setting(dict[str, float]):
+    """Numbers of a line that is not part of the mechanism, and where it stands.
+
+    Attributes:
+        line: Its number.
+    """
+
+    def __init__(self, line: int, numbers: Mapping[str, float]):
+        super().__init__(numbers)
+        self.line = line
+
+
 @dataclasses.dataclass(frozen=True)
 class Declared:
     """An element as its line describes it.
@@ -54,6 +66,7 @@ class Reading:
         signals: Inputs and outputs by number: their line, and the call that adds them.
         excused: Numbers in faulty element lines, about which no other line is blamed.
         settings: What is not part of the mechanism.
+        drawn: Lines that draw.
         warnings: Line and text.
     """
 
@@ -71,6 +84,7 @@ class Reading:
     )
     excused: set[int] = dataclasses.field(default_factory=set)
     settings: dict[str, Any] = dataclasses.field(default_factory=dict)
+    drawn: list[Statement] = dataclasses.field(default_factory=list)
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
 
     def once(self, statement: Statement, *key) -> None:

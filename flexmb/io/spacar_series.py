@@ -8,6 +8,7 @@ which has these numbers in ``e``, is always FIXED and needs none. The numbers af
 import math
 
 from ..elements.element import Element
+from .spacar_lines import known
 
 FIELDS = {
     2: ("elongation", "bending"),
@@ -127,9 +128,9 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
         add(fields[k][0], sign * mean * (p + q))
         if len(fields[k]) > 1:
             add(fields[k][1], sign * slope * (q - p))
-        elif not math.isclose(p, q):
+        elif known(p - q) and not math.isclose(p, q):
             raise ValueError(f"values {at_p} and {at_p + 1} differ: a bending that varies needs p from 2")
-    return {n: v for n, v in found.items() if v}
+    return {n: v for n, v in found.items() if not known(v) or v != 0}
 
 
 def described(element: Element) -> str:

@@ -14,12 +14,12 @@ from ..build.builder import Builder, Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
-from ..errors import ModelError
+from ..errors import ModelError, shown
 from ..model.roles import Role
 from . import spacar_series as series
 from .spacar_actions import QUANTITIES
 from .spacar_elements import KINDS, NOTHING, ElementKind
-from .spacar_lines import DRAWING
+from .spacar_lines import DRAWING, LARGEST, MOST, SMALLEST, within
 
 if TYPE_CHECKING:
     from .spacar import SpacarModel
@@ -56,7 +56,14 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
 def _line(keyword: str, *values: Any) -> str:
     """One line; real numbers with all their digits."""
     words = [str(v) if isinstance(v, int | str) else repr(float(v)) for v in values]
-    return " ".join([keyword, *words])
+    line = " ".join([keyword, *words])
+    for value in values:
+        if not isinstance(value, int | str) and not within(value):
+            raise ModelError(
+                f"'{shown(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
+                f" {LARGEST:g} in size."
+            )
+    return line
 
 
 def _numbers(value: Any) -> list[float]:
@@ -73,7 +80,8 @@ def _trimmed(values: list[float]) -> list[float]:
 def _numbered(names: list[str]) -> dict[str, int]:
     """Number of each name: its own if it is one, else the next that is free."""
     own = {name: int(name) for name in names if re.fullmatch("[1-9][0-9]{0,8}", name)}
-    free = itertools.count(max(own.values(), default=0) + 1)
+    taken, last = set(own.values()), max(own.values(), default=0)
+    free = (n for n in itertools.chain(range(last + 1, MOST + 1), itertools.count(1)) if n not in taken)
     return {name: own[name] if name in own else next(free) for name in names}
 
 

@@ -4,13 +4,17 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import shown
 from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..model.model import Model
 from ..model.roles import Role
 from .answers import Answer
+from .spacar_lines import statements
 from .spacar_series import described
 
 SHOWN_VALUES = 12
+# The mode that has poles where it has no frequencies.
+POLES_ALONE = 7
 CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "R"}
 
 
@@ -59,7 +63,7 @@ def table(data: dict[str, Any]) -> str:
     Args:
         data: Keys and values of an answer.
     """
-    lines = [f"{data['model']}  mode {data['mode']}  status {data['status']}"]
+    lines = [f"{shown(data['model'])}  mode {data['mode']}  status {data['status']}"]
     lines.append("NDOF = NX - NXO - NEO = {nx} - {nxo} - {neo} = {ndof}".format(**data))
     names = ", ".join(f"{d['kind']} {d['of']}.{d['component']}" for d in data["dofs"])
     lines.append(f"degrees of freedom: {names or 'none named'}")
@@ -71,9 +75,13 @@ def table(data: dict[str, Any]) -> str:
     if "frequencies_hz" in data:
         pairs = list(zip(data["eigenvalues"], data["frequencies_hz"], strict=True))
         lines.append(f"natural frequencies [Hz] ({len(pairs)}, {data['massless']} motions without mass left out):")
-        shown = [f"unstable, omega^2 = {v:.6g}" if f is None else f"{f:.7g}" for v, f in pairs]
-        lines += [f"  {i + 1:3d}  {text}" for i, text in enumerate(shown[:SHOWN_VALUES])]
-        lines += [f"  ... {len(shown) - SHOWN_VALUES} more"] if len(shown) > SHOWN_VALUES else []
+        texts = [f"unstable, omega^2 = {v:.6g}" if f is None else f"{f:.7g}" for v, f in pairs]
+        lines += [f"  {i + 1:3d}  {text}" for i, text in enumerate(texts[:SHOWN_VALUES])]
+        lines += [f"  ... {len(texts) - SHOWN_VALUES} more"] if len(texts) > SHOWN_VALUES else []
+    elif data["mode"] == POLES_ALONE and "poles" in data:
+        lines.append("poles [1/s]:")
+        lines += [f"  {i + 1:3d}  {re:.7g} {im:+.7g}j" for i, (re, im) in enumerate(data["poles"][:SHOWN_VALUES])]
+        lines += [f"  ... {len(data['poles']) - SHOWN_VALUES} more"] * (len(data["poles"]) > SHOWN_VALUES)
     if "load_multipliers" in data:
         lines.append("load multipliers:")
         lines += [f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(data["load_multipliers"][:SHOWN_VALUES])]
@@ -129,8 +137,8 @@ def log(found: Answer, source: str) -> str:
     """
     data, model, lin = found.data, found.model, found.lin
     lines = [f"flexmb {data['flexmb']}   {data['model']}   mode {data['mode']}", "", "INPUT"]
-    stripped = (line.split("%")[0].split("#")[0].split(";")[0].rstrip() for line in source.splitlines())
-    lines += ["  " + line for line in stripped if line.strip()]
+    # Letters that a terminal would act on as their escapes, line by line.
+    lines += ["  " + "".join(shown(c) for c in s.raw) for s in statements(source)]
     if model is not None:
         x_roles, e_roles = model.roles()
         lines += ["", "Classes: O fixed, C calculable, M degree of freedom, R prescribed"]

@@ -220,7 +220,14 @@ WARNED = {
     "last END": (BAR[:-4], "text:13: END: 1 END missing at the end"),
     "both END": (BAR[:-8], "text:12: END: 2 END missing at the end"),
     "no X": (BAR.replace("X 1 0 0\n", ""), "text:2: PLTRUSS: node 1 has no X and stands at the origin"),
-    "no effect": (BAR.replace("RLSE", "% ").replace("XM", "ESIG 1 1\nXM").replace("DYNX", "%"), "ESIG: acts on"),
+    "named again": (
+        BAR.replace("FIX 2 2", "FIX 2 2\nFIX 1 2 1"),
+        "FIX: coordinate 2 of node 1 is named already on line 5",
+    ),
+    "no effect": (
+        BAR.replace("RLSE", "% ").replace("XM", "ESIG 1 1\nXM").replace("DYNX", "%"),
+        "ESIG: deformation 1 of element 1 cannot give way, so that the value there has no effect",
+    ),
 }
 
 

@@ -438,6 +438,36 @@ FAULTS = {
         {"opt": {"rls": {1: [5]}}},
         "opt.rls(1): must be some of the flex of element 1 ([2, 3, 4]), but",
     ),
+    "nodes": ({"nodes": "abc"}, "nodes: must be one row of x, y and z a node, but is 'abc'."),
+    "ragged nodes": (
+        {"nodes": [[0, 0, 0], [1]]},
+        "nodes: must be one row of x, y and z a node, but is [[0, 0, 0], [1]].",
+    ),
+    "elements": ({"elements": [["a", "b"]]}, "elements: must be one row of two node numbers an element, but is [['a'"),
+    "endless elements": ({"elements": [[1, 10**400]]}, "elements: must be one row of two node numbers an element, but"),
+    "node far away": ({"nodes": [*GUIDE[0][:4], [1e300, 0, 0]]}, "Node 5: its position must be finite numbers, 0 or"),
+    "no structures": (
+        {"nprops": "fix"},
+        "nprops: must be a StructArray, a dictionary by number or a list, but is 'fix'",
+    ),
+    "no name of a field": ({"node": {5: 1}}, "nprops(3).5: there is no such field."),
+    "letters that act": ({"node": {"\x1b[31m": 1}}, r"nprops(3).\x1b[31m: there is no such field."),
+    "a long text": (
+        {"node": {"mass": "x" * 10**6}},
+        f"nprops(3).mass: must be a finite number, but is '{'x' * 79}... (",
+    ),
+    "large": ({"node": {"mass": 1e60}}, "nprops(3).mass: must be 0 or from 1e-100 to 1e+50 in size, but is 1e+60."),
+    "small": ({"node": {"mass": 1e-320}}, "nprops(3).mass: must be 0 or from 1e-100 to 1e+50 in size, but is 1e-320."),
+    "text as number": ({"sets": {1: {"nbeams": "3"}}}, "eprops(1).nbeams: must be a whole number from 1 to 999999999"),
+    "beams": ({"sets": {1: {"nbeams": 10**8}}}, "eprops(1).nbeams: must be at most 1000, but is 100000000."),
+    "endless beams": (
+        {"sets": {1: {"nbeams": 1e300}}},
+        "eprops(1).nbeams: must be a whole number from 1 to 999999999,",
+    ),
+    "steps": ({"opt": {"loadsteps": 10**8}}, "opt.loadsteps: must be at most 10000, but is 100000000."),
+    "release by a word": ({"opt": {"rls": {1: "x"}}}, "opt.rls(1): must be numbers of deformations, but is 'x'."),
+    "no releases": ({"opt": {"rls": 5}}, "opt.rls: must be a StructArray, a dictionary by number or a list, but is 5."),
+    "damping": ({"opt": {"transfer": [True, np.nan]}}, "opt.transfer: must be true, or [true, damping ratio], but is"),
     "warping twice": ({"sets": {1: {"cw": 1, "warping": 1}}}, "eprops(1): has warping and cw, which count the same"),
 }
 
