@@ -296,7 +296,7 @@ def _run(
             _draw(found, number, plot)
     _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
-        first = found.data["message"].splitlines()[0]
+        first = (found.data["message"].splitlines() or [""])[0]
         _complain(f"{read.name}: {found.data['status']}: {first}")
         raise typer.Exit(found.exit_status)
 

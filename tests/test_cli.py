@@ -274,7 +274,7 @@ MISUSED = {
     "run guide.dat --mode 7 --plot full.svg": "cannot write 'full.svg': No space left on device.",
     "run guide.dat --mode 7 --set": "Option '--set' requires an argument",
     "run guide.dat --mode 7 --set t=1": "--set t: guide.dat has no {t}; it has: none.",
-    "run thick.dat --mode 7": "thick.dat:25: XM: node 3: '{m}': there is no parameter 'm'",
+    "run thick.dat --mode 7": "thick.dat:25: XM: node 3: '{m}'",
     "run thick.dat --mode 7 --set m": "--set takes NAME=NUMBER, such as t=0.5e-3, not 'm'",
     "run thick.dat --mode 7 --set =1": "--set takes NAME=NUMBER, such as t=0.5e-3, not '=1'",
     "run thick.dat --mode 7 --set m=": "--set m: value must be a number, but is ''",
