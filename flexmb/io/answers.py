@@ -352,7 +352,7 @@ def _answer(
         failed = 1
     except ModelError as fault:
         # Such as an output that cannot be given.
-        extra = {"status": RESULTS.not_valid.name, "message": str(fault)}
+        extra = {"status": "not_valid", "message": str(fault)}
         failed = 1
     data.update(model.counts())
     data["dofs"] = _dofs(model)
