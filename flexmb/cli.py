@@ -256,7 +256,7 @@ def _run(
     plot: Path | None = None,
     given: list[str] | None = None,
 ) -> None:
-    from . import SpacarError, enable_cache, enable_x64
+    from . import ModelError, SpacarError, enable_cache, enable_x64
     from .io.answers import answer
     from .io.files import save as save_answer
     from .io.files import to_json, write_whole
@@ -282,6 +282,9 @@ def _run(
         )
     except SpacarError as fault:
         _refuse(str(fault))
+    except ModelError as fault:
+        # Not even a description of a mechanism.
+        _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
     if json_path not in (None, "-"):
         with _writing(json_path):
             write_whole(json_path, to_json(found.data).encode())
@@ -296,7 +299,7 @@ def _run(
             _draw(found, number, plot)
     _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
-        first = found.data["message"].splitlines()[0]
+        first = (found.data["message"].splitlines() or [""])[0]
         _complain(f"{read.name}: {found.data['status']}: {first}")
         raise typer.Exit(found.exit_status)
 

@@ -1,7 +1,14 @@
-"""What flexmb raises. Every message names the culprit and says what is right."""
+"""What flexmb raises and warns of. Every message names the culprit and says what is right."""
 
+import contextlib
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+# Files of the package, which a warning does not point at.
+_OWN = str(Path(__file__).parent)
 # A name longer than this says nothing more to a reader; a file may hold a word of megabytes.
 LONGEST = 80
 
@@ -58,3 +65,36 @@ class SpacarError(ValueError):
 
 class StudyError(ValueError):
     """A design study is described wrongly; the message names file and key."""
+
+
+class FlexmbWarning(UserWarning):
+    """What is asked for is legal and answered, but likely not what was meant."""
+
+
+def warn(text: str) -> None:
+    """Warn, at the line outside of the package that led here.
+
+    Args:
+        text: What is unusual, and what to do if it is not meant.
+    """
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_OWN):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, FlexmbWarning, stacklevel=level)
+
+
+@contextlib.contextmanager
+def heard() -> Iterator[list[str]]:
+    """Collect what the package warns of, to be told elsewhere; other warnings pass. The list is filled at the end."""
+    said: list[str] = []
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", FlexmbWarning)
+            yield said
+    finally:
+        for one in caught:
+            if issubclass(one.category, FlexmbWarning):
+                said.append(str(one.message))
+            else:
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)

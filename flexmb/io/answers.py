@@ -1,8 +1,6 @@
 """The answer of each analysis mode as plain numbers: what the command line prints, writes and saves."""
 
 import dataclasses
-import pathlib
-import warnings as python_warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -18,7 +16,7 @@ from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
 from ..analysis.stress import stress, without_shape
 from ..build.dofs import complete_series
-from ..errors import AnalysisError, MechanismError, ModelError
+from ..errors import AnalysisError, MechanismError, ModelError, heard
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
 from ..model.model import Labels, Model
@@ -27,7 +25,6 @@ from ..results import RESULTS
 from ..statespace import state_matrices
 from .motion_answers import simulated
 
-PACKAGE = pathlib.Path(__file__).parents[1]
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
 
@@ -300,15 +297,10 @@ def answer(
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = list(warnings or [])
-    with python_warnings.catch_warnings(record=True) as caught:
-        python_warnings.simplefilter("always")
+    # Of overflow on the way nothing is said: what is not finite in the end has a status.
+    with heard() as said, np.errstate(all="ignore"):
         found = _answer(data, builder, name, mode, release, dofs, max_steps, settings or {})
-    for warned in caught:
-        if pathlib.Path(warned.filename).is_relative_to(PACKAGE):
-            data["warnings"].append(str(warned.message))
-        elif not issubclass(warned.category, RuntimeWarning):
-            # numpy's on overflow go: what is not finite in the end has a status.
-            python_warnings.warn_explicit(warned.message, warned.category, warned.filename, warned.lineno)
+    data["warnings"] += dict.fromkeys(said)
     return found
 
 
