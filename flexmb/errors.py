@@ -1,4 +1,11 @@
-"""What flexmb raises. Every message names the culprit and says what is right."""
+"""What flexmb raises and warns of. Every message names the culprit and says what is right."""
+
+import sys
+import warnings
+from pathlib import Path
+
+# Files of the package, which a warning does not point at.
+_OWN = str(Path(__file__).parent)
 
 
 class ModelError(ValueError):
@@ -31,3 +38,19 @@ class AnalysisError(RuntimeError):
 
 class SpacarError(ValueError):
     """An input file is wrong; the message has one line a fault, with file, line and keyword."""
+
+
+class FlexmbWarning(UserWarning):
+    """What is asked for is legal and answered, but likely not what was meant."""
+
+
+def warn(text: str) -> None:
+    """Warn, at the line outside of the package that led here.
+
+    Args:
+        text: What is unusual, and what to do if it is not meant.
+    """
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_OWN):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, FlexmbWarning, stacklevel=level)

@@ -6,6 +6,7 @@ from collections.abc import Collection
 import numpy as np
 
 from ..elements.element import ELASTIC
+from ..errors import ModelError
 from ..math.compile import jit
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import deformation_jacobian, zero_near
@@ -13,13 +14,16 @@ from ..model.model import Model
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
+# Deformations above this share of what the mechanism's extent would make of them do not vanish.
+VANISHING = 1e-9
 # Entries closer than this share of the largest are equal but for round-off.
 ALIKE = 1e-6
 
 
 @jit
-def _reference_jacobian(topology, parameters):
-    return deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))[1]
+def _undeformed(topology, parameters):
+    """Deformations where they should vanish, and their derivatives there."""
+    return deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -146,17 +150,35 @@ def constraints(model: Model) -> Constraints:
 
     Args:
         model: Mechanism, with concrete numbers.
+
+    Raises:
+        ModelError: A deformation does not vanish where it should, or has no finite derivative there.
     """
     topology, parameters = model.topology, model.parameters
-    jacobian = np.asarray(_reference_jacobian(topology, parameters))
+    e, jacobian = map(np.asarray, _undeformed(topology, parameters))
     points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
     extent = float(np.max(np.ptp(points, axis=1))) if points.size else 0.0
     columns = np.ones(topology.n_x)
     columns[np.asarray(topology.axes).ravel()] = extent or 1.0
     scaled = jacobian * columns
     sizes = np.linalg.norm(scaled, axis=1)
+    _check_undeformed(model, e, sizes)
     rows = 1 / np.where(sizes > 0, sizes, 1.0)
     return Constraints(scaled * rows[:, None], rows, columns)
+
+
+def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
+    """Refuse deformations that are not zero, or not differentiable, in the undeformed mechanism."""
+    types = {name: kind for name, kind, _ in model.labels.elements}
+    for entry, value, size in zip(model.labels.e, e.tolist(), sizes.tolist(), strict=True):
+        what = f"Deformation {entry.component} of element '{entry.of}' ({types.get(entry.of, entry.kind)})"
+        if not np.isfinite(value) or not np.isfinite(size):
+            part = "its derivative is" if np.isfinite(value) else "it is"
+            raise ModelError(f"{what}: in the undeformed mechanism {part} not finite. Write it so that it is.")
+        if abs(value) > VANISHING * size:
+            raise ModelError(
+                f"{what} is {value:.6g} where it must be zero: in the undeformed mechanism, which it is told as `ref`."
+            )
 
 
 def mobility(model: Model) -> Mobility:

@@ -11,18 +11,22 @@ from typing import Any
 import jax
 import numpy as np
 
+from ..arguments import as_whole, check_choice, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
-from ..elements.element import ALL, Element, as_element
+from ..elements.element import ALL, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
-from ..elements.sections import Section
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..model.model import Model
 from ..model.roles import Role
-from .assemble import assemble, is_concrete, number_of_deformations, stack
+from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
 from .dofs import complete
+from .properties import complete as complete_properties
+from .properties import element_type, number_of_deformations
 
 AXES = ("x", "y", "z")
+# Euler parameters off the unit norm by more than this are no rotation.
+UNIT = 1e-9
 
 # "node" or "element", its name, and the number of a coordinate or deformation from 1.
 Key = tuple[str, str, int]
@@ -53,7 +57,8 @@ class Builder:
 
     A node has a position; its rotation, named "name.rotation", exists once an element asks for it. Everything that is
     a number may be traced, so that a function that builds a model can be differentiated and batched. Checks of values
-    run on concrete numbers only.
+    run on concrete numbers only. Forces, moments and masses that are given twice add up; what is prescribed, gravity,
+    prestress, strains and start values have the value that was given last.
 
     Example:
         >>> b = Builder()
@@ -96,8 +101,10 @@ class Builder:
         Raises:
             ModelError: The name is taken, or the position has another dimension than the rest or is not finite.
         """
-        name = str(name)
-        position = list(position)
+        name = _named("A node", name)
+        if name.endswith(".rotation"):
+            raise ModelError(f"Node '{name}' would be taken for the rotation of a node: add one with rotation().")
+        position = _listed(f"Node '{name}'", position)
         if len(position) not in (2, 3):
             raise ModelError(f"Node '{name}' must have 2 or 3 coordinates, but has {len(position)}.")
         kind = POINT2 if len(position) == 2 else POINT3
@@ -113,10 +120,15 @@ class Builder:
 
         Returns:
             The name.
+
+        Raises:
+            ModelError: The name is taken, there is no node with a position yet, or ``start`` is no rotation.
         """
+        name = _named("A rotation", name)
         kind = ANGLE if self._dimension_for(name) == 2 else ROTATION3
-        self._new_node(str(name), kind, list(kind.start) if start is None else list(start))
-        return str(name)
+        own = list(kind.start) if start is None else _listed(f"Start of rotation '{name}'", start)
+        self._new_node(name, kind, own)
+        return name
 
     def add(
         self,
@@ -142,22 +154,28 @@ class Builder:
             The name.
 
         Raises:
-            ModelError: Unknown node, wrong number of nodes, missing or unknown property, deformation out of range,
-                zero length, parallel y vector.
+            ModelError: Unknown node, wrong number of nodes, missing or unknown property or one of the wrong kind,
+                deformation out of range, zero length, parallel y vector, functions that do not fit together.
         """
-        element = as_element(element)
-        name = f"{element.name} {len(self.members) + 1}" if name is None else str(name)
+        element = element_type(element)
+        name = self._free_name(element.name) if name is None else _named("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
-        nodes = self._resolve(element, name, [str(n) for n in nodes])
-        properties = self._complete(element, name, properties)
-        references = [self.nodes[n].start for n in nodes]
-        self._check_member(element, name, references, properties)
-        n_e = number_of_deformations(element, properties)
-        self.members[name] = Member(element, nodes, properties, [Role.FIXED] * n_e)
+        properties = complete_properties(element, name, properties)
+        n_e = number_of_deformations(element, name, properties)
         usual = (ALL if element.is_elastic(properties) else ()) if element.released is None else element.released
-        wanted = usual if released is None else released
-        self.release(name, *(range(1, n_e + 1) if isinstance(wanted, str) else wanted), *element.measured)
+        roles = [Role.FIXED] * n_e
+        for i in (*_released(name, usual if released is None else released, n_e), *element.measured):
+            roles[i - 1] = Role.DEPENDENT
+        resolved = self._resolve(element, name, [str(n) for n in nodes])
+        kinds = list(element.nodes.values())
+        starts = [self.nodes[n].start if n in self.nodes else k.start for n, k in zip(resolved, kinds, strict=True)]
+        self._check_member(element, name, starts, properties)
+        # Only now, so that an element that is refused leaves nothing behind.
+        for node, kind in zip(resolved, kinds, strict=True):
+            if node not in self.nodes:
+                self._new_node(node, kind, list(kind.start))
+        self.members[name] = Member(element, resolved, properties, roles)
         return name
 
     def release(self, element: str, *deformations: int) -> None:
@@ -167,8 +185,9 @@ class Builder:
             element: Name of the element.
             deformations: Numbers from 1.
         """
-        for i in deformations:
-            self._set_role(self._member(element), element, int(i), Role.DEPENDENT)
+        element = str(element)
+        for i in _some_of("release", element, deformations):
+            self._set_role(self._member(element), element, self._entry(element, i, "element")[2], Role.DEPENDENT)
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
 
@@ -180,8 +199,11 @@ class Builder:
             components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part. None:
                 the whole node, its rotation included if it has or gets one.
         """
+        node = str(node)
         if components in ((), ("position",), ("rotation",)):
-            parts = [self._position(node) if node in self.nodes else self._unknown_node(node, "fix")]
+            parts = [node if node in self.nodes else self._unknown_node(node, "fix")]
+            if components == ("position",):
+                parts = [self._position(node)]
             if components == ("rotation",):
                 parts = [self._rotation_of(node)]
             elif not components:
@@ -193,7 +215,7 @@ class Builder:
                 for i in range(self.nodes[part].kind.size):
                     self._set_role(self.nodes[part], part, i + 1, Role.FIXED)
             return
-        for part, i in (self._coordinate(node, c) for c in components):
+        for part, i in [self._coordinate(node, c) for c in components]:
             self._set_role(self.nodes[part], part, i, Role.FIXED)
 
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
@@ -206,7 +228,7 @@ class Builder:
             components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1.
             kind: "node" or "element", where both bear the name.
         """
-        for component in components:
+        for component in _some_of("dof", of, components):
             key = self._entry(of, component, kind)
             if key in self.dofs:
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
@@ -227,8 +249,9 @@ class Builder:
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
         A rotation is an angle that counts past half and full turns. In space it is that of a hinge named "turn of"
-        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle, its stress
-        resultant the moment that is needed.
+        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle. Its stress
+        resultant is the moment of the mechanism on whoever turns it: what must be put on the node is the opposite. In
+        the plane the reaction of the coordinate is what must be put on the node.
 
         Args:
             of: Name of a node or an element.
@@ -240,12 +263,13 @@ class Builder:
                 holds the angle about the axis alone.
             kind: "node" or "element", where both bear the name.
         """
+        _check_flag("increment", increment)
+        check_numbers(f"Prescribed value of '{of}'", value, (), ModelError)
         if component == "rotation" and kind != "element":
             of, component, kind = self._turned(str(of), axis, tilt)
         elif axis is not None or tilt is not None:
             raise ModelError(f"'{of}.{component}': only component \"rotation\" takes an axis or a tilt.")
         entry = self._entry(of, component, kind)
-        self._check_finite(f"Prescribed value of '{of}'", value)
         if self._owner(entry).roles[entry[2] - 1] is not Role.PRESCRIBED:
             self._assign(of, component, Role.PRESCRIBED, kind)
         self._load("prescribed", increment)[entry] = value
@@ -263,7 +287,7 @@ class Builder:
             kind: "node" or "element", where both bear the name.
         """
         for what, number in (("value", value), ("velocity", velocity)):
-            self._check_finite(f"Start {what} of '{of}'", number)
+            check_numbers(f"Start {what} of '{of}'", number, (), ModelError)
         self.starts[self._entry(of, component, kind)] = (value, velocity)
 
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
@@ -275,9 +299,11 @@ class Builder:
             inertia: In the plane () of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, or the
                 matrix of them [kg m^2].
         """
-        if is_concrete(mass) and np.any(np.asarray(mass, float) < 0):
+        part = self._position(node)
+        check_numbers(f"The mass on node '{node}'", mass, (), ModelError)
+        if is_concrete(mass) and np.asarray(mass) < 0:
             raise ModelError(f"The mass on node '{node}' is {mass}, but it cannot be negative. Rotary inertia may be.")
-        self._add_hidden("mass", self._position(node), mass=mass)
+        self._add_hidden("mass", part, mass=mass)
         if inertia is not None:
             self.inertia(node, inertia)
 
@@ -291,7 +317,9 @@ class Builder:
         Raises:
             ModelError: Another number of values, or a matrix that is not symmetric.
         """
-        rotation, shape = self._rotation_of(node), np.shape(inertia)
+        rotation = self._rotation_of(node)
+        check_numbers(f"The inertia of node '{node}'", inertia, fault=ModelError)
+        shape = np.shape(stack(inertia)) if isinstance(inertia, list | tuple) else np.shape(inertia)
         if self.nodes[rotation].kind is ANGLE:
             if shape != ():
                 raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
@@ -311,24 +339,26 @@ class Builder:
 
         Args:
             node: Name of the node.
-            force: Components along the global axes [N]; for a rotation: forces dual to its coordinates.
+            force: Components along the global axes [N]; for a rotation: forces dual to its coordinates; for coordinates
+                that an element owns: from the first on.
             increment: Whether the force belongs to the incremental loads.
             follower: Whether it turns with the node's rotation, from the direction given; it then has no potential.
         """
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
-        force, size = list(force), self.nodes[part].kind.size
-        if len(force) > size:
+        for name, flag in (("increment", increment), ("follower", follower)):
+            _check_flag(name, flag)
+        force, kind = _listed(f"Force on node '{part}'", force), self.nodes[part].kind
+        size = kind.size
+        if len(force) > size or (len(force) < size and kind.part != "internal"):
             raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {size}.")
         if follower:
-            self._check_finite(f"Force on node '{part}'", force)
-            if self.nodes[part].kind.part != "position" or len(force) != size:
-                raise ModelError(f"A follower force on '{part}' needs a node with a position, and {size} components.")
+            if kind.part != "position":
+                raise ModelError(f"A follower force on '{part}' needs a node with a position.")
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_force", part, self._rotation_of(part), force=stack(force), **options)
             return
+        forces = self._load("force", increment)
         for i, value in enumerate(force):
-            self._check_finite(f"Force on node '{part}'", value)
-            forces = self._load("force", increment)
             key = ("node", part, i + 1)
             forces[key] = forces.get(key, 0.0) + value
 
@@ -342,9 +372,16 @@ class Builder:
             follower: Whether its axis turns with the rotation; in the plane there is no difference.
         """
         part = self._rotation_of(node)
+        for name, flag in (("increment", increment), ("follower", follower)):
+            _check_flag(name, flag)
+        check_numbers(f"Moment on node '{node}'", moment, fault=ModelError)
         if self.nodes[part].kind is ANGLE:
-            self.force(part, [moment] if np.ndim(moment) == 0 else moment, increment=increment)
+            self.force(
+                part, moment if isinstance(moment, list | tuple) or np.ndim(moment) else [moment], increment=increment
+            )
         else:
+            if not isinstance(moment, list | tuple) and np.ndim(moment) == 0:
+                raise ModelError(f"Moment on node '{node}' must have 3 components in space, not {shown(moment)}.")
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 
@@ -355,10 +392,9 @@ class Builder:
             acceleration: Components along the global axes [m/s^2].
             increment: Whether it belongs to the incremental loads.
         """
-        acceleration = list(acceleration)
-        if len(acceleration) != (self.dimension or len(acceleration)):
-            raise ModelError(f"Gravity must have {self.dimension} components, but has {len(acceleration)}.")
-        self._check_finite("Gravity", acceleration)
+        _check_flag("increment", increment)
+        acceleration = _listed("Gravity", acceleration)
+        self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
 
     def prestress(self, element: str, *values: float, increment: bool = False) -> None:
@@ -369,9 +405,9 @@ class Builder:
             values: From the first deformation on [N, N m].
             increment: Whether it belongs to the incremental loads.
         """
-        for i, value in enumerate(values, 1):
-            self._check_finite(f"Prestress of element '{element}'", value)
-            self._load("prestress", increment)[self._entry(element, i, "element")] = value
+        _check_flag("increment", increment)
+        for key, value in self._values("Prestress", element, values):
+            self._load("prestress", increment)[key] = value
 
     def strain(self, element: str, *values: float) -> None:
         """Set the deformations at which an element is free of stress.
@@ -379,9 +415,21 @@ class Builder:
         Args:
             element: Name of the element.
             values: From the first deformation on [m, rad].
+
+        Raises:
+            ModelError: The element has no stiffness, or the deformation has none: the closure of a spectral beam.
         """
-        for i, value in enumerate(values, 1):
-            self._load("strain", False)[self._entry(element, i, "element")] = value
+        member = self._member(element)
+        if not member.element.is_elastic(member.properties):
+            raise ModelError(f"Strain of element '{element}': it has no stiffness, so that a strain does nothing.")
+        first = min((field[0] for field in member.element.fields), default=1)
+        for key, value in self._values("Strain", element, values):
+            if key[2] < first and is_concrete(value) and value != 0:
+                raise ModelError(
+                    f"Strain of element '{element}': deformation {key[2]} is part of its closure, which has no"
+                    f" stiffness. Give zero there; the strains are those from {first} on."
+                )
+            self._load("strain", False)[key] = value
 
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
@@ -445,8 +493,13 @@ class Builder:
             MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
                 move or do not determine the rest.
         """
+        for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
+            check_choice(argument, value, allowed)
+        _check_flag("check", check)
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
+        for loads in self.loads.values():
+            self._check_gravity(loads.get("gravity", {}).get("all"))
         strangers = [
             f"{of} {component}" for kind, of, component in self.starts if (kind, of, component) not in self.dofs
         ]
@@ -454,6 +507,7 @@ class Builder:
             raise ModelError(
                 f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
             )
+        self._warn_of_idle()
         model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
             if before is not None and (twin := as_in(self, before)) is not self:
@@ -503,8 +557,16 @@ class Builder:
                 f"Node '{name}' has {kind.size} coordinates, but the mechanism is"
                 f" {'planar' if self.dimension == 2 else 'spatial'}."
             )
-        for value in start:
-            self._check_finite(f"Node '{name}'", value)
+        if len(start) != kind.size:
+            raise ModelError(
+                f"Node '{name}' must have {kind.size} coordinate{'s' if kind.size > 1 else ''}, but has {len(start)}."
+            )
+        check_numbers(f"Node '{name}'", start, fault=ModelError)
+        if kind is ROTATION3 and is_concrete(start) and abs(np.linalg.norm(np.asarray(start, float)) - 1) > UNIT:
+            raise ModelError(
+                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have"
+                f" {np.linalg.norm(np.asarray(start, float)):.6g}."
+            )
         self.dimension = kind.dimension
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
         self.nodes[name] = Node(kind, start, [role] * kind.size)
@@ -535,17 +597,45 @@ class Builder:
             raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
         return name, 1, "element"
 
-    def _check_finite(self, what: str, value: Any) -> None:
-        if is_concrete(value) and not np.all(np.isfinite(np.asarray(value, float))):
-            raise ModelError(f"{what} has a value that is not a finite number: {value}.")
+    def _values(self, what: str, element: str, values: tuple) -> list[tuple[Key, Any]]:
+        """Numbers of an element's deformations, from the first on, with the keys of these."""
+        found = []
+        for i, value in enumerate(_some_of(what.lower(), element, values), 1):
+            check_numbers(f"{what} of element '{element}'", value, (), ModelError)
+            found.append((self._entry(element, i, "element"), value))
+        return found
+
+    def _warn_of_idle(self) -> None:
+        """Say which stresses and strains are those of deformations that are held, where they do nothing."""
+        for what in ("prestress", "strain"):
+            for sets in self.loads.values():
+                for key, value in sets.get(what, {}).items():
+                    role = self._owner(key).roles[key[2] - 1]
+                    if role in (Role.FIXED, Role.PRESCRIBED) and is_concrete(value) and value != 0:
+                        warn(
+                            f"{what.capitalize()} of element '{key[1]}': deformation {key[2]} is {role.value}, so that"
+                            " it does nothing there. Release the deformation, or leave it out."
+                        )
+
+    def _check_gravity(self, acceleration: list | None) -> None:
+        """Refuse gravity of another dimension than the nodes."""
+        if acceleration is None:
+            return
+        if len(acceleration) != (self.dimension or len(acceleration)) or len(acceleration) not in (2, 3):
+            raise ModelError(f"Gravity must have {self.dimension or '2 or 3'} components, but has {len(acceleration)}.")
+
+    def _free_name(self, before: str) -> str:
+        """A name with a number that no element has yet."""
+        number = len(self.members) + 1
+        while f"{before} {number}" in self.members:
+            number += 1
+        return f"{before} {number}"
 
     def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
         node = nodes[0]
         element = getattr(planar if self.nodes[node].kind.dimension == 2 else spatial, kind)
-        count = sum(name.startswith(f"{kind} {node}") for name in self.members)
-        self.members[f"{kind} {node} {count + 1}"] = Member(
-            element, nodes, self._complete(element, f"{kind} of {node}", properties), [], hidden=True
-        )
+        own = complete_properties(element, f"{kind} of {node}", properties)
+        self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
 
     def _unknown_node(self, name: str, where: str) -> Any:
         near = difflib.get_close_matches(name, self.nodes, 1)
@@ -553,22 +643,34 @@ class Builder:
         raise ModelError(f"No node '{name}' ({where}).{hint}")
 
     def _position(self, node: str) -> str:
+        """Name of a node that has a position."""
         node = str(node)
-        return node if node in self.nodes else self._unknown_node(node, "position")
+        if node not in self.nodes:
+            self._unknown_node(node, "position")
+        if self.nodes[node].kind.part != "position":
+            raise ModelError(f"Node '{node}' has no position: it is a {self.nodes[node].kind.part} node.")
+        return node
 
     def _rotation_of(self, node: str) -> str:
         """Name of a node's rotation, which is made if it is not there yet."""
-        node = str(node)
+        name = self._rotation_name(str(node))
+        if name not in self.nodes:
+            self.rotation(name)
+        return name
+
+    def _rotation_name(self, node: str) -> str:
+        """Name that a node's rotation has or will have."""
         if node in self.nodes and self.nodes[node].kind.part == "rotation":
             return node
+        owner = node.removesuffix(".rotation")
         if f"{node}.rotation" not in self.nodes:
-            if node not in self.nodes:
+            if owner not in self.nodes:
                 self._unknown_node(node, "rotation")
-            self.rotation(f"{node}.rotation")
-        return f"{node}.rotation"
+            self._position(owner)
+        return f"{owner}.rotation"
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
-        """One node for each positional parameter of an element."""
+        """One node for each positional parameter of an element; rotations and own coordinates may not be there yet."""
         kinds = [(p, k) for p, k in element.nodes.items() if k.part != "internal"]
         expected = ", ".join(f"{p} ({k.part})" for p, k in kinds)
         wrong = ModelError(
@@ -593,8 +695,8 @@ class Builder:
             if part is None:
                 raise wrong
             if kind.part == "rotation":
-                part = self._rotation_of(current)
-            if self.nodes[part].kind.dimension != kind.dimension:
+                part = self._rotation_name(current)
+            if self.dimension != kind.dimension:
                 raise ModelError(
                     f"Element '{name}' ({element.name}) is {'planar' if kind.dimension == 2 else 'spatial'}, but node"
                     f" '{part}' is not."
@@ -602,14 +704,12 @@ class Builder:
             found.append(part)
         if waiting is None and next(source, None) is not None:
             raise wrong
-        own = [k for k in element.nodes.values() if k.part == "internal"]
-        return tuple(found + [self._internal(name, kind) for kind in own])
-
-    def _internal(self, element: str, kind: NodeKind) -> str:
-        """Node of the coordinates that an element owns; an element owns one such node at most, its last."""
-        node = f"{element}.internal"
-        self._new_node(node, kind, list(kind.start))
-        return node
+        # Coordinates that an element owns: one such node at most, its last.
+        own = [f"{name}.internal" for k in element.nodes.values() if k.part == "internal"]
+        for node in own:
+            if node in self.nodes:
+                raise ModelError(f"Node '{node}' is defined twice. Give each element its own name.")
+        return (*found, *own)
 
     def _part_kind(self, node: str, kind: NodeKind) -> str | None:
         """Whether a name can stand for a node of this kind."""
@@ -617,38 +717,6 @@ class Builder:
             return node if kind.part == "rotation" and node.endswith(".rotation") else None
         own = self.nodes[node].kind.part
         return node if own == kind.part or (own == "position" and kind.part == "rotation") else None
-
-    def _complete(self, element: Element, name: str, properties: dict[str, Any]) -> dict[str, Any]:
-        """Properties with defaults filled in, checked for names and finiteness."""
-        known = element.properties
-        for given in properties:
-            if given not in known and given != "incremental":
-                raise ModelError(
-                    f"Element '{name}' ({element.name}) has no property '{given}'. It takes:"
-                    f" {', '.join(known) or 'none'}."
-                )
-        complete = {k: stack(v) if isinstance(v, list | tuple) else v for k, v in properties.items()}
-        # Stiffness, damping and mass may be left out; a law is what its element is for.
-        needed = {
-            n for f in (element.deformation, element.law) for n in element.arguments(f, dict.fromkeys(known, 0)) or {}
-        }
-        for wanted, parameter in known.items():
-            if wanted in complete:
-                continue
-            if parameter.default is not parameter.empty:
-                complete[wanted] = parameter.default
-            elif wanted in needed:
-                raise ModelError(f"Element '{name}' ({element.name}) needs the property '{wanted}'.")
-            else:
-                complete[wanted] = None
-        for wanted, value in complete.items():
-            for leaf in jax.tree.leaves(value):
-                if not isinstance(leaf, str):
-                    self._check_finite(f"Property '{wanted}' of element '{name}'", leaf)
-            if isinstance(value, Section) and is_concrete(value):
-                for fault in value.faults():
-                    raise ModelError(f"The section of element '{name}' has {fault}.")
-        return complete
 
     def _check_member(self, element: Element, name: str, references: list, properties: dict) -> None:
         if element.check is None or not is_concrete((references, properties)):
@@ -671,7 +739,8 @@ class Builder:
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
         """Node and number of a coordinate named by a letter or a number."""
         part = node = str(node)
-        if isinstance(component, str) and not component.isdigit():
+        number = _number(component)
+        if isinstance(component, str) and number is None:
             if node in self.nodes and self.nodes[node].kind.part == "position" and component not in AXES:
                 part = self._rotation_of(node)
             if part not in self.nodes:
@@ -682,9 +751,10 @@ class Builder:
             return part, names.index(component) + 1
         if part not in self.nodes:
             self._unknown_node(part, f"coordinate {component}")
-        if not 1 <= int(component) <= self.nodes[part].kind.size:
-            raise ModelError(f"Node '{part}' has coordinates 1 to {self.nodes[part].kind.size}, not {component}.")
-        return part, int(component)
+        if number is None or not 1 <= number <= self.nodes[part].kind.size:
+            size = self.nodes[part].kind.size
+            raise ModelError(f"Node '{part}' has coordinates 1 to {size}, not {shown(component)}.")
+        return part, number
 
     def _entry(self, of: str, component: str | int, kind: str | None = None) -> Key:
         """Kind and name of the owner, and number, of a coordinate or a deformation."""
@@ -698,10 +768,10 @@ class Builder:
             )
         if kind == "element" or (kind is None and is_element):
             self._member(of)
-            count = len(self.members[of].roles)
-            if not str(component).isdigit() or not 1 <= int(component) <= count:
-                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {component}.")
-            return "element", of, int(component)
+            count, number = len(self.members[of].roles), _number(component)
+            if number is None or not 1 <= number <= count:
+                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
+            return "element", of, number
         return "node", *self._coordinate(of, component)
 
     def _assign(self, of: str, component: str | int, role: Role, kind: str | None) -> None:
@@ -717,3 +787,60 @@ class Builder:
             what = "Coordinate" if isinstance(owner, Node) else "Deformation"
             raise ModelError(f"{what} {number} of '{name}' is {present.value} already and cannot be {role.value} too.")
         owner.roles[number - 1] = role
+
+
+def _named(what: str, name: Any) -> str:
+    """A name as it is kept; a number is a name too."""
+    if not isinstance(name, str) and as_whole(name) is None:
+        raise ModelError(f"{what} is named by a string, such as 'foot', not by {shown(name)}.")
+    if not str(name).strip() or not str(name).isprintable():
+        raise ModelError(f"{what} needs a name of printable characters, not {shown(name)}.")
+    return str(name)
+
+
+def _listed(what: str, values: Any) -> list:
+    """Several numbers as a list of one each."""
+    if isinstance(values, str | dict | set):
+        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
+    try:
+        found = list(values)
+    except TypeError:
+        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.") from None
+    for value in found:
+        check_numbers(what, value, (), ModelError)
+    return found
+
+
+def _number(component: Any) -> int | None:
+    """Number of a coordinate or deformation, None where it is none."""
+    if isinstance(component, str):
+        return int(component) if component.isascii() and component.isdecimal() else None
+    return as_whole(component)
+
+
+def _some_of(what: str, of: Any, given: tuple) -> tuple:
+    """What is given, which must be something."""
+    if not given:
+        raise ModelError(f"{what.capitalize()} of '{of}': say of what; nothing is named.")
+    return given
+
+
+def _check_flag(name: str, value: Any) -> None:
+    if not isinstance(value, bool | np.bool_):
+        raise ModelError(f"Argument `{name}` must be True or False, not {shown(value)}.")
+
+
+def _released(name: str, wanted: Any, count: int) -> list[int]:
+    """Numbers of the deformations that may change."""
+    if isinstance(wanted, str) and wanted == ALL:
+        return list(range(1, count + 1))
+    found = None if isinstance(wanted, str | bytes | dict) or not hasattr(wanted, "__iter__") else list(wanted)
+    if found is None or any(as_whole(i) is None for i in found):
+        raise ModelError(
+            f"Argument `released` of element '{name}' must be \"all\" or numbers from 1, such as (2, 3); () for none."
+            f" It is {shown(wanted)}."
+        )
+    for i in found:
+        if not 1 <= i <= count:
+            raise ModelError(f"Element '{name}' has deformations 1 to {count}, not {i}.")
+    return [int(i) for i in found]

@@ -141,6 +141,10 @@ class Damping(Record):
     EIz: Scalar = 0.0
     GIt: Scalar = 0.0
 
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers, all concrete: none is negative."""
+        return _faults(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self)))
+
 
 def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar) -> Damping:
     """Damping rigidities that give a spring of this section and length a damping ratio.
@@ -268,6 +272,11 @@ class Rectangle(Section):
     warping_length: Scalar | None = None
     clamped_ends: int = static(default=2)
     warping_modulus: Literal["plate", "beam"] = static(default="plate")
+
+    def faults(self) -> list[str]:
+        """As for every section; two ends at most are clamped."""
+        known = self.clamped_ends in (0, 1, 2)
+        return super().faults() + ([] if known else [f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2"])
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the rectangle; equations above."""

@@ -197,6 +197,8 @@ def force(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{_part(kind)} node takes at most {kind.size} components, but {len(values)} are given")
     moment = spatial and len(values) == 3
     r.once(s, p["node"], moment)
+    # Components that are not given are zero.
+    values = values if moment else values + [0.0] * (kind.size - len(values))
     (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
 
 
