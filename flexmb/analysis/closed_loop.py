@@ -9,13 +9,14 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
-from jaxtyping import Array
 
+from ..arguments import is_concrete
 from ..errors import ModelError
 from ..math.record import Record, static
-from ..mechanics.controlled_form import ControlledForm, Feedback, driven_by_inputs
+from ..mechanics.controlled_form import ControlledForm, Feedback, Places, driven_by_inputs
 from ..mechanics.coordinates_form import CoordinatesForm
-from ..model.model import Model
+from ..model.model import Model, Signal
+from .mobility import locked_inputs
 
 MEASURED = ("position", "velocity", "deformation", "deformation rate")
 
@@ -56,6 +57,31 @@ def _sampled_step(a, b, c, d, reference, t, z, y):
     return c @ z + d @ seen, a @ z + b @ seen
 
 
+def check_signals(model: Model, needs: str, wants: str) -> None:
+    """Refuse a mechanism without inputs or outputs, with an output that no sensor gives, or with a locked input.
+
+    Args:
+        model: Mechanism.
+        needs: What needs them, for the message.
+        wants: What is said of an output that cannot be given.
+
+    Raises:
+        ModelError: See above.
+    """
+    inputs, outputs = model.labels.inputs, model.labels.outputs
+    if not inputs or not outputs:
+        raise ModelError(f"{needs} needs an input and an output of the mechanism: name them with input() and output().")
+    for signal in outputs:
+        if signal.quantity not in MEASURED:
+            raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. {wants}: {', '.join(MEASURED)}.")
+    if is_concrete(model):
+        for signal in locked_inputs(model):
+            raise ModelError(
+                f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Let it act on"
+                " what can move, or leave it out."
+            )
+
+
 def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedback | Sampled:
     """Feedback of a controller given as python-control system, function or Feedback.
 
@@ -69,16 +95,7 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
             that cannot be fed back.
     """
     inputs, outputs = model.labels.inputs, model.labels.outputs
-    if not inputs or not outputs:
-        raise ModelError(
-            "A controller needs an input and an output of the mechanism: name them with input() and output()."
-        )
-    for signal in outputs:
-        if signal.quantity not in MEASURED:
-            raise ModelError(
-                f"Output '{signal.name}' is a {signal.quantity} and cannot be fed back. Feed back one of:"
-                f" {', '.join(MEASURED)}."
-            )
+    check_signals(model, "A controller", "It cannot be fed back. Feed back one of")
     if isinstance(control, Feedback | Sampled):
         if reference is not None:
             raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
@@ -107,13 +124,36 @@ def _nothing(t, z, y):
     return jnp.zeros(0)
 
 
-def _places(model: Model) -> tuple[Array, Array]:
-    """Index of what each input acts on, and its place among the inputs: forces, then stresses, (2, k) each."""
-    pairs: dict[str, list[tuple[int, int]]] = {"force": [], "stress": []}
+def _places(model: Model) -> Places:
+    """What the inputs act on and the outputs measure."""
+    found: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
     for place, signal in enumerate(model.labels.inputs):
-        pairs[signal.quantity].append((signal.index, place))
-    forces, stresses = (jnp.array(pairs[kind], int).reshape(-1, 2).T for kind in ("force", "stress"))
-    return forces, stresses
+        if signal.axis is None:
+            found[signal.quantity].append((signal.index, place))
+        else:
+            found["local moment" if signal.local else "moment"].append((signal.index, place, signal.axis))
+    outputs = model.labels.outputs
+
+    def columns(kind: str, size: int):
+        return jnp.asarray(np.array(found[kind], int).reshape(-1, size).T)
+
+    return Places(
+        forces=columns("force", 2),
+        stresses=columns("stress", 2),
+        moments=columns("moment", 3),
+        local_moments=columns("local moment", 3),
+        outputs=jnp.array([s.index for s in outputs], int),
+        axes=jnp.array([s.axis or 0 for s in outputs], int),
+        quantities=tuple(_quantity(s) for s in outputs),
+    )
+
+
+def _quantity(signal: Signal) -> str:
+    """What an output is, a rotation in space told from a coordinate."""
+    if signal.axis is None:
+        return signal.quantity
+    turning = {"position": "rotation", "velocity": "angular velocity"}.get(signal.quantity, signal.quantity)
+    return f"local {turning}" if signal.local else turning
 
 
 def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
@@ -124,29 +164,29 @@ def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
         form: Its equations of motion.
         u: Inputs, (n_u,), or (0,) for none.
     """
-    forces, stresses = _places(model)
-    return driven_by_inputs(form, forces, stresses, u) if u.shape[0] else form
+    return driven_by_inputs(form, _places(model), u) if u.shape[0] else form
 
 
-def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback) -> ControlledForm:
+def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback, start) -> ControlledForm:
     """Equations of motion of a mechanism with a controller.
 
     Args:
         model: Mechanism.
         form: Its equations of motion.
         feedback: Controller.
+        start: See :func:`measuring`.
     """
-    return dataclasses.replace(measuring(model, form), feedback=feedback)
+    return dataclasses.replace(measuring(model, form, start), feedback=feedback)
 
 
-def measuring(model: Model, form: CoordinatesForm) -> ControlledForm:
+def measuring(model: Model, form: CoordinatesForm, start) -> ControlledForm:
     """A mechanism with its sensors and actuators, whose inputs nothing gives.
 
     Args:
         model: Mechanism.
         form: Its equations of motion.
+        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -]; None: the undeformed
+            mechanism.
     """
-    forces, stresses = _places(model)
-    outputs = model.labels.outputs
-    indices = jnp.array([s.index for s in outputs], int)
-    return ControlledForm(form, Feedback(_nothing), forces, stresses, indices, tuple(s.quantity for s in outputs))
+    whence = form.parameters.reference if start is None else start
+    return ControlledForm(form, Feedback(_nothing), _places(model), whence)

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import check_whole
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
@@ -18,6 +19,26 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from .equilibrium import reactions_of, solve_state
+
+
+class Rates(Record):
+    """Motion of a state that is linearised about, and how fast the transfer functions change along it.
+
+    Attributes:
+        xd: Velocities of the nodal coordinates, (n_x,) [1/s].
+        xdd: Their accelerations, (n_x,) [1/s^2].
+        DFx_d: Rate of DFx, (n_x, n_q).
+        DFx_dd: Second rate of DFx, (n_x, n_q).
+        DFe_d: Rate of DFe, (n_e, n_q).
+        DFe_dd: Second rate of DFe, (n_e, n_q).
+    """
+
+    xd: Float[Array, "n_x"]
+    xdd: Float[Array, "n_x"]
+    DFx_d: Float[Array, "n_x n_q"]
+    DFx_dd: Float[Array, "n_x n_q"]
+    DFe_d: Float[Array, "n_e n_q"]
+    DFe_dd: Float[Array, "n_e n_q"]
 
 
 class Matrices(Record):
@@ -41,6 +62,7 @@ class Matrices(Record):
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
         symmetric: Whether the stiffness is symmetric by the nature of the loads.
+        moving: How the state moves; None where it is at rest.
     """
 
     M0: Float[Array, "n_q n_q"]
@@ -60,6 +82,7 @@ class Matrices(Record):
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     symmetric: bool = static()
+    moving: Rates | None = None
 
     @property
     def K(self) -> Float[Array, "n_q n_q"]:
@@ -89,6 +112,23 @@ class Linearization(Record):
     def labels(self) -> Labels:
         """Names."""
         return self.model.labels
+
+    def at_time(self, number: int) -> "Linearization":
+        """Linearised equations at one of the times of a motion, of what :func:`flexmb.linearize_motion` gives.
+
+        Args:
+            number: Which, from 0; from the end where negative.
+
+        Raises:
+            ValueError: This is the linearisation of one state.
+            IndexError: There are not so many times.
+        """
+        if self.matrices.M0.ndim == 2:
+            raise ValueError("This linearisation is that of one state: it has no times to choose from.")
+        count, chosen = self.matrices.M0.shape[0], check_whole("number", number)
+        if not -count <= chosen < count:
+            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
     @property
     def condition(self) -> float:

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Collection
 
+import jax.numpy as jnp
 import numpy as np
 
 from ..elements.element import ELASTIC
@@ -10,10 +11,14 @@ from ..errors import ModelError
 from ..math.compile import jit
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import deformation_jacobian, zero_near
-from ..model.model import Model
+from ..mechanics.signals import along_coordinates
+from ..model.model import Model, Signal
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
+# What moves by less than this share is locked, and how far along its motions (extents, radians) that is looked at.
+LOCKED = 1e-9
+SHIFT = 1e-2
 # Deformations above this share of what the mechanism's extent would make of them do not vanish.
 VANISHING = 1e-9
 # Entries closer than this share of the largest are equal but for round-off.
@@ -179,6 +184,58 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
             raise ModelError(
                 f"{what} is {value:.6g} where it must be zero: in the undeformed mechanism, which it is told as `ref`."
             )
+
+
+def motions_of(model: Model) -> tuple[np.ndarray, int]:
+    """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+    """
+    found, topology = constraints(model), model.topology
+    held = np.concatenate([np.asarray(topology.e.fixed), np.asarray(topology.e.prescribed)])
+    free = np.concatenate([np.asarray(topology.x.dependent), np.asarray(topology.x.dof)])
+    rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
+    motions = np.zeros((topology.n_x, right.shape[1]))
+    motions[free] = right
+    return motions, len(held) - rank
+
+
+def locked_inputs(model: Model) -> list[Signal]:
+    """Inputs on what no motion moves, in the undeformed mechanism and near to it.
+
+    At a dead point an input moves nothing, but does so as soon as the mechanism has moved: what is locked is so too in
+    a mechanism that is built a little further along its motions.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+    """
+    locked = list(model.labels.inputs)
+    motions, _ = motions_of(model)
+    columns = constraints(model).columns
+    uneven = motions @ np.cos(np.arange(1.0, motions.shape[1] + 1) ** 2)
+    away = SHIFT * uneven / max(np.max(np.abs(uneven), initial=0.0), np.finfo(float).tiny)
+    moved = np.array(model.parameters.reference) + columns * away
+    for entry in model.labels.x:
+        if entry.symbol == "l0":
+            own = model.labels.coordinates(entry.of)
+            moved[own] /= np.linalg.norm(moved[own])
+    parameters = dataclasses.replace(model.parameters, reference=moved)
+    for one in (model, dataclasses.replace(model, parameters=parameters)):
+        motions, _ = motions_of(one)
+        found, x = constraints(one), np.asarray(one.parameters.reference)
+        locked = [s for s in locked if np.linalg.norm(_input_row(s, found, x) @ motions) <= LOCKED]
+    return locked
+
+
+def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
+    """What an input does to scaled coordinates, of unit size."""
+    if signal.quantity == "stress":
+        return found.jacobian[signal.index]
+    row = np.zeros(len(x))
+    own, along = along_coordinates(signal, jnp.asarray(x))
+    row[np.asarray(own)] = np.asarray(along)
+    return row / np.linalg.norm(row)
 
 
 def mobility(model: Model) -> Mobility:

@@ -290,6 +290,8 @@ def simulate(
         "event": event,
         "max_steps": max_steps,
         "first": 50.0,
+        # Where rotations in space are measured from; no number of the program where none is.
+        "start": start.x if control is not None and any(s.axis is not None for s in model.labels.outputs) else None,
     }
     feedback = settings["feedback"]
     if isinstance(feedback, Sampled):

@@ -100,7 +100,7 @@ def assemble(builder: Builder) -> Model:
         start = tuple(stack([pair[i] for pair in pairs]) for i in range(2)) if order else None
     parameters = Parameters(reference, properties, initial, increment if has_increment else None, strain, start)
     signals = {
-        kind: tuple(Signal(name, quantity, index(key)) for name, quantity, key in entries)
+        kind: tuple(Signal(s.name, s.quantity, index(s.key), s.axis, s.local) for s in entries)
         for kind, entries in builder.signals.items()
     }
     elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)

@@ -6,7 +6,7 @@ import copy
 import dataclasses
 import difflib
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -20,16 +20,28 @@ from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
-from .dofs import complete
+from .dofs import check_inputs, complete
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations
 
 AXES = ("x", "y", "z")
+# Rotations in space about the axes, as inputs and outputs name them.
+TURNS = ("rx", "ry", "rz")
 # Euler parameters off the unit norm by more than this are no rotation.
 UNIT = 1e-9
 
 # "node" or "element", its name, and the number of a coordinate or deformation from 1.
 Key = tuple[str, str, int]
+
+
+class NamedSignal(NamedTuple):
+    """An input or output as it was named, see :class:`flexmb.model.model.Signal`."""
+
+    name: str
+    quantity: str
+    key: Key
+    axis: int | None = None
+    local: bool = False
 
 
 @dataclasses.dataclass
@@ -81,7 +93,7 @@ class Builder:
         self.members: dict[str, Member] = {}
         self.dofs: list[Key] = []
         self.loads: dict[str, dict[str, Any]] = {"initial": {}, "increment": {}}
-        self.signals: dict[str, list[tuple[str, str, Key]]] = {"input": [], "output": []}
+        self.signals: dict[str, list[NamedSignal]] = {"input": [], "output": []}
         self.starts: dict[Key, tuple[Any, Any]] = {}
         self.dimension: int | None = None
         self._clamped: set[str] = set()
@@ -433,18 +445,33 @@ class Builder:
 
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
-    def input(self, of: str, component: str | int, *, name: str | None = None, kind: str | None = None) -> None:
-        """Name an input of the state-space model: a force on a coordinate, or a stress in a deformation.
+    def input(
+        self,
+        of: str,
+        component: str | int,
+        *,
+        name: str | None = None,
+        kind: str | None = None,
+        local: bool = False,
+    ) -> None:
+        """Name an input: a force on a coordinate, a moment on a rotation, or a stress in a deformation.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
+            component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
+                "ry" or "rz", a moment about that global axis at every state.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
+            local: Of a rotation in space: about the axis that turns with the node, the global one where its Euler
+                parameters are (1, 0, 0, 0).
+
+        Raises:
+            ModelError: Unknown node, element or component, an Euler parameter, or a label that is taken. An input on
+                what is FIXED or PRESCRIBED is refused by :meth:`build`.
         """
-        entry = self._entry(of, component, kind)
-        quantity = "stress" if entry[0] == "element" else "force"
-        self.signals["input"].append((name or f"{quantity} {of}.{component}", quantity, entry))
+        entry, axis = self._signalled("Input", of, component, kind, local)
+        quantity = "stress" if entry[0] == "element" else "force" if axis is None else "moment"
+        self._add_signal("input", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local))
 
     def output(
         self,
@@ -454,25 +481,59 @@ class Builder:
         *,
         name: str | None = None,
         kind: str | None = None,
+        local: bool = False,
     ) -> None:
-        """Name an output of the state-space model.
+        """Name an output.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
-            quantity: "position", "velocity" or "acceleration" of a coordinate; "deformation", "deformation rate",
-                "deformation acceleration" or "stress" of a deformation. By default the first.
+            component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
+                "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is linearised
+                about, in a simulation the component of the rotation vector from its start, beside that from the
+                undeformed mechanism to the start; angular velocity and angular acceleration.
+            quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation; "deformation",
+                "deformation rate", "deformation acceleration" or "stress" of a deformation. By default the first.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
+            local: As for :meth:`input`.
+
+        Raises:
+            ModelError: As for :meth:`input`; no such quantity.
         """
-        entry = self._entry(of, component, kind)
+        entry, axis = self._signalled("Output", of, component, kind, local)
         allowed = ("position", "velocity", "acceleration")
         if entry[0] == "element":
             allowed = ("deformation", "deformation rate", "deformation acceleration", "stress")
         quantity = quantity or allowed[0]
         if quantity not in allowed:
-            raise ModelError(f"Output '{of}.{component}' must be one of {', '.join(allowed)}, not '{quantity}'.")
-        self.signals["output"].append((name or f"{quantity} {of}.{component}", quantity, entry))
+            raise ModelError(f"Output '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(quantity)}.")
+        self._add_signal(
+            "output", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local)
+        )
+
+    def _signalled(self, side: str, of: str, component: Any, kind: str | None, local: bool) -> tuple[Key, int | None]:
+        """What a signal is about, and its axis if that is a rotation in space."""
+        _check_flag("local", local)
+        about = self.dimension == 3 and isinstance(component, str) and component in TURNS
+        if about and kind != "element" and not (kind is None and of in self.members and of not in self.nodes):
+            return ("node", self._rotation_of(of), 1), TURNS.index(component)
+        if local:
+            raise ModelError(f"{side} '{of}.{component}': only a rotation in space (rx, ry, rz) takes `local`.")
+        entry = self._entry(of, component, kind)
+        if entry[0] == "node" and self.nodes[entry[1]].kind is ROTATION3:
+            own = f"{entry[1]}.{ROTATION3.components[entry[2] - 1]}"
+            raise ModelError(
+                f"{side} '{own}' is an Euler parameter, whose dual is no moment and which is no angle. Name the axis of"
+                f" the rotation: rx, ry or rz."
+            )
+        return entry, None
+
+    def _add_signal(self, side: str, name: str, signal: NamedSignal) -> None:
+        name = _named(f"An {side}", name)
+        # Where a control system is made of them, a point becomes a blank.
+        if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
+            raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
+        self.signals[side].append(signal._replace(name=name))
 
     # -- the model ----------------------------------------------------------------------------------------------
 
@@ -489,9 +550,13 @@ class Builder:
             Model.
 
         Raises:
-            ModelError: Nothing to analyse.
+            ModelError: Nothing to analyse; an input on what is FIXED or PRESCRIBED; deformations that are not zero in
+                the undeformed mechanism.
             MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
                 move or do not determine the rest.
+
+        Warns:
+            FlexmbWarning: A prestress or strain of a deformation that is held.
         """
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed)
@@ -511,7 +576,7 @@ class Builder:
         model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
             if before is not None and (twin := as_in(self, before)) is not self:
-                return assemble(twin)
+                return check_inputs(assemble(twin))
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof();"
@@ -525,8 +590,10 @@ class Builder:
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
+            return check_inputs(model)
+        if not check:
             return model
-        return note(complete(self, model, dofs, release) if check else model)
+        return check_inputs(note(complete(self, model, dofs, release)))
 
     def copy(self) -> Builder:
         """A builder with the same contents, to vary."""

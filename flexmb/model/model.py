@@ -36,14 +36,19 @@ class Signal:
 
     Attributes:
         name: Its label.
-        quantity: "force", "stress", "position", "velocity", "acceleration", "deformation", "deformation rate",
-            "deformation acceleration".
-        index: Index in x or e.
+        quantity: "force", "moment", "stress", "position", "velocity", "acceleration", "deformation", "deformation
+            rate", "deformation acceleration". Of a rotation in space the three of a coordinate are the rotation vector,
+            the angular velocity and the angular acceleration.
+        index: Index in x or e; of a rotation in space, that of its first Euler parameter.
+        axis: About which axis of a rotation in space, 0, 1 or 2; None for what is a coordinate or a deformation.
+        local: Whether the axis turns with the node.
     """
 
     name: str
     quantity: str
     index: int
+    axis: int | None = None
+    local: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
