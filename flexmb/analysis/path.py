@@ -17,7 +17,7 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import check
-from .buckling import REAL, geometric_stiffness_of_increment, multipliers_of
+from .buckling import REAL, multipliers_of, scaled_stiffness
 from .continuation import Ramp
 from .critical import CriticalPoint
 from .linearize import Linearization, Matrices, matrices_at
@@ -117,11 +117,7 @@ def _eigenvalues(topology: Topology, k, m, values):
 
 def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
     """Multipliers by magnitude; infinite where the loads do not act or only in complex pairs."""
-    if parameters.increment is None:
-        k, g = at.K0, at.G0
-    else:
-        k, g = at.K0 + at.G0, geometric_stiffness_of_increment(topology, parameters, at, near)
-    return multipliers_of(k, g)
+    return multipliers_of(*scaled_stiffness(topology, parameters, at, near))
 
 
 @jit
