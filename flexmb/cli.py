@@ -75,7 +75,7 @@ def _run(
     max_steps: int = 200,
     plot: Path | None = None,
 ) -> None:
-    from . import SpacarError, enable_cache, enable_x64, read_spacar
+    from . import ModelError, SpacarError, enable_cache, enable_x64, read_spacar
     from .io.answers import answer
     from .io.files import save as save_answer
     from .io.files import to_json, write_whole
@@ -109,6 +109,8 @@ def _run(
         )
     except SpacarError as fault:
         _refuse(str(fault))
+    except ModelError as fault:
+        _refuse(f"{model.name}: {fault}")
     if json_path == "-":
         print(to_json(found.data))
     else:

@@ -1,7 +1,9 @@
 """What flexmb raises and warns of. Every message names the culprit and says what is right."""
 
+import contextlib
 import sys
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 # Files of the package, which a warning does not point at.
@@ -54,3 +56,20 @@ def warn(text: str) -> None:
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_OWN):
         frame, level = frame.f_back, level + 1
     warnings.warn(text, FlexmbWarning, stacklevel=level)
+
+
+@contextlib.contextmanager
+def heard() -> Iterator[list[str]]:
+    """Collect what the package warns of, to be told elsewhere; other warnings pass. The list is filled at the end."""
+    said: list[str] = []
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", FlexmbWarning)
+            yield said
+    finally:
+        for one in caught:
+            if issubclass(one.category, FlexmbWarning):
+                said.append(str(one.message))
+            else:
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)

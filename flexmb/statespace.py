@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .analysis.linearize import Linearization, Matrices, linearize
+from .analysis.loose import refuse_negative_mass
 from .arguments import is_concrete
 from .errors import AnalysisError, ModelError
 from .math.compile import jit
@@ -168,6 +169,7 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
     condensed: tuple[int, ...] = ()
     if not traced:
         _check_outputs(lin)
+        refuse_negative_mass(lin)
         condensed = _all_massless(lin)
         _refuse_idle_inputs(lin, condensed)
     names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed] if not traced else []

@@ -81,7 +81,7 @@ class Mobility:
         Args:
             mode: Which, from 0.
         """
-        return _shares(self.self_stress[:, mode], self.model.labels.e)
+        return shares(self.self_stress[:, mode], self.model.labels.e)
 
     def motions(self, mode: int = 0) -> list[Share]:
         """Nodes that take part in a motion, largest first.
@@ -89,7 +89,7 @@ class Mobility:
         Args:
             mode: Which, from 0.
         """
-        return _shares(self.motion[:, mode], self.model.labels.x)
+        return shares(self.motion[:, mode], self.model.labels.x)
 
     def report(self) -> str:
         """What is over- and under-constrained, by name, and what to release."""
@@ -108,7 +108,13 @@ class Mobility:
         return "\n".join(lines)
 
 
-def _shares(vector: np.ndarray, entries) -> list[Share]:
+def shares(vector: np.ndarray, entries) -> list[Share]:
+    """Parts of a motion or a self-stress, largest first, without those that hardly take part.
+
+    Args:
+        vector: Of all coordinates or deformations, the largest 1 in size.
+        entries: Their names.
+    """
     order = np.argsort(-np.round(np.abs(vector) / ALIKE), kind="stable")
     shown = [i for i in order if abs(vector[i]) > SHOWN and entries[i].kind != "norm"]
     return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]

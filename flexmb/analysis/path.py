@@ -21,6 +21,7 @@ from .buckling import REAL, multipliers_of, scaled_stiffness
 from .continuation import Ramp
 from .critical import CriticalPoint
 from .linearize import Linearization, Matrices, matrices_at
+from .loose import refuse_negative_mass
 from .modal import spectrum, to_frequency
 from .walk import Step, Walker
 
@@ -150,7 +151,8 @@ def path(
         load multipliers at each step, and the critical points.
 
     Raises:
-        AnalysisError: max_steps; not_converged or singular_configuration, with what to try.
+        AnalysisError: max_steps; not_converged or singular_configuration, with what to try; singular_mass where a
+            motion has a negative mass.
         ValueError: max_steps or step is not positive.
 
     Source:
@@ -168,6 +170,7 @@ def path(
     # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
     found = jax.tree.map(lambda *a: np.stack(a), *found)
     massive = np.any(np.isfinite(found.eigenvalues), axis=0)
+    refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], found.matrices), model))
     return Path(
         load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
         matrices=jax.device_put(found.matrices),

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float, Int
 
+from ..arguments import is_concrete
 from ..errors import ModelError
 from ..math.compile import jit_beside_options
 from ..math.indices import put
@@ -26,6 +27,7 @@ from .closed_loop import Sampled, as_feedback, under_inputs
 from .configuration import Configuration, configuration
 from .equilibrium import Equilibrium
 from .integrate import Start, integrate, integrate_sampled
+from .loose import without_mass
 from .parts import integrate_in_parts, sampled_intervals
 
 if TYPE_CHECKING:
@@ -315,7 +317,8 @@ def simulate(
         columns = [jnp.pad(c, ((0, len(times) - reached), (0, 0)), constant_values=jnp.inf) for c in columns]
     x, xd, near, u = columns
     found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, form, name)
-    check(found.result, throw and not stopped)
+    failing = throw and not stopped and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass
+    check(found.result, throw and not stopped, without_mass(model) if failing else "")
     return found
 
 

@@ -11,9 +11,9 @@ from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS
 from .linearize import Matrices, matrices
-from .modal import Modes, refuse_unsymmetric, spectrum, to_frequency
+from .modal import Modes, check_spectrum, refuse_unsymmetric, spectrum, to_frequency
 
 # Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
 CLUSTER = 1e-6
@@ -148,7 +148,7 @@ def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = Tr
     if jnp.shape(shape) != (model.topology.n_q,):
         raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {jnp.shape(shape)}.")
     value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(shape, float))
-    check(result, throw)
+    check_spectrum(result, throw, model)
     return value
 
 

@@ -11,12 +11,13 @@ from .. import __version__
 from ..analysis.buckling import buckling
 from ..analysis.compliance import directional_compliance
 from ..analysis.linearize import Linearization, linearize
+from ..analysis.loose import refuse_negative_mass
 from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
 from ..analysis.stress import stress, without_shape
 from ..build.dofs import complete_series
-from ..errors import AnalysisError, MechanismError
+from ..errors import AnalysisError, MechanismError, heard
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
 from ..model.model import Labels, Model
@@ -145,6 +146,7 @@ def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
 
 
 def _compliance(lin: Linearization) -> dict[str, list[float]]:
+    """Directional compliance of each node, infinite (so that JSON has null) where it takes part in a free motion."""
     own = {entry.of for entry in lin.labels.x if entry.kind == "internal"}
     return {node: values.tolist() for node, values in directional_compliance(lin).items() if node not in own}
 
@@ -176,6 +178,7 @@ def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
 
 
 def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
+    refuse_negative_mass(lin)
     found = buckling(model)
     silent = "No load acts in any motion: there is no load multiplier." if not len(found.multipliers) else None
     return {
@@ -294,40 +297,41 @@ def answer(
     model = complete_series(builder, builder.build(check=False))
     lin = None
     failed = 0
-    try:
-        if mode == 0:
-            found = mobility(model)
-            extra = {
-                "status": found.status,
-                "message": found.report(),
-                "overconstraints": found.overconstraints,
-                "underconstraints": found.underconstraints,
-                "mobility": _mobility_modes(found),
-                "found": found,
-            }
-        elif mode in (1, 4):
-            model = builder.build(dofs=dofs, release=release)
-            extra = simulated(model, name, settings or {}, mode == 4)
-            failed = int(extra["status"] != "ok")
-        elif mode == 10:
-            model = builder.build(dofs=dofs, release=release)
-            followed = path(model, max_steps=max_steps, throw=False)
-            lin, extra = followed.linearization(), {**_path(followed), "found": followed}
-            data["warnings"] += _loose_warnings(lin)
-            failed = int(extra["status"] != "ok")
-        else:
-            model = builder.build(dofs=dofs, release=release)
-            run = MODES[mode][1]
-            assert run is not None
-            lin = linearize(model)
-            data["warnings"] += _loose_warnings(lin)
-            extra = run(model, lin)
-    except (MechanismError, AnalysisError) as fault:
-        extra = {"status": fault.code, "message": str(fault)}
-        failed = 1
+    with heard() as said:
+        try:
+            if mode == 0:
+                found = mobility(model)
+                extra = {
+                    "status": found.status,
+                    "message": found.report(),
+                    "overconstraints": found.overconstraints,
+                    "underconstraints": found.underconstraints,
+                    "mobility": _mobility_modes(found),
+                    "found": found,
+                }
+            elif mode in (1, 4):
+                model = builder.build(dofs=dofs, release=release)
+                extra = simulated(model, name, settings or {}, mode == 4)
+                failed = int(extra["status"] != "ok")
+            elif mode == 10:
+                model = builder.build(dofs=dofs, release=release)
+                followed = path(model, max_steps=max_steps, throw=False)
+                lin, extra = followed.linearization(), {**_path(followed), "found": followed}
+                data["warnings"] += _loose_warnings(lin)
+                failed = int(extra["status"] != "ok")
+            else:
+                model = builder.build(dofs=dofs, release=release)
+                run = MODES[mode][1]
+                assert run is not None
+                lin = linearize(model)
+                data["warnings"] += _loose_warnings(lin)
+                extra = run(model, lin)
+        except (MechanismError, AnalysisError) as fault:
+            extra = {"status": fault.code, "message": str(fault)}
+            failed = 1
     data.update(model.counts())
     data["dofs"] = _dofs(model)
-    data["warnings"] += extra.pop("warnings", [])
+    data["warnings"] += [*extra.pop("warnings", []), *dict.fromkeys(said)]
     returned = extra.pop("found", None)
     data.update(extra)
     return Answer(data, failed, model, lin, returned)
