@@ -59,7 +59,7 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
     """
     traced = not is_concrete(value)
     array = None if traced else numbers(value)
-    if array is None and not traced:
+    if not traced and (array is None or (not array.size and shape is None)):
         wanted = "a number" if shape == () else "numbers"
         raise fault(f"{what} must be {wanted}, not {shown(value)}.")
     own = getattr(value, "shape", shape) if array is None else array.shape
@@ -96,7 +96,7 @@ def check_number(
     if array is None or array.shape != ():
         raise TypeError(f"Argument `{name}` must be one number, not {shown(value)}.")
     parts = [
-        "" if above is None else f"greater than {above:g}",
+        "" if above is None else "positive" if above == 0 else f"greater than {above:g}",
         "" if least is None else f"at least {least:g}",
         "" if most is None else f"at most {most:g}",
     ]
@@ -143,17 +143,33 @@ def as_whole(value: Any) -> int | None:
         return None
 
 
-def check_choice(name: str, value: Any, allowed: tuple) -> None:
+def check_flag(name: str, value: Any, fault: type = TypeError) -> None:
+    """Refuse an argument that is neither True nor False.
+
+    Args:
+        name: Name of the argument.
+        value: What is given.
+        fault: What to raise.
+
+    Raises:
+        TypeError: Or what is given as ``fault``.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise fault(f"Argument `{name}` must be True or False, not {shown(value)}.")
+
+
+def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> None:
     """Refuse an argument that is none of a few values.
 
     Args:
         name: Name of the argument.
         value: What is given.
         allowed: What it may be.
+        fault: What to raise.
 
     Raises:
-        ValueError: It is something else.
+        ValueError: Or what is given as ``fault``.
     """
     if not any(value is one or (type(value) is type(one) and value == one) for one in allowed):
         listed = " or ".join(repr(one) for one in allowed)
-        raise ValueError(f"Argument `{name}` must be {listed}, but is {shown(value)}.")
+        raise fault(f"Argument `{name}` must be {listed}, but is {shown(value)}.")

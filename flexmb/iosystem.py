@@ -7,12 +7,13 @@ import numpy as np
 
 from .analysis.closed_loop import check_signals, measuring, under_inputs
 from .analysis.configuration import configuration
+from .analysis.equilibrium import warn_of_increment
 from .analysis.simulate import driven_by
 from .math.compile import jit_beside_options
 from .mechanics.coordinates_form import coordinates_form
 from .mechanics.reduced_form import reduced_form
 from .mechanics.second_order import MotionState
-from .model.model import Model
+from .model.model import Model, as_model
 
 if TYPE_CHECKING:
     import control
@@ -56,6 +57,7 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
     """
     import control
 
+    warn_of_increment(as_model(model, "to_nonlinear_system"), "to_nonlinear_system")
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A plant", "A plant gives")
     driven = driven_by(model, loads or {}, motion or {}, None)

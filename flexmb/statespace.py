@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .analysis.linearize import Linearization, Matrices, linearize
+from .analysis.linearize import Linearization, Matrices, linearized
 from .analysis.loose import refuse_negative_mass
 from .arguments import is_concrete
 from .errors import AnalysisError, ModelError
@@ -163,7 +163,7 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K, -M0^-1 (C0 + D0)]],
         a stress input adds to sigma: B = -M0^-1 DFe^T.
     """
-    lin = model if isinstance(model, Linearization) else linearize(model)
+    lin = model if isinstance(model, Linearization) else linearized(model, "state_matrices")
     labels, m = lin.labels, lin.matrices
     traced = not is_concrete(m)
     condensed: tuple[int, ...] = ()
@@ -272,7 +272,7 @@ def to_statespace(model: Model | Linearization) -> "control.StateSpace":
     """
     import control
 
-    lin = model if isinstance(model, Linearization) else linearize(model)
+    lin = model if isinstance(model, Linearization) else linearized(model, "to_statespace")
     if lin.matrices.M0.ndim > 2:
         raise ModelError(
             f"This linearisation is along a motion, at {len(lin.matrices.M0)} times, and a control.StateSpace is that"

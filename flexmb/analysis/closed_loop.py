@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
 
-from ..arguments import is_concrete
+from ..arguments import check_number, is_concrete
 from ..errors import ModelError
 from ..math.record import Record, static
 from ..mechanics.controlled_form import ControlledForm, Feedback, Places, driven_by_inputs
@@ -37,7 +37,12 @@ class Sampled(Record):
 
 
 def _seen(y, t, reference):
-    return y if reference is None else jnp.atleast_1d(jnp.asarray(reference(t), float)) - y
+    if reference is None:
+        return y
+    wanted = jnp.atleast_1d(jnp.asarray(reference(t), float))
+    if wanted.shape != y.shape:
+        raise ModelError(f"`reference` gives shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
+    return wanted - y
 
 
 def _linear_output(c, d, reference, t, z, y):
@@ -99,6 +104,10 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
     if isinstance(control, Feedback | Sampled):
         if reference is not None:
             raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
+        if isinstance(control, Sampled):
+            check_number("period", control.period, above=0)
+        elif (control.rate is None) != (control.start is None):
+            raise ModelError("A Feedback has a `rate` and a `start` of its state, or neither.")
         return control
     if hasattr(control, "A") and hasattr(control, "D"):
         period = getattr(control, "dt", 0)

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import check_flag
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
 from ..math.compile import jit
@@ -13,7 +14,7 @@ from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check
-from .linearize import Linearization, Matrices, linearize
+from .linearize import Linearization, Matrices, linearized
 from .loose import free_motions, named, takes_part
 
 
@@ -36,17 +37,21 @@ def compliance(model: Model | Linearization, node: str, *, local: bool = False) 
 
     Raises:
         KeyError: No such node.
+        ValueError: ``local``, of a node without a rotation.
         AnalysisError: singular_stiffness where the node takes part in a motion that meets no stiffness; of other nodes
             the compliance is that of the rest.
 
     Source:
         FORMULATION.md 7: (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
-    lin = model if isinstance(model, Linearization) else linearize(model)
+    check_flag("local", local)
+    lin = linearized(model, "compliance")
     labels = lin.labels
     parts = [p for p in (node, f"{node}.rotation") if labels.coordinates(p)]
     if not parts:
         raise KeyError(f"no node '{node}' in this model")
+    if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
+        raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     found, jacobian, result = _compliance(lin.matrices, places, local=local)
     if not isinstance(result, jax.core.Tracer) and int(result) == RESULTS.singular_stiffness:
@@ -105,7 +110,7 @@ def directional_compliance(model: Model | Linearization) -> dict[str, np.ndarray
     Source:
         Diagonal of DFx (K0 + N0 + G0)^-1 DFx^T, with rotations by omega = 2 Lbar d(lambda)/dt.
     """
-    lin = model if isinstance(model, Linearization) else linearize(model)
+    lin = linearized(model, "directional_compliance")
     dfx = np.asarray(lin.matrices.DFx)
     flexibility, free = free_motions(lin.matrices)
     if free.shape[1]:

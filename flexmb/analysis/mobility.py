@@ -12,7 +12,7 @@ from ..math.compile import jit
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.signals import along_coordinates
-from ..model.model import Model, Signal
+from ..model.model import Model, Signal, as_model
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
@@ -96,6 +96,10 @@ class Mobility:
         lines = [f"over-constraints: {self.overconstraints}, under-constraints: {self.underconstraints}"]
         for i in range(self.overconstraints):
             parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i)[:8])
+            if not parts:
+                # Unit norms are no deformations, and stress against nothing but held Euler parameters.
+                own = [e.of for e, s in zip(self.model.labels.e, self.self_stress[:, i], strict=True) if abs(s) > SHOWN]
+                parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(own))
             lines.append(f"self-stress {i + 1}: {parts}")
             advice = self.release[i]
             if advice is not None:
@@ -257,7 +261,7 @@ def mobility(model: Model) -> Mobility:
         FORMULATION.md 8: singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the DEPENDENT
         coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
-    found = constraints(model)
+    found = constraints(as_model(model, "mobility"))
     matrix, held, free = _held_rows(model, found)
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)

@@ -10,15 +10,17 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
+from ..arguments import check_flag, check_whole
 from ..math.compile import jit
 from ..math.linear import diagonal_of, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..math.record import Record
-from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
-from ..model.model import Model
+from ..mechanics.loads import LoadFactors, lacks_potential
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .linearize import Linearization, Matrices, linearize, matrices
+from .equilibrium import load_factors_of, warn_of_increment
+from .linearize import Linearization, Matrices, linearize, linearized, matrices
 from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
 
 # A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
@@ -184,7 +186,8 @@ def frequencies(
 
     Args:
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
-        count: How many of the lowest; all unless given. With many degrees of freedom a few are found much quicker.
+        count: How many of the lowest; all unless given or where there are fewer. With many degrees of freedom a few are
+            found much quicker.
         sparse: For thousands of elements: ``count`` frequencies by sparse factors, of a model that needs no degrees
             of freedom; see :func:`flexmb.equilibrium`.
         throw: Raise where the equilibrium or the eigenproblem fails.
@@ -199,18 +202,21 @@ def frequencies(
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    if count is not None and count < 1:
-        raise ValueError(f"Argument `count` must be at least 1, not {count}.")
+    check_flag("sparse", sparse)
+    count = None if count is None else check_whole("count", count, 1)
     if sparse:
         from .large import sparse_eigenvalues
 
         if count is None or isinstance(model, Linearization):
             raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-        return to_frequency(sparse_eigenvalues(model, load_factors(), count))
+        target = load_factors_of(as_model(model, "frequencies"), 1.0, None, "frequencies")
+        return to_frequency(sparse_eigenvalues(model, target, count))
     if isinstance(model, Linearization):
+        linearized(model, "frequencies")
         refuse_unsymmetric(model.matrices.symmetric)
         values, result = _compiled(_frequencies_at, count)(model.matrices)
     else:
+        warn_of_increment(as_model(model, "frequencies"), "frequencies")
         refuse_unsymmetric(not lacks_potential(model.topology))
         values, result = _compiled(_frequencies, count)(model.topology, model.parameters)
     check_spectrum(result, throw, model)
@@ -229,7 +235,7 @@ def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
     if throw and not isinstance(result, jax.core.Tracer):
         code = int(result)
         if code in (RESULTS.singular_mass, RESULTS.singular_stiffness):
-            lin = model if isinstance(model, Linearization) else linearize(model, throw=False)
+            lin = model if isinstance(model, Linearization) else linearize(model, increment=0.0, throw=False)
             if code == RESULTS.singular_mass:
                 about = of_negative_mass(negative_mass(lin))
             else:
@@ -260,7 +266,7 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    lin = model if isinstance(model, Linearization) else linearize(model, throw=throw)
+    lin = linearized(model, "modes", throw)
     refuse_unsymmetric(lin.matrices.symmetric)
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
     check_spectrum(result, throw, lin)
@@ -297,7 +303,7 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     """
     import scipy.linalg
 
-    lin = model if isinstance(model, Linearization) else linearize(model)
+    lin = linearized(model, "poles")
     refuse_negative_mass(lin)
     found = lin.matrices
     n = found.M0.shape[0]

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 import jax
 import jax.numpy as jnp
 
+from ..arguments import check_number
 from ..errors import ModelError
 from ..math.compile import jit_beside_options
 from ..math.linear import factorise
@@ -12,7 +13,7 @@ from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.moving import MovingMatrices, carried, moving_matrices
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from .configuration import configured
 from .linearize import Linearization, Matrices, Rates
@@ -72,9 +73,16 @@ def linearize_motion(motion: Motion) -> Linearization:
         Linearization whose arrays have the times in front: M0, C0, D0, K0, N0, G0 (n_t, n_q, n_q). Where the degrees of
         freedom do not determine the configuration, ``result`` is singular_configuration and the matrices mean nothing.
 
+    Raises:
+        TypeError: It is no Motion.
+
     Source:
         FORMULATION.md 6.
     """
+    if not isinstance(motion, Motion):
+        raise TypeError(
+            f"fm.linearize_motion takes a Motion, not a {type(motion).__name__}: give fm.simulate(model, ..)."
+        )
     model = motion.model
     found = _along(model.topology, model.parameters, motion.driven, motion.t, motion.x, motion.xd, motion.near)
     return Linearization(found, model)
@@ -146,6 +154,8 @@ def steady_motion(
     Source:
         FORMULATION.md 6 and 7, with q_dot = q_ddot = 0.
     """
+    as_model(model, "steady_motion")
+    check_number("time", time)
     if not motion:
         raise ModelError("A steady motion needs something that moves: name it in `motion`.")
     driven = driven_by(model, {}, motion, None)

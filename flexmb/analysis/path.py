@@ -8,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..arguments import check_number, check_whole, shown
 from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.record import Record
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import check
@@ -82,9 +83,15 @@ class Path(Record):
         """Linearised equations of motion about one step, for modes, compliance and state space.
 
         Args:
-            step: Which; the last unless given.
+            step: Which, from 0; the last unless given.
+
+        Raises:
+            IndexError: There are not so many steps.
         """
-        return Linearization(jax.tree.map(lambda a: a[step], self.matrices), self.model)
+        count, chosen = len(self.load_factor), check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook."""
@@ -159,8 +166,12 @@ def path(
         FORMULATION.md 7. A critical point is where an eigenvalue of K changes sign; from psi^T (K t + r_load t_load)
         = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a bifurcation.
     """
-    if max_steps < 1 or not step > 0:
+    as_model(model, "path")
+    check_number("step", step)
+    if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
+    if switch not in (False, True, -1):
+        raise ValueError(f"Argument `switch` must be False, True, 1 or -1, but is {shown(switch)}.")
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     walker = Walker(model, step)

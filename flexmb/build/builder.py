@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from ..arguments import as_whole, check_choice, check_numbers, is_concrete, shown
+from ..arguments import as_whole, check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
-from ..elements.element import ALL, Element
+from ..elements.element import ALL, COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
 from ..errors import ModelError, warn
 from ..model.model import Model
@@ -25,6 +25,7 @@ from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations
 
 AXES = ("x", "y", "z")
+HELD = (Role.FIXED, Role.PRESCRIBED)
 # Rotations in space about the axes, as inputs and outputs name them.
 TURNS = ("rx", "ry", "rz")
 # Euler parameters off the unit norm by more than this are no rotation.
@@ -175,6 +176,10 @@ class Builder:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
         properties = complete_properties(element, name, properties)
         n_e = number_of_deformations(element, name, properties)
+        companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
+        if not n_e and all(element.arguments(c, properties) is None for c in companions):
+            wanted = ", ".join(repr(key) for c in companions for key in element.wanted(c)) or "a companion"
+            raise ModelError(f"Element '{name}' ({element.name}) does nothing without the property {wanted}.")
         usual = (ALL if element.is_elastic(properties) else ()) if element.released is None else element.released
         roles = [Role.FIXED] * n_e
         for i in (*_released(name, usual if released is None else released, n_e), *element.measured):
@@ -197,9 +202,8 @@ class Builder:
             element: Name of the element.
             deformations: Numbers from 1.
         """
-        element = str(element)
-        for i in _some_of("release", element, deformations):
-            self._set_role(self._member(element), element, self._entry(element, i, "element")[2], Role.DEPENDENT)
+        given = _some_of("release", element, deformations)
+        self._set_roles([self._entry(element, i, "element") for i in given], Role.DEPENDENT)
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
 
@@ -211,24 +215,19 @@ class Builder:
             components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part. None:
                 the whole node, its rotation included if it has or gets one.
         """
-        node = str(node)
-        if components in ((), ("position",), ("rotation",)):
-            parts = [node if node in self.nodes else self._unknown_node(node, "fix")]
-            if components == ("position",):
-                parts = [self._position(node)]
-            if components == ("rotation",):
-                parts = [self._rotation_of(node)]
-            elif not components:
-                parts.append(f"{node}.rotation")
-            for part in parts:
-                if part not in self.nodes:
-                    self._clamped.add(part)
-                    continue
-                for i in range(self.nodes[part].kind.size):
-                    self._set_role(self.nodes[part], part, i + 1, Role.FIXED)
+        node, word = str(node), components[0] if len(components) == 1 else None
+        if components and not (isinstance(word, str) and word in ("position", "rotation")):
+            self._set_roles([("node", *self._coordinate(node, c)) for c in components], Role.FIXED)
             return
-        for part, i in [self._coordinate(node, c) for c in components]:
-            self._set_role(self.nodes[part], part, i, Role.FIXED)
+        if node not in self.nodes:
+            self._unknown_node(node, "fix")
+        if word == "rotation":
+            parts = [self._rotation_name(node)]
+        else:
+            parts = [self._position(node)] if word == "position" else [node, f"{node}.rotation"]
+        there = [part for part in parts if part in self.nodes or word == "rotation"]
+        self._set_roles([("node", p, i + 1) for p in there for i in range(self._kind_of(p).size)], Role.FIXED)
+        self._clamped.update(part for part in parts if part not in there)
 
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
         """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
@@ -240,12 +239,14 @@ class Builder:
             components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1.
             kind: "node" or "element", where both bear the name.
         """
+        keys: list[Key] = []
         for component in _some_of("dof", of, components):
             key = self._entry(of, component, kind)
-            if key in self.dofs:
+            if key in (*self.dofs, *keys):
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
-            self._assign(of, component, Role.DOF, kind)
-            self.dofs.append(key)
+            keys.append(key)
+        self._set_roles(keys, Role.DOF)
+        self.dofs += keys
 
     def prescribe(
         self,
@@ -275,15 +276,16 @@ class Builder:
                 holds the angle about the axis alone.
             kind: "node" or "element", where both bear the name.
         """
-        _check_flag("increment", increment)
+        check_flag("increment", increment, ModelError)
         check_numbers(f"Prescribed value of '{of}'", value, (), ModelError)
-        if component == "rotation" and kind != "element":
-            of, component, kind = self._turned(str(of), axis, tilt)
+        self._check_kind(kind)
+        if isinstance(component, str) and component == "rotation" and kind != "element":
+            entry = self._turned(str(of), axis, tilt)
         elif axis is not None or tilt is not None:
             raise ModelError(f"'{of}.{component}': only component \"rotation\" takes an axis or a tilt.")
-        entry = self._entry(of, component, kind)
-        if self._owner(entry).roles[entry[2] - 1] is not Role.PRESCRIBED:
-            self._assign(of, component, Role.PRESCRIBED, kind)
+        else:
+            entry = self._entry(of, component, kind)
+        self._set_roles([entry], Role.PRESCRIBED)
         self._load("prescribed", increment)[entry] = value
 
     def start(
@@ -300,7 +302,9 @@ class Builder:
         """
         for what, number in (("value", value), ("velocity", velocity)):
             check_numbers(f"Start {what} of '{of}'", number, (), ModelError)
-        self.starts[self._entry(of, component, kind)] = (value, velocity)
+        entry = self._entry(of, component, kind)
+        self._owner(entry)
+        self.starts[entry] = (value, velocity)
 
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
@@ -315,9 +319,10 @@ class Builder:
         check_numbers(f"The mass on node '{node}'", mass, (), ModelError)
         if is_concrete(mass) and np.asarray(mass) < 0:
             raise ModelError(f"The mass on node '{node}' is {mass}, but it cannot be negative. Rotary inertia may be.")
+        rotary = None if inertia is None else self._inertia(node, inertia)
         self._add_hidden("mass", part, mass=mass)
-        if inertia is not None:
-            self.inertia(node, inertia)
+        if rotary is not None:
+            self._add_hidden("inertia", rotary[0], inertia=rotary[1])
 
     def inertia(self, node: str, inertia: Any) -> None:
         """Put lumped rotary inertia on a node's rotation.
@@ -329,10 +334,15 @@ class Builder:
         Raises:
             ModelError: Another number of values, or a matrix that is not symmetric.
         """
-        rotation = self._rotation_of(node)
+        rotation, own = self._inertia(node, inertia)
+        self._add_hidden("inertia", rotation, inertia=own)
+
+    def _inertia(self, node: str, inertia: Any) -> tuple[str, Any]:
+        """Name of a node's rotation, and its inertia as it is kept."""
+        rotation = self._rotation_name(str(node))
         check_numbers(f"The inertia of node '{node}'", inertia, fault=ModelError)
         shape = np.shape(stack(inertia)) if isinstance(inertia, list | tuple) else np.shape(inertia)
-        if self.nodes[rotation].kind is ANGLE:
+        if self._kind_of(rotation) is ANGLE:
             if shape != ():
                 raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
         elif shape == (3, 3):
@@ -344,7 +354,7 @@ class Builder:
                 f"The inertia of node '{node}' must be (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) or a matrix of three by three,"
                 f" not of shape {shape}."
             )
-        self._add_hidden("inertia", rotation, inertia=inertia)
+        return rotation, inertia
 
     def force(self, node: str, force: Sequence[float], *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant force to a node.
@@ -358,7 +368,7 @@ class Builder:
         """
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
         for name, flag in (("increment", increment), ("follower", follower)):
-            _check_flag(name, flag)
+            check_flag(name, flag, ModelError)
         force, kind = _listed(f"Force on node '{part}'", force), self.nodes[part].kind
         size = kind.size
         if len(force) > size or (len(force) < size and kind.part != "internal"):
@@ -367,7 +377,7 @@ class Builder:
             if kind.part != "position":
                 raise ModelError(f"A follower force on '{part}' needs a node with a position.")
             options = {"incremental": True} if increment else {}
-            self._add_hidden("follower_force", part, self._rotation_of(part), force=stack(force), **options)
+            self._add_hidden("follower_force", part, self._rotation_name(part), force=stack(force), **options)
             return
         forces = self._load("force", increment)
         for i, value in enumerate(force):
@@ -383,16 +393,20 @@ class Builder:
             increment: Whether the moment belongs to the incremental loads.
             follower: Whether its axis turns with the rotation; in the plane there is no difference.
         """
-        part = self._rotation_of(node)
+        part = self._rotation_name(str(node))
         for name, flag in (("increment", increment), ("follower", follower)):
-            _check_flag(name, flag)
+            check_flag(name, flag, ModelError)
         check_numbers(f"Moment on node '{node}'", moment, fault=ModelError)
-        if self.nodes[part].kind is ANGLE:
-            self.force(
-                part, moment if isinstance(moment, list | tuple) or np.ndim(moment) else [moment], increment=increment
-            )
+        alone = not isinstance(moment, list | tuple) and np.ndim(moment) == 0
+        size = 1 if alone else len(moment)
+        if self._kind_of(part) is ANGLE:
+            if size != 1:
+                raise ModelError(f"Moment on node '{node}' must be one number in the plane, not {shown(moment)}.")
+            self._owner(("node", part, 1))
+            components: Any = [moment] if alone else moment
+            self.force(part, components, increment=increment)
         else:
-            if not isinstance(moment, list | tuple) and np.ndim(moment) == 0:
+            if alone or size != 3:
                 raise ModelError(f"Moment on node '{node}' must have 3 components in space, not {shown(moment)}.")
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
@@ -404,7 +418,7 @@ class Builder:
             acceleration: Components along the global axes [m/s^2].
             increment: Whether it belongs to the incremental loads.
         """
-        _check_flag("increment", increment)
+        check_flag("increment", increment, ModelError)
         acceleration = _listed("Gravity", acceleration)
         self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
@@ -417,9 +431,8 @@ class Builder:
             values: From the first deformation on [N, N m].
             increment: Whether it belongs to the incremental loads.
         """
-        _check_flag("increment", increment)
-        for key, value in self._values("Prestress", element, values):
-            self._load("prestress", increment)[key] = value
+        check_flag("increment", increment, ModelError)
+        self._load("prestress", increment).update(self._values("Prestress", element, values))
 
     def strain(self, element: str, *values: float) -> None:
         """Set the deformations at which an element is free of stress.
@@ -435,13 +448,14 @@ class Builder:
         if not member.element.is_elastic(member.properties):
             raise ModelError(f"Strain of element '{element}': it has no stiffness, so that a strain does nothing.")
         first = min((field[0] for field in member.element.fields), default=1)
-        for key, value in self._values("Strain", element, values):
+        found = self._values("Strain", element, values)
+        for key, value in found:
             if key[2] < first and is_concrete(value) and value != 0:
                 raise ModelError(
                     f"Strain of element '{element}': deformation {key[2]} is part of its closure, which has no"
                     f" stiffness. Give zero there; the strains are those from {first} on."
                 )
-            self._load("strain", False)[key] = value
+        self._load("strain", False).update(found)
 
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
@@ -505,7 +519,7 @@ class Builder:
         if entry[0] == "element":
             allowed = ("deformation", "deformation rate", "deformation acceleration", "stress")
         quantity = quantity or allowed[0]
-        if quantity not in allowed:
+        if not isinstance(quantity, str) or quantity not in allowed:
             raise ModelError(f"Output '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(quantity)}.")
         self._add_signal(
             "output", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local)
@@ -513,14 +527,16 @@ class Builder:
 
     def _signalled(self, side: str, of: str, component: Any, kind: str | None, local: bool) -> tuple[Key, int | None]:
         """What a signal is about, and its axis if that is a rotation in space."""
-        _check_flag("local", local)
+        check_flag("local", local, ModelError)
+        self._check_kind(kind)
+        of = str(of)
         about = self.dimension == 3 and isinstance(component, str) and component in TURNS
         if about and kind != "element" and not (kind is None and of in self.members and of not in self.nodes):
-            return ("node", self._rotation_of(of), 1), TURNS.index(component)
+            return ("node", self._rotation_name(of), 1), TURNS.index(component)
         if local:
             raise ModelError(f"{side} '{of}.{component}': only a rotation in space (rx, ry, rz) takes `local`.")
         entry = self._entry(of, component, kind)
-        if entry[0] == "node" and self.nodes[entry[1]].kind is ROTATION3:
+        if entry[0] == "node" and self._kind_of(entry[1]) is ROTATION3:
             own = f"{entry[1]}.{ROTATION3.components[entry[2] - 1]}"
             raise ModelError(
                 f"{side} '{own}' is an Euler parameter, whose dual is no moment and which is no angle. Name the axis of"
@@ -533,6 +549,7 @@ class Builder:
         # Where a control system is made of them, a point becomes a blank.
         if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
             raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
+        self._owner(signal.key)
         self.signals[side].append(signal._replace(name=name))
 
     # -- the model ----------------------------------------------------------------------------------------------
@@ -559,8 +576,8 @@ class Builder:
             FlexmbWarning: A prestress or strain of a deformation that is held.
         """
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
-            check_choice(argument, value, allowed)
-        _check_flag("check", check)
+            check_choice(argument, value, allowed, ModelError)
+        check_flag("check", check, ModelError)
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
         for loads in self.loads.values():
@@ -572,11 +589,12 @@ class Builder:
             raise ModelError(
                 f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
             )
-        self._warn_of_idle()
+        if check:
+            self._warn_of_idle()
         model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
             if before is not None and (twin := as_in(self, before)) is not self:
-                return check_inputs(assemble(twin))
+                return check_inputs(assemble(twin), twin)
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof();"
@@ -590,7 +608,7 @@ class Builder:
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
-            return check_inputs(model)
+            return check_inputs(model, self)
         if not check:
             return model
         return check_inputs(note(complete(self, model, dofs, release)))
@@ -638,31 +656,44 @@ class Builder:
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
         self.nodes[name] = Node(kind, start, [role] * kind.size)
 
-    def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> tuple[str, str | int, str]:
+    def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> Key:
         """What is prescribed in place of a node's rotation: the angle in the plane, that of a hinge in space."""
-        part = self._rotation_of(node)
-        if self.nodes[part].kind is ANGLE:
+        part = self._rotation_name(node)
+        if self._kind_of(part) is ANGLE:
             if axis is not None or tilt is not None:
                 raise ModelError(f"Rotation of node '{node}': in the plane it takes neither an axis nor a tilt.")
-            return part, "phi", "node"
+            return "node", part, 1
         if axis is None:
             raise ModelError(f"Rotation of node '{node}': in space it needs an axis, such as axis=(0, 0, 1).")
-        if tilt not in (None, "fixed", "free"):
-            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {tilt!r}.")
+        if tilt is not None and not (isinstance(tilt, str) and tilt in ("fixed", "free")):
+            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {shown(tilt)}.")
         node = part.removesuffix(".rotation")
         name, frame = f"turn of {node}", f"frame of {node}"
+        properties = complete_properties(spatial.hinge, name, {"axis": axis})
         if name not in self.members:
-            held = [role.value for role in self.nodes[part].roles if role is not Role.DEPENDENT]
+            held = [r for r in (self._role(("node", part, i)) for i in range(1, 5)) if r is not Role.DEPENDENT]
             if held:
-                raise ModelError(f"The rotation of node '{node}' is {held[0]} already and cannot be prescribed too.")
+                raise ModelError(
+                    f"The rotation of node '{node}' is {held[0].value} already and cannot be prescribed too."
+                )
+            if frame in self.nodes:
+                raise ModelError(
+                    f"Node '{frame}' is defined already: to prescribe a rotation takes a node of that name."
+                )
+            self._check_member(spatial.hinge, name, [ROTATION3.start] * 2, properties)
             self.rotation(frame)
             self.fix(frame)
             self.add(spatial.hinge, frame, part, name=name, axis=axis, released=(2, 3) if tilt == "free" else ())
-        known, roles = self.members[name].properties["axis"], self.members[name].roles
-        other = is_concrete((known, list(axis))) and not np.allclose(known, np.asarray(axis, float))
+        member = self.members[name]
+        if member.nodes != (frame, part):
+            raise ModelError(
+                f"Element '{name}' is defined already: to prescribe a rotation takes an element of that name."
+            )
+        known, roles = member.properties["axis"], member.roles
+        other = is_concrete((known, properties)) and not np.allclose(known, properties["axis"])
         if other or (tilt is not None and (tilt == "free") is not (roles[1] is Role.DEPENDENT)):
             raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
-        return name, 1, "element"
+        return "element", name, 1
 
     def _values(self, what: str, element: str, values: tuple) -> list[tuple[Key, Any]]:
         """Numbers of an element's deformations, from the first on, with the keys of these."""
@@ -673,16 +704,26 @@ class Builder:
         return found
 
     def _warn_of_idle(self) -> None:
-        """Say which stresses and strains are those of deformations that are held, where they do nothing."""
+        """Say what acts on deformations that are all held, where it does nothing."""
         for what in ("prestress", "strain"):
             for sets in self.loads.values():
-                for key, value in sets.get(what, {}).items():
-                    role = self._owner(key).roles[key[2] - 1]
-                    if role in (Role.FIXED, Role.PRESCRIBED) and is_concrete(value) and value != 0:
+                acting: dict[str, list[int]] = {}
+                for (_, of, number), value in sets.get(what, {}).items():
+                    if not is_concrete(value) or value != 0:
+                        acting.setdefault(of, []).append(number)
+                for of, numbers in acting.items():
+                    roles = [self.members[of].roles[n - 1] for n in numbers]
+                    if all(role in HELD for role in roles):
+                        told = ", ".join(f"deformation {n} is {r.value}" for n, r in zip(numbers, roles, strict=True))
                         warn(
-                            f"{what.capitalize()} of element '{key[1]}': deformation {key[2]} is {role.value}, so that"
-                            " it does nothing there. Release the deformation, or leave it out."
+                            f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
+                            " deformation, or leave it out."
                         )
+        for of, member in self.members.items():
+            dampers = [getattr(member.element, kind) for kind in ("damping", "dissipation")]
+            damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
+            if damped and member.roles and all(role in HELD for role in member.roles):
+                warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
 
     def _check_gravity(self, acceleration: list | None) -> None:
         """Refuse gravity of another dimension than the nodes."""
@@ -700,14 +741,16 @@ class Builder:
 
     def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
         node = nodes[0]
-        element = getattr(planar if self.nodes[node].kind.dimension == 2 else spatial, kind)
+        element = getattr(planar if self.dimension == 2 else spatial, kind)
         own = complete_properties(element, f"{kind} of {node}", properties)
+        for part in nodes:
+            self._owner(("node", part, 1))
         self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
 
     def _unknown_node(self, name: str, where: str) -> Any:
         near = difflib.get_close_matches(name, self.nodes, 1)
         hint = f" Did you mean '{near[0]}'?" if near else " Add it with node() first."
-        raise ModelError(f"No node '{name}' ({where}).{hint}")
+        raise ModelError(f"No node {shown(name)} ({where}).{hint}")
 
     def _position(self, node: str) -> str:
         """Name of a node that has a position."""
@@ -718,12 +761,9 @@ class Builder:
             raise ModelError(f"Node '{node}' has no position: it is a {self.nodes[node].kind.part} node.")
         return node
 
-    def _rotation_of(self, node: str) -> str:
-        """Name of a node's rotation, which is made if it is not there yet."""
-        name = self._rotation_name(str(node))
-        if name not in self.nodes:
-            self.rotation(name)
-        return name
+    def _kind_of(self, part: str) -> NodeKind:
+        """Kind of a node, or of a rotation that is not there yet."""
+        return self.nodes[part].kind if part in self.nodes else ANGLE if self.dimension == 2 else ROTATION3
 
     def _rotation_name(self, node: str) -> str:
         """Name that a node's rotation has or will have."""
@@ -771,6 +811,9 @@ class Builder:
             found.append(part)
         if waiting is None and next(source, None) is not None:
             raise wrong
+        for node in found:
+            if found.count(node) > 1:
+                raise ModelError(f"Element '{name}' ({element.name}) joins node '{node}' to itself. Give it two nodes.")
         # Coordinates that an element owns: one such node at most, its last.
         own = [f"{name}.internal" for k in element.nodes.values() if k.part == "internal"]
         for node in own:
@@ -795,65 +838,78 @@ class Builder:
     def _member(self, name: str) -> Member:
         name = str(name)
         if name not in self.members or self.members[name].hidden:
-            shown = [n for n, m in self.members.items() if not m.hidden]
-            near = difflib.get_close_matches(name, shown, 1)
-            raise ModelError(f"No element '{name}'." + (f" Did you mean '{near[0]}'?" if near else ""))
+            near = difflib.get_close_matches(name, [n for n, m in self.members.items() if not m.hidden], 1)
+            raise ModelError(f"No element {shown(name)}." + (f" Did you mean '{near[0]}'?" if near else ""))
         return self.members[name]
 
     def _owner(self, key: Key) -> Node | Member:
-        return (self.members if key[0] == "element" else self.nodes)[key[1]]
+        """Node or element of a coordinate or deformation; a rotation is made if it is not there yet."""
+        kind, of, _ = key
+        if kind == "node" and of not in self.nodes:
+            self.rotation(of)
+        return (self.members if kind == "element" else self.nodes)[of]
 
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
-        """Node and number of a coordinate named by a letter or a number."""
-        part = node = str(node)
-        number = _number(component)
-        if isinstance(component, str) and number is None:
-            if node in self.nodes and self.nodes[node].kind.part == "position" and component not in AXES:
-                part = self._rotation_of(node)
-            if part not in self.nodes:
-                self._unknown_node(part, f"coordinate {component}")
-            names = self.nodes[part].kind.components
-            if component not in names:
-                raise ModelError(f"Node '{part}' has no coordinate '{component}'. It has: {', '.join(names)}.")
-            return part, names.index(component) + 1
-        if part not in self.nodes:
-            self._unknown_node(part, f"coordinate {component}")
-        if number is None or not 1 <= number <= self.nodes[part].kind.size:
-            size = self.nodes[part].kind.size
-            raise ModelError(f"Node '{part}' has coordinates 1 to {size}, not {shown(component)}.")
+        """Node, which may be a rotation that is not there yet, and number of a coordinate named by letter or number."""
+        part, number = node, _number(component)
+        letter = isinstance(component, str) and number is None
+        if node not in self.nodes:
+            part = (
+                self._rotation_name(node)
+                if node.endswith(".rotation")
+                else self._unknown_node(node, f"coordinate {shown(component)}")
+            )
+        elif letter and self.nodes[node].kind.part == "position" and component not in AXES:
+            part = self._rotation_name(node)
+        kind = self._kind_of(part)
+        if letter:
+            if component not in kind.components:
+                names = ", ".join(kind.components)
+                raise ModelError(f"Node '{part}' has no coordinate {shown(component)}. It has: {names}.")
+            return part, kind.components.index(str(component)) + 1
+        if number is None or not 1 <= number <= kind.size:
+            raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {shown(component)}.")
         return part, number
+
+    def _check_kind(self, kind: Any) -> None:
+        if kind is not None and not (isinstance(kind, str) and kind in ("node", "element")):
+            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
 
     def _entry(self, of: str, component: str | int, kind: str | None = None) -> Key:
         """Kind and name of the owner, and number, of a coordinate or a deformation."""
+        self._check_kind(kind)
         of = str(of)
         is_element = of in self.members and not self.members[of].hidden
-        if kind not in (None, "node", "element"):
-            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {kind!r}.")
         if kind is None and is_element and of in self.nodes:
             raise ModelError(
                 f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
             )
         if kind == "element" or (kind is None and is_element):
-            self._member(of)
-            count, number = len(self.members[of].roles), _number(component)
+            count, number = len(self._member(of).roles), _number(component)
             if number is None or not 1 <= number <= count:
                 raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
             return "element", of, number
         return "node", *self._coordinate(of, component)
 
-    def _assign(self, of: str, component: str | int, role: Role, kind: str | None) -> None:
-        key = self._entry(of, component, kind)
-        self._set_role(self._owner(key), key[1], key[2], role)
+    def _role(self, key: Key) -> Role:
+        """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""
+        kind, of, number = key
+        if kind == "node" and of not in self.nodes:
+            return Role.FIXED if of in self._clamped else Role.DEPENDENT
+        return self._owner(key).roles[number - 1]
 
-    def _set_role(self, owner: Node | Member, name: str, number: int, role: Role) -> None:
-        if not 1 <= number <= len(owner.roles):
-            raise ModelError(f"Element '{name}' has deformations 1 to {len(owner.roles)}, not {number}.")
-        present = owner.roles[number - 1]
-        free = (Role.DEPENDENT,) if isinstance(owner, Node) else (Role.FIXED, Role.DEPENDENT)
-        if present is not role and present not in free:
-            what = "Coordinate" if isinstance(owner, Node) else "Deformation"
-            raise ModelError(f"{what} {number} of '{name}' is {present.value} already and cannot be {role.value} too.")
-        owner.roles[number - 1] = role
+    def _set_roles(self, keys: list[Key], role: Role) -> None:
+        """Give a role to coordinates or deformations, to all of them or, where one has another, to none."""
+        for key in keys:
+            kind, of, number = key
+            present, free = self._role(key), (Role.DEPENDENT,) if kind == "node" else (Role.FIXED, Role.DEPENDENT)
+            if present is not role and present not in free:
+                what = "Coordinate" if kind == "node" else "Deformation"
+                raise ModelError(
+                    f"{what} {number} of '{of}' is {present.value} already and cannot be {role.value} too."
+                )
+        for key in keys:
+            self._owner(key).roles[key[2] - 1] = role
 
 
 def _named(what: str, name: Any) -> str:
@@ -890,11 +946,6 @@ def _some_of(what: str, of: Any, given: tuple) -> tuple:
     if not given:
         raise ModelError(f"{what.capitalize()} of '{of}': say of what; nothing is named.")
     return given
-
-
-def _check_flag(name: str, value: Any) -> None:
-    if not isinstance(value, bool | np.bool_):
-        raise ModelError(f"Argument `{name}` must be True or False, not {shown(value)}.")
 
 
 def _released(name: str, wanted: Any, count: int) -> list[int]:

@@ -59,11 +59,12 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
     return model
 
 
-def check_inputs(model: Model) -> Model:
+def check_inputs(model: Model, builder: Builder | None = None) -> Model:
     """Refuse inputs on what is held: there they do nothing.
 
     Args:
-        model: Mechanism with its final roles; its numbers may be traced.
+        model: Mechanism with its final roles.
+        builder: Builder of the model, whose roles are taken where those of the model are traced.
 
     Returns:
         The model.
@@ -71,7 +72,13 @@ def check_inputs(model: Model) -> Model:
     Raises:
         ModelError: An input acts on a FIXED or PRESCRIBED coordinate, rotation or deformation.
     """
-    x_roles, e_roles = model.roles() if model.labels.inputs else ([], [])
+    if not model.labels.inputs:
+        return model
+    if builder is None:
+        x_roles, e_roles = model.roles()
+    else:
+        owners = builder.nodes, builder.members
+        x_roles, e_roles = ([role for one in several.values() for role in one.roles] for several in owners)
     for s in model.labels.inputs:
         roles = e_roles[s.index : s.index + 1] if s.quantity == "stress" else x_roles[s.index : s.index + 1]
         if s.axis is not None:

@@ -32,16 +32,18 @@ def element_type(given: Any) -> Element:
     Raises:
         ModelError: It is something else, or its signature does not say which nodes it joins.
     """
-    if not isinstance(given, Element) and not inspect.isfunction(given):
+    function = given.deformation if isinstance(given, Element) else given
+    if not inspect.isfunction(function):
         raise ModelError(
             f"Element type must be an Element or a deformation function, such as planar.beam, not {shown(given)}."
         )
-    if inspect.isfunction(given) and inspect.signature(given).return_annotation is Element:
-        raise ModelError(f"Function '{given.__name__}' makes element types: call it, such as {given.__name__}(4).")
+    if function is given and inspect.signature(function).return_annotation is Element:
+        name = function.__name__
+        raise ModelError(f"Function '{name}' makes element types: call it, such as {name}(4).")
     found = given if isinstance(given, Element) else Element(given)
     for name in COMPANIONS:
         companion = getattr(found, name)
-        if companion is not None and not callable(companion):
+        if companion is not None and not inspect.isroutine(companion):
             raise ModelError(f"Element type '{found.name}': its {name} must be a function, not {shown(companion)}.")
     try:
         nodes = found.nodes
@@ -277,6 +279,10 @@ def _count(element: Element, options: dict[str, Any], structure: Any, shapes: tu
     if not isinstance(found, jax.ShapeDtypeStruct) or len(found.shape) != 1:
         raise _WrongFunction(f"deformation must be a vector of shape (n,), but is {_described(found)}.")
     n = found.shape[0]
+    for name in ("measured", "fields"):
+        told = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
+        if any(not 1 <= i <= n for i in told):
+            raise _WrongFunction(f"`{name}` names deformations {told}, but it has {n}.")
     of = {"stiffness": [], "damping": [], **{k: [vector(n), vector(n)] for k in NONLINEAR}, "energy": [vector(n)]}
     wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
     wanted |= {"force": (sum(kind.size for kind in element.nodes.values()),), "resultants": (6,)}

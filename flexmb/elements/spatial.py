@@ -230,7 +230,11 @@ def _mass_inertia(p: Point3, *, ref, mass: float):
     return p[None], jnp.reshape(mass, (1, 1))
 
 
-mass = Element(_nothing_at, inertia=_mass_inertia)
+def _check_mass(*, ref, mass: float) -> list[str]:
+    return ["has a negative mass; rotary inertia alone may be negative"] if float(mass) < 0 else []
+
+
+mass = Element(_nothing_at, inertia=_mass_inertia, check=_check_mass)
 """Point mass. Properties: mass [kg]."""
 
 

@@ -267,6 +267,16 @@ def _loose_warnings(lin: Linearization) -> list[str]:
     ]
 
 
+def _left_out(model: Model, mode: int) -> list[str]:
+    """That incremental loads are not there, in modes which take the constant ones alone."""
+    if model.parameters.increment is None or mode not in (1, 4, 7, 9):
+        return []
+    return [
+        f"DELXF, DELINPX and the like are left out in mode {mode}, which is about the state without them; mode 10 adds"
+        " them step by step, with the frequencies at each."
+    ]
+
+
 def answer(
     builder,
     name: str,
@@ -311,6 +321,7 @@ def answer(
                 }
             elif mode in (1, 4):
                 model = builder.build(dofs=dofs, release=release)
+                data["warnings"] += _left_out(model, mode)
                 extra = simulated(model, name, settings or {}, mode == 4)
                 failed = int(extra["status"] != "ok")
             elif mode == 10:
@@ -323,7 +334,8 @@ def answer(
                 model = builder.build(dofs=dofs, release=release)
                 run = MODES[mode][1]
                 assert run is not None
-                lin = linearize(model)
+                data["warnings"] += _left_out(model, mode)
+                lin = linearize(model, increment=0.0)
                 data["warnings"] += _loose_warnings(lin)
                 extra = run(model, lin)
         except (MechanismError, AnalysisError) as fault:
@@ -331,7 +343,9 @@ def answer(
             failed = 1
     data.update(model.counts())
     data["dofs"] = _dofs(model)
-    data["warnings"] += [*extra.pop("warnings", []), *dict.fromkeys(said)]
+    # What does nothing has been told with the line that says it.
+    told = [text for text in dict.fromkeys(said) if not text.startswith(("Prestress", "Strain"))]
+    data["warnings"] += [*extra.pop("warnings", []), *told]
     returned = extra.pop("found", None)
     data.update(extra)
     return Answer(data, failed, model, lin, returned)

@@ -9,7 +9,7 @@ from jax.tree_util import Partial
 
 from ..analysis.moving import linearize_motion
 from ..analysis.simulate import Motion, simulate
-from ..errors import SpacarError
+from ..errors import SpacarError, heard
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
 from ..results import RESULTS
@@ -101,7 +101,9 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     rtol = error.get("relative", RTOL)
     atol = error["absolute"] / extent if "absolute" in error else None
     driven = _motions(model, settings)
-    found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
+    # That incremental loads are left out is said by the keywords of the file.
+    with heard():
+        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
     code = RESULTS(int(found.result))
     reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
     if not reached[-1]:

@@ -10,9 +10,10 @@ import numpy as np
 
 from ..build.builder import NamedSignal
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..elements.spectral import LARGEST_ORDER
 from ..model.roles import Role
 from . import spacar_series as series
-from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
+from .spacar_elements import NOTHING, ElementKind
 from .spacar_lines import DRAWING, Fault, Statement, known
 from .spacar_reading import Declared, Reading
 

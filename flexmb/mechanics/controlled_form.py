@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..errors import ModelError
 from ..math.record import Record, static
 from .coordinates_form import CoordinatesForm
 from .deformation import deformations
@@ -85,6 +86,10 @@ def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesFor
         places: What the inputs act on.
         u: Inputs, (n_u,).
     """
+    own = (places.forces, places.stresses, places.moments, places.local_moments)
+    count = sum(of.shape[1] for of in own)
+    if u.shape != (count,):
+        raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {count} inputs.")
     extra = []
     if places.forces.shape[1]:
         extra.append(Driven("force", places.forces[0], Held(u[places.forces[1]])))
@@ -189,6 +194,14 @@ class ControlledForm(Record):
         own, axis, local = self._turning(i)
         return rotation_measured(x[own], self.start[own], self.form.parameters.reference[own], axis, local)
 
+    def _rate(self, t, states, y):
+        """Rates of the controller's state, (n_z,)."""
+        rate: Any = self.feedback.rate
+        found = jnp.atleast_1d(jnp.asarray(rate(t, states, y), float))
+        if found.shape != states.shape:
+            raise ModelError(f"The controller's rate gives shape {found.shape}, but it has {states.shape[0]} states.")
+        return found
+
     def _driven(self, u) -> CoordinatesForm:
         """Equations of the mechanism under given inputs."""
         return driven_by_inputs(self.form, self.places, u)
@@ -217,8 +230,7 @@ class ControlledForm(Record):
         mechanism = self._driven(u).residual(t, own, own_z)
         controller = rates
         if self.states:
-            rate: Any = self.feedback.rate
-            controller = rates - rate(t, states, y)
+            controller = jnp.asarray(rates) - self._rate(t, states, y)
         return self._joined(mechanism, controller)
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
@@ -244,8 +256,7 @@ class ControlledForm(Record):
         mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by_y @ y_by_w, by_input @ u_by_z], axis=1)
         controller_u = controller_w = jnp.zeros((k, n + k))
         if k:
-            rate: Any = self.feedback.rate
-            r_by_z, r_by_y = jax.jacfwd(lambda z, y: rate(t, z, y), (0, 1))(states, y)
+            r_by_z, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
             controller_u = jnp.concatenate([-r_by_y @ y_by_u, jnp.zeros((k, k))], axis=1)
             controller_w = jnp.concatenate([-r_by_y @ y_by_w, -r_by_z], axis=1)
         by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
@@ -311,8 +322,7 @@ class ControlledForm(Record):
         y = self.measured(t, own)
         u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
         z, regular = self._driven(u).begin(t, own)
-        rate: Any = self.feedback.rate
-        return self._joined(z, rate(t, states, y) if self.states else jnp.zeros(0)), regular
+        return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
     def gap(self, t, state: MotionState):
         """As the mechanism's.

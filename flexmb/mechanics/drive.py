@@ -108,7 +108,16 @@ def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, .
             matrix = 2 * jnp.einsum("i,ijk->jk", value, MOMENTS[one.quantity])
             found[name] = accumulate(whole, (one.at[:, None], one.at[None, :]), matrix)
         elif name in ("x", "e"):
-            found[name] = put(whole, one.at, jnp.broadcast_to(value, one.at.shape))
+            found[name] = put(whole, one.at, _for_each(value, one.at))
         else:
-            found[name] = accumulate(whole, one.at, jnp.broadcast_to(value, one.at.shape))
+            found[name] = accumulate(whole, one.at, _for_each(value, one.at))
     return Drive(loads, increment, found["force"], found["turning"], found["stress"], found["x"], found["e"])
+
+
+def _for_each(value, at):
+    """One number for each index; a number for several would act on all of them."""
+    if value.shape == () and at.shape == (1,):
+        return value[None]
+    if value.shape != at.shape:
+        raise ValueError(f"A function of time gives numbers of shape {value.shape} where {at.shape[0]} are driven.")
+    return value

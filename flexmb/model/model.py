@@ -1,6 +1,8 @@
 """A mechanism ready for analysis."""
 
 import dataclasses
+import os
+from typing import Any
 
 import numpy as np
 
@@ -160,6 +162,39 @@ class Model(Record):
         from ..viewer.notebook import card
 
         return card(self)
+
+
+# What to do with what is no model, by the name of its class.
+_INSTEAD = {
+    "Builder": "say build() first",
+    "SpacarModel": "say .builder.build() first",
+    "LightResults": "give its .model",
+    "Lean": "give its .model",
+    "Linearization": "give its .model",
+    "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads where a linearisation is taken",
+    "Path": "give its .model, or path.linearization(step) where a linearisation is taken",
+    "Motion": "give its .model, or fm.linearize_motion(motion).at_time(number) where a linearisation is taken",
+    "str": "read a file by fm.read_spacar(path).builder.build()",
+    "NoneType": "a function that builds a model ends with: return b.build()",
+    "function": "call it, if it builds a model",
+}
+
+
+def as_model(given: Any, function: str) -> Model:
+    """A model, which is refused by what to do where it is none.
+
+    Args:
+        given: What is given as model.
+        function: Name of the public function that it is given to.
+
+    Raises:
+        TypeError: It is no Model.
+    """
+    if isinstance(given, Model):
+        return given
+    kind = type(given).__name__
+    instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "a Builder makes one by build()")
+    raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not a {kind}: {instead}.")
 
 
 def _list(indices) -> list[int]:

@@ -420,3 +420,18 @@ def test_matrices_along_a_motion():
         found.at_time(4)
     with pytest.raises(ValueError, match="no times"):
         found.at_time(0).at_time(0)
+
+
+def test_a_traced_build_knows_what_its_inputs_act_on():
+    def frequency(load, component):
+        b = torsion_bar(signals=False)
+        b.input("c", component)
+        if component == "rx":
+            b.input("a", "y")
+        b.output("c", "rx")
+        b.force("c", (load, 0, 0))
+        return b.build().parameters.loads.force[0]
+
+    assert fm.jit(lambda load: frequency(load, "x"))(jnp.array(1.0)) == 0.0
+    with pytest.raises(fm.ModelError, match=r"Input 'force a\.y' acts on a coordinate that is fixed"):
+        fm.jit(lambda load: frequency(load, "rx"))(jnp.array(1.0))

@@ -128,8 +128,8 @@ OTHERS = {
     ),
     "axis a word": (lambda b: b.add(spatial.hinge, "A", "B", name="h", axis="z"), r"'axis' of element 'h' must be num"),
     "ratio a word": (
-        lambda b: b.add(spatial.gear, "A", "B", "A", name="g", axis_p=(0, 0, 1), axis_q=(0, 0, 1), ratio="3"),
-        r"Property 'ratio' of element 'g' must be a number, not '3'",
+        lambda b: b.add(spatial.screw, "A", "B", name="g", axis=(0, 0, 1), pitch="3"),
+        r"Property 'pitch' of element 'g' must be a number, not '3'",
     ),
     "stiffness of two": (
         lambda b: b.add(spatial.hinge, "A", "B", name="h", axis=(0, 0, 1), stiffness=(1.0, 2.0)),
@@ -138,6 +138,24 @@ OTHERS = {
     "stiffness a truth": (
         lambda b: b.add(spatial.hinge, "A", "B", name="h", axis=(0, 0, 1), stiffness=True),
         r"Property 'stiffness' of element 'h' must be a number, not True",
+    ),
+    "a hinge of a body with itself": (
+        lambda b: b.add(spatial.hinge, "A", "A", name="h", axis=(0, 0, 1)),
+        r"Element 'h' \(hinge\) joins node 'A.rotation' to itself",
+    ),
+    "a mass below zero": (lambda b: b.add(spatial.mass, "A", name="m", mass=-1.0), r"'m' has a negative mass"),
+    "a mass without mass": (lambda b: b.add(spatial.mass, "A", name="m"), r"'m' .*does nothing without .*'mass'"),
+    "Poisson's ratio in percent": (
+        lambda b: b.add(spatial.beam, "A", "B", name="s", section=fm.Circle(1e-3, fm.Material(1e9, 1e9, nu=30.0))),
+        r"section of element 's' has nu = 30.0, but it must be above -1 and at most 0.5",
+    ),
+    "measured deformations that are not there": (
+        lambda b: b.add(fm.Element(spatial.truss.deformation, measured=(2,)), "A", "B", name="t"),
+        r"'t' \(truss\): its `measured` names deformations \[2\], but it has 1",
+    ),
+    "a ratio of zero": (
+        lambda b: (c := ends(), c.add(planar.gear, "A", "B", name="g", ratio=0.0)),
+        r"Element 'g' has a ratio of zero",
     ),
     "no function": (lambda b: b.add("beam", "A", "B"), r"Element type must be .* such as planar.beam, not 'beam'"),
     "the module": (lambda b: b.add(spatial, "A", "B"), r"Element type must be .* such as planar.beam"),
@@ -247,3 +265,11 @@ def test_euler_parameters_that_are_no_rotation():
         b.rotation("R", (1, 0, 0))
     with pytest.raises(fm.ModelError, match=r"Node 'r' must have 1 coordinate, but has 2"):
         ends().rotation("r", np.zeros(2))
+
+
+def test_damping_of_what_cannot_deform_is_warned_of():
+    b = ends()
+    b.add(planar.beam, "A", "B", name="leaf", damping=fm.Damping(EA=1.0))
+    b.fix("A")
+    with pytest.warns(fm.FlexmbWarning, match="Damping of element 'leaf'"):
+        b.build()
