@@ -57,6 +57,9 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
     Raises:
         ValueError: Or what is given as ``fault``.
     """
+    if type(value) in (int, float) and shape in (None, ()) and abs(value) <= LARGEST:
+        # What nearly all are.
+        return
     traced = not is_concrete(value)
     array = None if traced else numbers(value)
     if not traced and (array is None or (not array.size and shape is None)):

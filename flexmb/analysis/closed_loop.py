@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
@@ -105,7 +106,7 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
         if reference is not None:
             raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
         if isinstance(control, Sampled):
-            check_number("period", control.period, above=0)
+            _check_sampled(control, len(inputs), len(outputs))
         elif (control.rate is None) != (control.start is None):
             raise ModelError("A Feedback has a `rate` and a `start` of its state, or neither.")
         return control
@@ -127,6 +128,25 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
     if callable(control):
         return Feedback(Partial(_static_output, control, reference))
     raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), a Feedback or Sampled.")
+
+
+def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
+    """Refuse a sampled controller that takes no time, or whose step does not give inputs and a state like its start."""
+    check_number("period", control.period, above=0)
+    start = jax.tree.map(lambda leaf: jnp.asarray(leaf, float), control.start)
+    try:
+        given = jax.eval_shape(control.step, jnp.zeros(()), start, jnp.zeros(outputs))
+    except Exception as fault:
+        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        raise ModelError(f"The step of the sampled controller cannot be computed, by jax.numpy: {first}") from fault
+    if not isinstance(given, tuple) or len(given) != 2:
+        raise ModelError("The step of the sampled controller must give the inputs and the state that follows.")
+    shapes = [jax.tree.map(jnp.shape, part) for part in (start, given[1])]
+    if jax.tree.structure(start) != jax.tree.structure(given[1]) or shapes[0] != shapes[1]:
+        raise ModelError(f"The step of the sampled controller gives a state {shapes[1]}, but it starts as {shapes[0]}.")
+    u = jax.tree.map(jnp.shape, given[0])
+    if u != (inputs,) and not (u == () and inputs == 1):
+        raise ModelError(f"The controller gives shape {u}, but the mechanism has {inputs} inputs.")
 
 
 def _nothing(t, z, y):

@@ -432,6 +432,7 @@ def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple
     x_names = {str(entry): i for i, entry in enumerate(labels.x)}
     e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
     found = []
+    driven_names: dict[tuple[str, int], str] = {}
     for name, value in loads.items():
         nodes, what = labels.coordinates(name), f"Load '{name}'"
         if name in x_names:
@@ -457,6 +458,9 @@ def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple
             if isinstance(value, Table):
                 raise ModelError(f"Motion '{name}' is a table, whose velocity jumps. Give a smooth function of time.")
             value = _function(f"Motion '{name}'", value, 1)
+            first = driven_names.setdefault((quantity, names[meant]), name)
+            if first != name:
+                raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
             found.append(Driven(quantity, jnp.array([order.index(names[meant])]), value))
             break
         else:

@@ -573,7 +573,7 @@ class Builder:
                 move or do not determine the rest.
 
         Warns:
-            FlexmbWarning: A prestress or strain of a deformation that is held.
+            FlexmbWarning: A prestress, strain or damping of deformations that are held; gravity where nothing has mass.
         """
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed, ModelError)
@@ -724,6 +724,8 @@ class Builder:
             damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
             if damped and member.roles and all(role in HELD for role in member.roles):
                 warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
+        if any("gravity" in sets for sets in self.loads.values()) and not any(map(_may_weigh, self.members.values())):
+            warn("Gravity acts on nothing: no element has a density and no node a mass.")
 
     def _check_gravity(self, acceleration: list | None) -> None:
         """Refuse gravity of another dimension than the nodes."""
@@ -910,6 +912,15 @@ class Builder:
                 )
         for key in keys:
             self._owner(key).roles[key[2] - 1] = role
+
+
+def _may_weigh(member: Member) -> bool:
+    """Whether an element has a mass, as far as is known without computing it."""
+    if member.element.arguments(member.element.inertia, member.properties) is None:
+        return False
+    section = member.properties.get("section")
+    mass = section.rigidity().mass if section is not None else member.properties.get("mass", 1.0)
+    return not is_concrete(mass) or bool(np.any(np.asarray(mass) != 0))
 
 
 def _named(what: str, name: Any) -> str:

@@ -4,6 +4,7 @@ import dataclasses
 import inspect
 import types
 import typing
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -165,13 +166,19 @@ def _shape(hint: Any) -> tuple[int, ...] | None:
 
 
 def _check_record(what: str, of: str, value: Record) -> None:
-    """Refuse a section or damping with wrong entries."""
+    """Refuse a section or damping with wrong entries; one that many elements share is looked at once."""
+    if value in _CHECKED:
+        return
     _check_fields(of, value)
     for leaf in jax.tree.leaves(value):
         check_numbers(what, leaf, fault=ModelError)
     if is_concrete(value) and isinstance(value, Section | Damping):
         for fault in value.faults():
             raise ModelError(f"The {of} has {fault}.")
+    _CHECKED.add(value)
+
+
+_CHECKED: weakref.WeakSet[Record] = weakref.WeakSet()
 
 
 def _check_fields(of: str, record: Any) -> None:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
 
+from ..analysis.loose import without_mass
 from ..analysis.moving import linearize_motion
 from ..analysis.simulate import Motion, simulate
 from ..errors import SpacarError, heard
@@ -110,6 +111,8 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
         count = int(np.argmin(reached))
         found = found.until(count)
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
+    if code == RESULTS.singular_mass:
+        extra["message"] = f"{code.message} {without_mass(model)}"
     if not len(found.t):
         return extra
     seen = found.observe()

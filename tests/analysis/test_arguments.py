@@ -253,6 +253,18 @@ FUNCTIONS = {
         lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: (y, z), 0.0)),
         "`period` must be positive",
     ),
+    "a sample that forgets its state": (
+        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: y, 0.1)),
+        "must give the inputs and the state that follows",
+    ),
+    "a sample whose state changes size": (
+        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: (y, jnp.ones(3)), 0.1, jnp.zeros(2))),
+        r"gives a state \(3,\), but it starts as \(2,\)",
+    ),
+    "a sample of one input for two": (
+        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: (y[:1], z), 0.1)),
+        r"controller gives shape \(1,\), but the mechanism has 2 inputs",
+    ),
     "a reference beside a Feedback": (
         lambda: fm.simulate(MODEL, TIMES, control=fm.Feedback(lambda t, z, y: y), reference=lambda t: t),
         "leave `reference` out",
@@ -299,6 +311,9 @@ def test_a_rotation_is_driven_by_the_name_it_was_prescribed_by():
     model = b.build()
     found = fm.simulate(model, [0, 0.1], motion={"A.rotation": lambda t: 2.0 * t})
     np.testing.assert_allclose(found.at("A.rotation")[-1], 0.2, rtol=1e-9)
+    twice = {"A.rotation": lambda t: 2.0 * t, "A.rotation.phi": lambda t: 3.0 * t}
+    with pytest.raises(fm.ModelError, match=r"'A\.rotation' and 'A\.rotation\.phi' drive the same coordinate"):
+        fm.simulate(model, [0, 0.1], motion=twice)
     with pytest.raises(fm.ModelError, match=r"Motion 'B' names no coordinate"):
         fm.simulate(model, [0, 0.1], motion={"B": lambda t: t})
     b = fm.Builder()
