@@ -26,7 +26,7 @@ _ROOMS = {
     "elements.nodes": ("Angle", "Point2", "Point3", "Rotation3"),
     "build.builder": ("Builder",),
     "model.model": ("Model",),
-    "errors": ("AnalysisError", "MechanismError", "ModelError", "SpacarError"),
+    "errors": ("AnalysisError", "FlexmbWarning", "MechanismError", "ModelError", "SpacarError"),
     "results": ("RESULTS",),
     "analysis.mobility": ("Mobility", "mobility"),
     "analysis.equilibrium": ("Equilibrium", "equilibrium"),

@@ -78,6 +78,7 @@ from .elements.sections import torsion_approximate as torsion_approximate
 from .elements.sections import torsion_series as torsion_series
 from .elements.sections import warping_factor as warping_factor
 from .errors import AnalysisError as AnalysisError
+from .errors import FlexmbWarning as FlexmbWarning
 from .errors import MechanismError as MechanismError
 from .errors import ModelError as ModelError
 from .errors import SpacarError as SpacarError

@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING
 import jax.numpy as jnp
 import numpy as np
 
-from .analysis.closed_loop import MEASURED, measuring, under_inputs
+from .analysis.closed_loop import check_signals, measuring, under_inputs
 from .analysis.configuration import configuration
+from .analysis.equilibrium import warn_of_increment
 from .analysis.simulate import driven_by
-from .errors import ModelError
 from .math.compile import jit_beside_options
 from .mechanics.coordinates_form import coordinates_form
 from .mechanics.reduced_form import reduced_form
 from .mechanics.second_order import MotionState
-from .model.model import Model
+from .model.model import Model, as_model
 
 if TYPE_CHECKING:
     import control
@@ -29,7 +29,7 @@ def _rates(model: Model, driven, t, state, memory, u):
     at = form.settle(t, MotionState(q, qd, memory))
     x, v, near = form.whole_motion(t, at)
     own = undriven.state_of(x, v, near)
-    y = measuring(model, undriven).measured(t, own)
+    y = measuring(model, undriven, None).measured(t, own)
     return jnp.concatenate([state[n:], form.acceleration(t, at) * form.sizes]), y, at.memory
 
 
@@ -37,7 +37,8 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
     """The mechanism with all its nonlinearity as a plant for ``control.input_output_response`` and its like.
 
     States are the degrees of freedom, from the undeformed mechanism, and their rates; inputs and outputs those that the
-    builder named. Every evaluation places the other coordinates from where the last one left them.
+    builder named, rotations in space measured from the undeformed mechanism. Every evaluation places the other
+    coordinates from where the last one left them.
 
     Args:
         model: Mechanism with named inputs and outputs.
@@ -48,19 +49,17 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
         control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].
 
     Raises:
-        ModelError: The model names no inputs or no outputs, or an output that is no position, velocity or deformation.
+        ModelError: The model names no inputs or no outputs, an output that is no position, velocity or deformation, or
+            an input that can move nothing.
 
     Source:
         FORMULATION.md 5 and 9 (a).
     """
     import control
 
+    warn_of_increment(as_model(model, "to_nonlinear_system"), "to_nonlinear_system")
     inputs, outputs = model.labels.inputs, model.labels.outputs
-    if not inputs or not outputs:
-        raise ModelError("A plant needs an input and an output: name them with input() and output().")
-    for signal in outputs:
-        if signal.quantity not in MEASURED:
-            raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. A plant gives: {', '.join(MEASURED)}.")
+    check_signals(model, "A plant", "A plant gives")
     driven = driven_by(model, loads or {}, motion or {}, None)
     start = configuration(model)
     nameless = model.without_names()

@@ -151,6 +151,9 @@ def check(result, throw: bool, about: str = "") -> None:
     import jax.core
     import numpy as np
 
+    from .arguments import check_flag
+
+    check_flag("throw", throw)
     if not throw:
         return
     if isinstance(result, jax.core.Tracer):

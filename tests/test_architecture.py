@@ -28,8 +28,9 @@ ROWS = [
     ("__main__",),
 ]
 RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
-# Open to all: why a solve failed, what is raised, how far one is, and the facade, whose names are loaded on use.
-OPEN = {"results", "errors", "setup", "progress", ""}
+# Open to all: why a solve failed, what is raised, what arguments must be, how far one is, and the facade, whose names
+# are loaded on use.
+OPEN = {"results", "errors", "arguments", "setup", "progress", ""}
 # What notebooks ask a result for; it alone may look upwards, when it is called.
 DISPLAY = "_repr_html_"
 MODULES = sorted(PACKAGE.rglob("*.py"))

@@ -8,21 +8,26 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.compile import jit
+from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..math.record import Record
-from ..mechanics.deformation import deformation_curvature
+from ..mechanics.deformation import deformation_curvature, deformation_jacobian
+from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces
 from ..mechanics.residual import State, linear_response
 from ..mechanics.transfer import multipliers
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from .equilibrium import held_values, solve_state
-from .linearize import Linearization, linearize
+from .linearize import Linearization, Matrices, linearize
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
+# So are those that the round-off of a stress would give: that of a deformation beside what the whole mechanism's extent
+# would make of it, and that of a constraint force beside the largest of the forces that it balances.
+ROUND_OFF = 1e-15
 # Eigenvalues whose imaginary part is below this share are real.
 REAL = 1e-8
 
@@ -49,7 +54,7 @@ class Buckling(Record):
 
 def geometric_stiffness_of_increment(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
-) -> Float[Array, "n_q n_q"]:
+) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_e"], Float[Array, "n_x"]]:
     """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry.
 
     Args:
@@ -59,7 +64,7 @@ def geometric_stiffness_of_increment(
         near: Deformations there, (n_e,) [m, rad].
 
     Returns:
-        (n_q, n_q) [N/m, N m/rad].
+        (n_q, n_q) [N/m, N m/rad], the stresses (n_e,) [N, N m] and the displacements (n_x,) [m, rad, -].
     """
     no_preload = LoadFactors(0.0, 1.0)
     unloaded = dataclasses.replace(parameters, strain=None)
@@ -74,16 +79,73 @@ def geometric_stiffness_of_increment(
     sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, at.x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, no_preload, at.x)
-    return at.transfer.DFx.T @ curvature @ at.transfer.DFx
+    return at.transfer.DFx.T @ curvature @ at.transfer.DFx, sigma, dx
+
+
+def scaled_stiffness(
+    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_q n_q"], Float[Array, ""]]:
+    """Stiffness that stays and stiffness that is scaled with the loads, about a state.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        at: State.
+        near: Deformations there, (n_e,) [m, rad].
+
+    Returns:
+        Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-].
+
+    Source:
+        FORMULATION.md 7.
+    """
+    if parameters.increment is None:
+        stays, scaled, sigma, moved = at.K0, at.G0, at.sigma, sizes_of(topology, parameters)
+    else:
+        stays = at.K0 + at.G0
+        scaled, sigma, moved = geometric_stiffness_of_increment(topology, parameters, at, near)
+    tangent = at.x, near, at.jacobian, at.S, at.transfer.DFx
+    return stays, scaled, jax.lax.stop_gradient(_noise(topology, parameters, tangent, stays, sigma, moved))
+
+
+def _noise(topology, parameters, tangent, stays, sigma, moved) -> Float[Array, ""]:
+    """Largest 1/lambda that the round-off of the stress resultants makes.
+
+    Elastic ones are wrong by the stiffness times the round-off of the deformations, all of them by that of the forces
+    that they balance; ``moved`` is what the round-off of the coordinates is a share of.
+    """
+    x, near, jacobian, stiffness, dfx = tangent
+    rows = jnp.abs(jacobian) * sizes_of(topology, parameters)
+    largest = jnp.max(rows.T @ jnp.abs(sigma), initial=0.0)
+    reach = jnp.max(rows, axis=1, initial=0.0)
+    held = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
+    elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), held, 0.0)
+    wrong = ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
+    relative = factorise(stays).solve(dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx)
+    # Root of the trace of its square: an upper bound of its eigenvalues.
+    noise = jnp.sqrt(jnp.abs(jnp.sum(relative * relative.T)))
+    return jnp.where(jnp.isfinite(noise), noise, 0.0)
 
 
 def _stiffnesses(topology: Topology, parameters: Parameters):
-    """Stiffness that stays and stiffness that is scaled, DFx, and the code of the equilibrium."""
+    """Stiffness that stays and stiffness that is scaled, round-off of 1/lambda, DFx, and code of the equilibrium."""
     at, near, result, _ = solve_state(topology, parameters, LoadFactors(1.0, 0.0))
-    if parameters.increment is None:
-        return at.K0, at.G0, at.transfer.DFx, result
-    scaled = geometric_stiffness_of_increment(topology, parameters, at, near)
-    return at.K0 + at.G0, scaled, at.transfer.DFx, result
+    return *scaled_stiffness(topology, parameters, at, near), at.transfer.DFx, result
+
+
+def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
+    """Load multipliers, infinite where they are unbounded.
+
+    Args:
+        inverse: 1/lambda, (n,) [-].
+        noise: How large it comes out where it is but round-off, () [-].
+
+    Returns:
+        lambda, (n,) [-].
+    """
+    least = jnp.maximum(jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED, noise)
+    bounded = (jnp.abs(inverse) > least) & (inverse != 0)
+    return jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
 
 
 def _inverse_multipliers(topology: Topology, k, g):
@@ -99,12 +161,13 @@ def _inverse_multipliers(topology: Topology, k, g):
 
 
 @jit
-def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"]) -> Float[Array, "n"]:
+def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
     """Real load multipliers by magnitude, of a stiffness that stays and one that is scaled.
 
     Args:
         k: Stiffness that stays, regular, (n, n).
         g: Stiffness that is scaled, (n, n).
+        noise: How large 1/lambda comes out where it is but round-off, () [-].
 
     Returns:
         Lambda of det(k + lambda g) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
@@ -114,19 +177,30 @@ def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"]) -> Float[Arra
     """
     inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
     real = jnp.isfinite(inverse.real) & (jnp.abs(inverse.imag) <= REAL * jnp.abs(inverse))
-    inverse = jnp.where(real, inverse.real, 0.0)
-    bounded = (jnp.abs(inverse) > jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED) & (inverse != 0)
-    found = jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
+    found = bounded_of(jnp.where(real, inverse.real, 0.0), noise)
     return found[jnp.argsort(jnp.abs(found))]
 
 
 @jit
+def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -> Float[Array, "n_q"]:
+    """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        m: Linearised equations.
+    """
+    _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
+    tangent = m.x, m.e, jacobian, m.S, m.DFx
+    noise = _noise(topology, parameters, tangent, m.K0, m.sigma, sizes_of(topology, parameters))
+    return multipliers_of(m.K0, m.G0, noise)
+
+
+@jit
 def _buckling(topology: Topology, parameters: Parameters):
-    k, g, dfx, result = _stiffnesses(topology, parameters)
+    k, g, noise, dfx, result = _stiffnesses(topology, parameters)
     inverse, vectors = _inverse_multipliers(topology, k, g)
-    largest = jnp.max(jnp.abs(inverse), initial=0.0)
-    bounded = (jnp.abs(inverse) > largest / UNBOUNDED) & (inverse != 0)
-    multiplier = jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
+    multiplier = bounded_of(inverse, noise)
     stable = is_positive_definite((k + k.T) / 2)
     result = jnp.where((result == RESULTS.successful) & ~stable, RESULTS.unstable, result)
     return multiplier, dfx @ vectors, result
@@ -141,7 +215,7 @@ def buckling_loads(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
         throw: Raise where the equilibrium fails or is unstable.
 
     Returns:
-        (n_q,) [-], by magnitude, sign kept, infinite where the load does not act.
+        (n_q,) [-], by magnitude, sign kept, infinite where the load does not act: where round-off alone gives one.
 
     Raises:
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
@@ -149,6 +223,7 @@ def buckling_loads(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
+    as_model(model, "buckling_loads")
     multiplier, _, result = _buckling(model.topology, model.parameters)
     check(result, throw)
     return multiplier
@@ -170,9 +245,10 @@ def buckling(model: Model, *, throw: bool = True) -> Buckling:
     Source:
         See :func:`buckling_loads`.
     """
+    as_model(model, "buckling")
     multiplier, shapes, result = _buckling(model.topology, model.parameters)
     check(result, throw)
     bounded = int(np.sum(np.isfinite(multiplier)))
     shapes = np.asarray(shapes[:, :bounded])
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
-    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), linearize(model, throw=throw))
+    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), linearize(model, increment=0.0, throw=throw))

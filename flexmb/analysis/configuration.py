@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..arguments import check_numbers
 from ..math.compile import jit
 from ..math.indices import put
 from ..math.record import Record, static
@@ -13,7 +14,7 @@ from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
 from ..mechanics.transfer import correction, held_rows, transfer
-from ..model.model import Labels, Model
+from ..model.model import Labels, Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -176,9 +177,12 @@ def configuration(
     Source:
         FORMULATION.md 4: Newton's method on D(x) = e, in steps.
     """
-    start = model.parameters.start
+    start = as_model(model, "configuration").parameters.start
     zero = jnp.zeros(model.topology.n_q)
     given = (zero, zero) if start is None else start
+    for name, value in (("q", q), ("qd", qd)):
+        if value is not None:
+            check_numbers(f"Argument `{name}`", value)
     values = [g if v is None else jnp.asarray(v, float) for v, g in zip((q, qd), given, strict=True)]
     for name, value in zip(("q", "qd"), values, strict=True):
         if value.shape != zero.shape:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..arguments import check_number, check_whole
 from ..math.compile import jit
 from ..math.indices import put
 from ..math.linear import factorise
@@ -15,7 +16,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, reduced_response, state
 from ..mechanics.stress import is_nonlinear
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -304,7 +305,9 @@ def limit_load(model: Model, *, step: float = 0.1, max_steps: int = 200, throw: 
     Source:
         At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium holds no displacement.
     """
-    first, most = jnp.asarray(step, float), jnp.asarray(max_steps, jnp.int32)
+    as_model(model, "limit_load")
+    check_number("step", step, above=0)
+    first, most = jnp.asarray(step, float), jnp.asarray(check_whole("max_steps", max_steps, 1), jnp.int32)
     load, result = _compiled_limit_load(model.topology, model.parameters, first, most)
     check(result, throw)
     return jnp.where(result == RESULTS.successful, load, jnp.nan)

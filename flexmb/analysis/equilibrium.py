@@ -7,6 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..arguments import check_flag, check_number, is_concrete
+from ..errors import ModelError, warn
 from ..math.compile import jit
 from ..math.derivative import jvp_of_varied
 from ..math.indices import accumulate, put
@@ -17,7 +19,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
-from ..model.model import Labels, Model
+from ..model.model import Labels, Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -353,8 +355,50 @@ def _equilibrium(topology, parameters, target):
     return at.x, at.e, at.sigma, reactions_of(topology, at), iterations, result
 
 
+def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
+    """Load factors that a public function is asked for; it is said where incremental loads are left out unasked.
+
+    Args:
+        model: Mechanism.
+        load_factor: Factor of the loads, () [-].
+        increment: Factor of the incremental loads, () [-]; None: zero, with a warning where there are any.
+        function: Name of the public function.
+
+    Raises:
+        TypeError, ValueError: A factor is no finite number, or there are no incremental loads to scale.
+    """
+    check_number("load_factor", load_factor)
+    if increment is None:
+        warn_of_increment(model, function)
+        return load_factors(load_factor, 0.0)
+    check_number("increment", increment)
+    if model.parameters.increment is None and is_concrete(increment) and increment != 0:
+        raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
+    return load_factors(load_factor, increment)
+
+
+def warn_of_increment(model: Model, function: str) -> None:
+    """Say that incremental loads are left out, but for models under a trace.
+
+    Args:
+        model: Mechanism.
+        function: Name of the public function that is asked for.
+    """
+    if model.parameters.increment is not None and is_concrete(model):
+        warn(
+            f"fm.{function} leaves out the incremental loads of the model: it is asked about the state without them."
+            " Give fm.linearize(model, increment=1.0), or increment=1.0 where it is an argument, for the state under"
+            " all of them; increment=0.0 where none of them is meant."
+        )
+
+
 def equilibrium(
-    model: Model, *, load_factor: float = 1.0, increment: float = 0.0, sparse: bool = False, throw: bool = True
+    model: Model,
+    *,
+    load_factor: float = 1.0,
+    increment: float | None = None,
+    sparse: bool = False,
+    throw: bool = True,
 ) -> Equilibrium:
     """Static equilibrium under the constant loads.
 
@@ -364,7 +408,7 @@ def equilibrium(
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-].
+        increment: Factor of the incremental loads, () [-]; zero unless given.
         sparse: For thousands of elements: sparse factors in all coordinates, no degrees of freedom needed
             (``Builder.build(check=False)``). Dead loads, gravity and elements of constant stiffness only; outside
             ``jax.jit``; a failure raises; a critical state is not told.
@@ -376,11 +420,16 @@ def equilibrium(
 
     Raises:
         AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try.
+        ValueError: A factor is not finite, or there are no incremental loads.
+
+    Warns:
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
 
     Source:
         FORMULATION.md 4, 5 and 7.
     """
-    target = load_factors(load_factor, increment)
+    check_flag("sparse", sparse)
+    target = load_factors_of(as_model(model, "equilibrium"), load_factor, increment, "equilibrium")
     if sparse:
         from .large import sparse_equilibrium
 

@@ -136,7 +136,9 @@ def _form(model: Model, driven, settings) -> Any:
     if settings["form"] == "reduced":
         form = reduced_form(form)
     feedback = settings["feedback"]
-    return form if feedback is None or isinstance(feedback, Sampled) else controlled_form(model, form, feedback)
+    if feedback is None or isinstance(feedback, Sampled):
+        return form
+    return controlled_form(model, form, feedback, settings["start"])
 
 
 def _start(form: Any, driven, t, given: Start | MotionState) -> MotionState:
@@ -232,7 +234,7 @@ def integrate_sampled(
     """
     sampled: Sampled = settings["feedback"]
     undriven = _form(model, driven, settings)
-    sensors = measuring(model, undriven)
+    sensors = measuring(model, undriven, settings["start"])
 
     def interval(carry, at):
         state, memory, moved = carry

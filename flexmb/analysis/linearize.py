@@ -5,19 +5,40 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import check_whole
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import mass_matrix
-from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
+from ..mechanics.loads import LoadFactors, lacks_potential
 from ..mechanics.residual import State
 from ..mechanics.stress import element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
-from ..model.model import Labels, Model
+from ..model.model import Labels, Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .equilibrium import reactions_of, solve_state
+from .equilibrium import load_factors_of, reactions_of, solve_state
+
+
+class Rates(Record):
+    """Motion of a state that is linearised about, and how fast the transfer functions change along it.
+
+    Attributes:
+        xd: Velocities of the nodal coordinates, (n_x,) [1/s].
+        xdd: Their accelerations, (n_x,) [1/s^2].
+        DFx_d: Rate of DFx, (n_x, n_q).
+        DFx_dd: Second rate of DFx, (n_x, n_q).
+        DFe_d: Rate of DFe, (n_e, n_q).
+        DFe_dd: Second rate of DFe, (n_e, n_q).
+    """
+
+    xd: Float[Array, "n_x"]
+    xdd: Float[Array, "n_x"]
+    DFx_d: Float[Array, "n_x n_q"]
+    DFx_dd: Float[Array, "n_x n_q"]
+    DFe_d: Float[Array, "n_e n_q"]
+    DFe_dd: Float[Array, "n_e n_q"]
 
 
 class Matrices(Record):
@@ -41,6 +62,7 @@ class Matrices(Record):
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
         symmetric: Whether the stiffness is symmetric by the nature of the loads.
+        moving: How the state moves; None where it is at rest.
     """
 
     M0: Float[Array, "n_q n_q"]
@@ -60,6 +82,7 @@ class Matrices(Record):
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     symmetric: bool = static()
+    moving: Rates | None = None
 
     @property
     def K(self) -> Float[Array, "n_q n_q"]:
@@ -89,6 +112,23 @@ class Linearization(Record):
     def labels(self) -> Labels:
         """Names."""
         return self.model.labels
+
+    def at_time(self, number: int) -> "Linearization":
+        """Linearised equations at one of the times of a motion, of what :func:`flexmb.linearize_motion` gives.
+
+        Args:
+            number: Which, from 0; from the end where negative.
+
+        Raises:
+            ValueError: This is the linearisation of one state.
+            IndexError: There are not so many times.
+        """
+        if self.matrices.M0.ndim == 2:
+            raise ValueError("This linearisation is that of one state: it has no times to choose from.")
+        count, chosen = self.matrices.M0.shape[0], check_whole("number", number)
+        if not -count <= chosen < count:
+            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
     @property
     def condition(self) -> float:
@@ -172,13 +212,38 @@ def matrices_at(
 _matrices = jit(matrices)
 
 
-def linearize(model: Model, *, load_factor: float = 1.0, increment: float = 0.0, throw: bool = True) -> Linearization:
+def linearized(given: Model | Linearization, function: str, throw: bool = True) -> Linearization:
+    """What a public function of a model or of its linearisation is asked about.
+
+    Args:
+        given: Model, which is linearised about its equilibrium, or Linearization, which passes.
+        function: Name of the public function.
+        throw: Raise where the equilibrium fails.
+
+    Raises:
+        TypeError: It is neither.
+        ValueError: It is a linearisation along a motion, at many times.
+    """
+    if not isinstance(given, Linearization):
+        model = as_model(given, function)
+        return _linearized(model, load_factors_of(model, 1.0, None, function), throw)
+    if given.matrices.M0.ndim > 2:
+        raise ValueError(
+            f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"
+            f" {len(given.matrices.M0)} times: give lin.at_time(0)."
+        )
+    return given
+
+
+def linearize(
+    model: Model, *, load_factor: float = 1.0, increment: float | None = None, throw: bool = True
+) -> Linearization:
     """Linearised equations of motion about the static equilibrium under the constant loads.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-].
+        increment: Factor of the incremental loads, () [-]; zero unless given.
         throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
 
     Returns:
@@ -187,11 +252,19 @@ def linearize(model: Model, *, load_factor: float = 1.0, increment: float = 0.0,
 
     Raises:
         AnalysisError: The equilibrium was not found or the configuration is singular.
+        ValueError: A factor is not finite, or there are no incremental loads.
+
+    Warns:
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
 
     Source:
         FORMULATION.md 6; K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
     """
-    target = load_factors(load_factor, increment)
+    target = load_factors_of(as_model(model, "linearize"), load_factor, increment, "linearize")
+    return _linearized(model, target, throw)
+
+
+def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
     lin = Linearization(_matrices(model.topology, model.parameters, target), model)
     check(lin.matrices.result, throw)
     return lin
@@ -232,7 +305,15 @@ def second_transfer(
     Returns:
         D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [their units over those of q twice].
 
+    Raises:
+        TypeError: It is no Linearization.
+
     Source:
         Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, FORMULATION.md 4.
     """
+    if not isinstance(lin, Linearization):
+        raise TypeError(
+            f"fm.second_transfer takes a Linearization, not a {type(lin).__name__}: give fm.linearize(model)."
+        )
+    linearized(lin, "second_transfer")
     return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)

@@ -3,15 +3,23 @@
 import dataclasses
 from collections.abc import Collection
 
+import jax.numpy as jnp
 import numpy as np
 
 from ..elements.element import ELASTIC
+from ..errors import ModelError
 from ..math.subspace import null_spaces
-from ..mechanics.deformation import reference_jacobian
-from ..model.model import Model
+from ..mechanics.deformation import undeformed
+from ..mechanics.signals import along_coordinates
+from ..model.model import Model, Signal, as_model
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
+# What moves by less than this share is locked, and how far along its motions (extents, radians) that is looked at.
+LOCKED = 1e-9
+SHIFT = 1e-2
+# Deformations above this share of what the mechanism's extent would make of them do not vanish.
+VANISHING = 1e-9
 # Entries closer than this share of the largest are equal but for round-off.
 ALIKE = 1e-6
 
@@ -66,7 +74,7 @@ class Mobility:
         Args:
             mode: Which, from 0.
         """
-        return _shares(self.self_stress[:, mode], self.model.labels.e)
+        return shares(self.self_stress[:, mode], self.model.labels.e)
 
     def motions(self, mode: int = 0) -> list[Share]:
         """Nodes that take part in a motion, largest first.
@@ -74,13 +82,17 @@ class Mobility:
         Args:
             mode: Which, from 0.
         """
-        return _shares(self.motion[:, mode], self.model.labels.x)
+        return shares(self.motion[:, mode], self.model.labels.x)
 
     def report(self) -> str:
         """What is over- and under-constrained, by name, and what to release."""
         lines = [f"over-constraints: {self.overconstraints}, under-constraints: {self.underconstraints}"]
         for i in range(self.overconstraints):
             parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i)[:8])
+            if not parts:
+                # Unit norms are no deformations, and stress against nothing but held Euler parameters.
+                own = [e.of for e, s in zip(self.model.labels.e, self.self_stress[:, i], strict=True) if abs(s) > SHOWN]
+                parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(own))
             lines.append(f"self-stress {i + 1}: {parts}")
             advice = self.release[i]
             if advice is not None:
@@ -93,7 +105,13 @@ class Mobility:
         return "\n".join(lines)
 
 
-def _shares(vector: np.ndarray, entries) -> list[Share]:
+def shares(vector: np.ndarray, entries) -> list[Share]:
+    """Parts of a motion or a self-stress, largest first, without those that hardly take part.
+
+    Args:
+        vector: Of all coordinates or deformations, the largest 1 in size.
+        entries: Their names.
+    """
     order = np.argsort(-np.round(np.abs(vector) / ALIKE), kind="stable")
     shown = [i for i in order if abs(vector[i]) > SHOWN and entries[i].kind != "norm"]
     return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]
@@ -140,17 +158,87 @@ def constraints(model: Model) -> Constraints:
 
     Args:
         model: Mechanism, with concrete numbers.
+
+    Raises:
+        ModelError: A deformation does not vanish where it should, or has no finite derivative there.
     """
     topology, parameters = model.topology, model.parameters
-    jacobian = reference_jacobian(topology, parameters)
+    e, jacobian = undeformed(topology, parameters)
     points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
     extent = float(np.max(np.ptp(points, axis=1))) if points.size else 0.0
     columns = np.ones(topology.n_x)
     columns[np.asarray(topology.axes).ravel()] = extent or 1.0
     scaled = jacobian * columns
     sizes = np.linalg.norm(scaled, axis=1)
+    _check_undeformed(model, e, sizes)
     rows = 1 / np.where(sizes > 0, sizes, 1.0)
     return Constraints(scaled * rows[:, None], rows, columns)
+
+
+def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
+    """Refuse deformations that are not zero, or not differentiable, in the undeformed mechanism."""
+    types = {name: kind for name, kind, _ in model.labels.elements}
+    for entry, value, size in zip(model.labels.e, e.tolist(), sizes.tolist(), strict=True):
+        what = f"Deformation {entry.component} of element '{entry.of}' ({types.get(entry.of, entry.kind)})"
+        if not np.isfinite(value) or not np.isfinite(size):
+            part = "its derivative is" if np.isfinite(value) else "it is"
+            raise ModelError(f"{what}: in the undeformed mechanism {part} not finite. Write it so that it is.")
+        if abs(value) > VANISHING * size:
+            raise ModelError(
+                f"{what} is {value:.6g} where it must be zero: in the undeformed mechanism, which it is told as `ref`."
+            )
+
+
+def motions_of(model: Model) -> tuple[np.ndarray, int]:
+    """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+    """
+    found, topology = constraints(model), model.topology
+    held = np.concatenate([np.asarray(topology.e.fixed), np.asarray(topology.e.prescribed)])
+    free = np.concatenate([np.asarray(topology.x.dependent), np.asarray(topology.x.dof)])
+    rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
+    motions = np.zeros((topology.n_x, right.shape[1]))
+    motions[free] = right
+    return motions, len(held) - rank
+
+
+def locked_inputs(model: Model) -> list[Signal]:
+    """Inputs on what no motion moves, in the undeformed mechanism and near to it.
+
+    At a dead point an input moves nothing, but does so as soon as the mechanism has moved: what is locked is so too in
+    a mechanism that is built a little further along its motions.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+    """
+    locked = list(model.labels.inputs)
+    motions, _ = motions_of(model)
+    columns = constraints(model).columns
+    uneven = motions @ np.cos(np.arange(1.0, motions.shape[1] + 1) ** 2)
+    away = SHIFT * uneven / max(np.max(np.abs(uneven), initial=0.0), np.finfo(float).tiny)
+    moved = np.array(model.parameters.reference) + columns * away
+    for entry in model.labels.x:
+        if entry.symbol == "l0":
+            own = model.labels.coordinates(entry.of)
+            moved[own] /= np.linalg.norm(moved[own])
+    parameters = dataclasses.replace(model.parameters, reference=moved)
+    for one in (model, dataclasses.replace(model, parameters=parameters)):
+        motions, _ = motions_of(one)
+        found, x = constraints(one), np.asarray(one.parameters.reference)
+        locked = [s for s in locked if np.linalg.norm(_input_row(s, found, x) @ motions) <= LOCKED]
+    return locked
+
+
+def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
+    """What an input does to scaled coordinates, of unit size."""
+    if signal.quantity == "stress":
+        return found.jacobian[signal.index]
+    row = np.zeros(len(x))
+    own, along = along_coordinates(signal, jnp.asarray(x))
+    row[np.asarray(own)] = np.asarray(along)
+    return row / np.linalg.norm(row)
 
 
 def mobility(model: Model) -> Mobility:
@@ -166,7 +254,7 @@ def mobility(model: Model) -> Mobility:
         FORMULATION.md 8: singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the DEPENDENT
         coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
-    found = constraints(model)
+    found = constraints(as_model(model, "mobility"))
     matrix, held, free = _held_rows(model, found)
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)

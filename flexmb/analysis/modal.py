@@ -6,16 +6,19 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
+from ..arguments import check_flag, check_whole
 from ..math.compile import jit
-from ..math.linear import diagonal_of, is_positive_definite, leading, pencil
+from ..math.linear import diagonal_of, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..math.record import Record
 from ..math.threads import one_thread
-from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
-from ..model.model import Model
+from ..mechanics.loads import LoadFactors, lacks_potential
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .linearize import Linearization, Matrices, linearize, matrices
+from .equilibrium import load_factors_of, warn_of_increment
+from .linearize import Linearization, Matrices, linearize, linearized, matrices
+from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
 
 # A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
 LOWEST = 1e-14
@@ -104,7 +107,7 @@ def spectrum(
 
     Returns:
         omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
-        (n, n); whether K is positive definite; code of RESULTS.
+        (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue.
 
     Source:
         FORMULATION.md 7.
@@ -120,7 +123,8 @@ def spectrum(
     positive = jnp.where(massive, mu, 1.0)
     values = jnp.where(massive, 1 / positive - shift, jnp.inf)
     vectors = jnp.where(massive, w / jnp.sqrt(positive), 0.0)
-    result = jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness)
+    result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), RESULTS.successful, RESULTS.singular_mass)
+    result = jnp.where(found, result, RESULTS.singular_stiffness)
     return values, vectors, stable, result.astype(jnp.int32)
 
 
@@ -179,7 +183,8 @@ def frequencies(
 
     Args:
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
-        count: How many of the lowest; all unless given. With many degrees of freedom a few are found much quicker.
+        count: How many of the lowest; all unless given or where there are fewer. With many degrees of freedom a few are
+            found much quicker.
         sparse: For thousands of elements: ``count`` frequencies by sparse factors, of a model that needs no degrees
             of freedom; see :func:`flexmb.equilibrium`.
         throw: Raise where the equilibrium or the eigenproblem fails.
@@ -189,27 +194,50 @@ def frequencies(
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
-        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
 
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    if count is not None and count < 1:
-        raise ValueError(f"Argument `count` must be at least 1, not {count}.")
+    check_flag("sparse", sparse)
+    count = None if count is None else check_whole("count", count, 1)
     if sparse:
         from .large import sparse_eigenvalues
 
         if count is None or isinstance(model, Linearization):
             raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-        return to_frequency(sparse_eigenvalues(model, load_factors(), count))
+        target = load_factors_of(as_model(model, "frequencies"), 1.0, None, "frequencies")
+        return to_frequency(sparse_eigenvalues(model, target, count))
     if isinstance(model, Linearization):
+        linearized(model, "frequencies")
         refuse_unsymmetric(model.matrices.symmetric)
         values, result = _frequencies_at(model.matrices, count=count)
     else:
+        warn_of_increment(as_model(model, "frequencies"), "frequencies")
         refuse_unsymmetric(not lacks_potential(model.topology))
         values, result = _frequencies(model.topology, model.parameters, count=count)
-    check(result, throw)
+    check_spectrum(result, throw, model)
     return values
+
+
+def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
+    """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault.
+
+    Args:
+        result: Code of a spectrum.
+        throw: Whether to raise.
+        model: What was asked about.
+    """
+    about = ""
+    if throw and not isinstance(result, jax.core.Tracer):
+        code = int(result)
+        if code in (RESULTS.singular_mass, RESULTS.singular_stiffness):
+            lin = model if isinstance(model, Linearization) else linearize(model, increment=0.0, throw=False)
+            if code == RESULTS.singular_mass:
+                about = of_negative_mass(negative_mass(lin))
+            else:
+                about = without_anything(lin)
+    check(result, throw, about)
 
 
 @jit
@@ -229,16 +257,16 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
         Modes with eigenvalues (n,) [rad^2/s^2], frequencies (n,) [Hz] and shapes (n_x, n).
 
     Raises:
-        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
         TypeError: Called under a trace; :func:`frequencies` can be.
 
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
     """
-    lin = model if isinstance(model, Linearization) else linearize(model, throw=throw)
+    lin = linearized(model, "modes", throw)
     refuse_unsymmetric(lin.matrices.symmetric)
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
-    check(result, throw)
+    check_spectrum(result, throw, lin)
     if isinstance(values, jax.core.Tracer):
         raise TypeError(
             "How many modes there are depends on numbers: ask for fm.frequencies under jax.grad and jax.jit."
@@ -265,12 +293,16 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     Returns:
         (n,) [rad/s]; those at infinity, of motions without mass, are left out.
 
+    Raises:
+        AnalysisError: The equilibrium was not found, or a motion has a negative mass.
+
     Source:
         FORMULATION.md 7; companion form with the pencil's mass, solved by the QZ method.
     """
     import scipy.linalg
 
-    lin = model if isinstance(model, Linearization) else linearize(model)
+    lin = linearized(model, "poles")
+    refuse_negative_mass(lin)
     found = lin.matrices
     n = found.M0.shape[0]
     eye, zero = np.eye(n), np.zeros((n, n))

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 import jax
 import jax.numpy as jnp
 
+from ..arguments import check_number
 from ..errors import ModelError
 from ..math.compile import jit_beside_options
 from ..math.linear import factorise
@@ -12,17 +13,17 @@ from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.moving import MovingMatrices, carried, moving_matrices
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from .configuration import configured
-from .linearize import Linearization, Matrices
+from .linearize import Linearization, Matrices, Rates
 from .simulate import Motion, driven_by
 
 STEADY_STEPS, STEADY_ITERATIONS = 10, 6
 STEADY_TOLERANCE = 1e-9
 
 
-def _as_matrices(at: MovingMatrices, x, e, result) -> Matrices:
+def _as_matrices(at: MovingMatrices, x, xd, xdd, e, result) -> Matrices:
     finite = jnp.all(jnp.isfinite(at.M0)) & jnp.all(jnp.isfinite(at.K)) & jnp.all(jnp.isfinite(at.C0))
     result = jnp.where(finite & at.regular, result, RESULTS.singular_configuration)
     return Matrices(
@@ -43,6 +44,7 @@ def _as_matrices(at: MovingMatrices, x, e, result) -> Matrices:
         iterations=jnp.zeros((), jnp.int32),
         result=result.astype(jnp.int32),
         symmetric=False,
+        moving=Rates(xd, xdd, at.DFx_d, at.DFx_dd, at.DFe_d, at.DFe_dd),
     )
 
 
@@ -56,7 +58,7 @@ def _along(topology, parameters, driven, t, x, xd, near):
         z = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
         found = moving_matrices(form, t, whole.x, whole.v, whole.a, near)
-        return _as_matrices(found, whole.x, near, jnp.zeros((), jnp.int32))
+        return _as_matrices(found, whole.x, whole.v, whole.a, near, jnp.zeros((), jnp.int32))
 
     return jax.lax.map(one, (t, x, xd, near))
 
@@ -71,9 +73,16 @@ def linearize_motion(motion: Motion) -> Linearization:
         Linearization whose arrays have the times in front: M0, C0, D0, K0, N0, G0 (n_t, n_q, n_q). Where the degrees of
         freedom do not determine the configuration, ``result`` is singular_configuration and the matrices mean nothing.
 
+    Raises:
+        TypeError: It is no Motion.
+
     Source:
         FORMULATION.md 6.
     """
+    if not isinstance(motion, Motion):
+        raise TypeError(
+            f"fm.linearize_motion takes a Motion, not a {type(motion).__name__}: give fm.simulate(model, ..)."
+        )
     model = motion.model
     found = _along(model.topology, model.parameters, motion.driven, motion.t, motion.x, motion.xd, motion.near)
     return Linearization(found, model)
@@ -98,23 +107,23 @@ def _steady(topology, parameters, driven, time) -> Matrices:
 
     def linear(speed, x, near):
         v, a = carried(form, time, x, none, none, near, speed)
-        return moving_matrices(form, time, x, v, a, near)
+        return moving_matrices(form, time, x, v, a, near), v, a
 
     def iterate(i, walk):
         q, x, near, _, _ = walk
         x, near = placed(q, x, near)
         speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)
         at = linear(speed, x, near)
-        dq = factorise(at.K).solve(-at.residual)
+        dq = factorise(at[0].K).solve(-at[0].residual)
         return q + dq, x, near, jnp.max(jnp.abs(dq) / scale, initial=0.0), at
 
     nothing = jax.tree.map(
         lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(linear, time, given.x, zero_near(topology))
     )
     start = (none, given.x, zero_near(topology), jnp.array(jnp.inf), nothing)
-    _, x, near, last, at = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
+    _, x, near, last, (at, v, a) = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
     result = jnp.where(last < STEADY_TOLERANCE, RESULTS.successful, RESULTS.not_converged)
-    return _as_matrices(at, x, near, result)
+    return _as_matrices(at, x, v, a, near, result)
 
 
 def steady_motion(
@@ -145,6 +154,8 @@ def steady_motion(
     Source:
         FORMULATION.md 6 and 7, with q_dot = q_ddot = 0.
     """
+    as_model(model, "steady_motion")
+    check_number("time", time)
     if not motion:
         raise ModelError("A steady motion needs something that moves: name it in `motion`.")
     driven = driven_by(model, {}, motion, None)

@@ -8,19 +8,21 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..arguments import check_number, check_whole, shown
 from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.record import Record
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import check
-from .buckling import REAL, geometric_stiffness_of_increment, multipliers_of
+from .buckling import REAL, multipliers_of, scaled_stiffness
 from .continuation import Ramp
 from .critical import CriticalPoint
 from .linearize import Linearization, Matrices, matrices_at
+from .loose import refuse_negative_mass
 from .modal import spectrum, to_frequency
 from .walk import Step, Walker
 
@@ -81,9 +83,15 @@ class Path(Record):
         """Linearised equations of motion about one step, for modes, compliance and state space.
 
         Args:
-            step: Which; the last unless given.
+            step: Which, from 0; the last unless given.
+
+        Raises:
+            IndexError: There are not so many steps.
         """
-        return Linearization(jax.tree.map(lambda a: a[step], self.matrices), self.model)
+        count, chosen = len(self.load_factor), check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook."""
@@ -117,11 +125,7 @@ def _eigenvalues(topology: Topology, k, m, values):
 
 def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
     """Multipliers by magnitude; infinite where the loads do not act or only in complex pairs."""
-    if parameters.increment is None:
-        k, g = at.K0, at.G0
-    else:
-        k, g = at.K0 + at.G0, geometric_stiffness_of_increment(topology, parameters, at, near)
-    return multipliers_of(k, g)
+    return multipliers_of(*scaled_stiffness(topology, parameters, at, near))
 
 
 @jit
@@ -154,15 +158,20 @@ def path(
         load multipliers at each step, and the critical points.
 
     Raises:
-        AnalysisError: max_steps; not_converged or singular_configuration, with what to try.
+        AnalysisError: max_steps; not_converged or singular_configuration, with what to try; singular_mass where a
+            motion has a negative mass.
         ValueError: max_steps or step is not positive.
 
     Source:
         FORMULATION.md 7. A critical point is where an eigenvalue of K changes sign; from psi^T (K t + r_load t_load)
         = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a bifurcation.
     """
-    if max_steps < 1 or not step > 0:
+    as_model(model, "path")
+    check_number("step", step)
+    if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
+    if switch not in (False, True, -1):
+        raise ValueError(f"Argument `switch` must be False, True, 1 or -1, but is {shown(switch)}.")
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     walker = Walker(model, step)
@@ -172,6 +181,7 @@ def path(
     # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
     found = jax.tree.map(lambda *a: np.stack(a), *found)
     massive = np.any(np.isfinite(found.eigenvalues), axis=0)
+    refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], found.matrices), model))
     return Path(
         load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
         matrices=jax.device_put(found.matrices),

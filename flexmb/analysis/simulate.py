@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float, Int
 
+from ..arguments import check_choice, check_number, check_numbers, check_whole, is_concrete, shown
 from ..errors import ModelError
 from ..math.compile import jit_beside_options
 from ..math.indices import put
@@ -21,12 +22,13 @@ from ..mechanics.coordinates_form import coordinates_form
 from ..mechanics.drive import Driven, Table
 from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.stress import is_nonlinear, nonlinear_energy, strain_of
-from ..model.model import Labels, Model
+from ..model.model import Labels, Model, as_model
 from ..results import RESULTS, check
 from .closed_loop import Sampled, as_feedback, under_inputs
 from .configuration import Configuration, configuration
-from .equilibrium import Equilibrium
+from .equilibrium import Equilibrium, warn_of_increment
 from .integrate import Start, begin, integrate, integrate_sampled
+from .loose import without_mass
 from .parts import integrate_in_parts, sampled_intervals
 
 if TYPE_CHECKING:
@@ -96,8 +98,13 @@ class Motion(Record):
         """The first of the times only.
 
         Args:
-            count: How many.
+            count: How many, from 0 to all.
+
+        Raises:
+            ValueError: There are not so many.
         """
+        if not 0 <= check_whole("count", count) <= self.t.shape[0]:
+            raise ValueError(f"Argument `count` must be 0 to {self.t.shape[0]}, the number of times, but is {count}.")
         parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near", "u")}
         return dataclasses.replace(self, **parts)
 
@@ -223,8 +230,8 @@ def simulate(
         loads: Loads as functions of time, by name: a coordinate "tip.x" or a deformation "leaf.e2" (a stress that is
             added) with a number, a node "tip" with its force components [N], a rotation in space "tip.rotation" with
             the moment about global axes [N m]. A :class:`Table` is a piecewise linear function.
-        motion: Values of PRESCRIBED coordinates (from their start) and deformations as functions of time, by name,
-            twice differentiable.
+        motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations as functions of time, by
+            name such as "tip.x", "tip.rotation" or "leaf.e1", twice differentiable.
         increment: Factor of the incremental loads as function of time; zero unless given.
         control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace``, continuous or sampled
             (with dt, its output held from sample to sample), a function ``u = control(t, y)``, a :class:`Feedback`, or
@@ -256,27 +263,46 @@ def simulate(
         Motion.
 
     Raises:
-        ValueError: times not ascending, a solver of fixed steps without ``dt0``, or ``progress`` under a trace.
-        ModelError: Unknown name, or what cannot be driven.
+        ValueError, TypeError: times not ascending, a tolerance or step that is none, a solver of fixed steps without
+            ``dt0``, or ``progress`` under a trace.
+        ModelError: Unknown name, what cannot be driven, a function that gives another number of numbers than it drives,
+            an input that can move nothing.
         AnalysisError: singular_mass, step_too_small, step_too_large or motion_unfinished.
+
+    Warns:
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
 
     Source:
         FORMULATION.md 5 and 9.
     """
-    if form not in ("coordinates", "reduced"):
-        raise ValueError(f"Argument `form` must be 'coordinates' or 'reduced', not {form!r}.")
+    as_model(model, "simulate")
+    check_choice("form", form, ("coordinates", "reduced"))
     if control is not None and form == "reduced":
         raise ValueError('A controller needs form="coordinates".')
+    if reference is not None and control is None:
+        raise ValueError("Argument `reference` is what a controller follows: give `control` too.")
+    for name, number, bound in (("rtol", rtol, {"above": 0}), ("atol", atol, {"least": 0}), ("dt0", dt0, {"above": 0})):
+        if number is not None:
+            check_number(name, number, **bound)
+    max_steps = check_whole("max_steps", max_steps, 1)
+    if not isinstance(progress, bool) and not callable(progress):
+        raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
     times = _checked_times(times)
-    loads, motion = loads or {}, motion or {}
+    if increment is None:
+        warn_of_increment(model, "simulate")
+    loads, motion = {} if loads is None else loads, {} if motion is None else motion
     driven = driven_by(model, loads, motion, increment)
     kinks = [jnp.asarray(one.value.times, float) for one in driven if isinstance(one.value, Table)]
     if jumps is not None:
+        check_numbers("Argument `jumps`", jumps)
+        if np.ndim(jumps) != 1:
+            raise ValueError(f"Argument `jumps` must be a list of times, not {shown(jumps)}.")
         kinks.append(jnp.asarray(jumps, float))
     start = _initial(model, initial)
     if progress and any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves((model, times, start, loads))):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
     name = "Rodas5P" if solver is None else type(solver).__name__
+    _check_kinds(solver=solver, controller=controller, adjoint=adjoint, event=event)
     if solver is not None:
         solver = _checked_solver(solver, controller, form == "coordinates" and control is None, dt0, bool(kinks))
     settings = {
@@ -293,6 +319,8 @@ def simulate(
         "event": None,
         "max_steps": max_steps,
         "first": 50.0,
+        # Where rotations in space are measured from; no number of the program where none is.
+        "start": start.x if control is not None and any(s.axis is not None for s in model.labels.outputs) else None,
     }
     feedback = settings["feedback"]
     if event is not None:
@@ -319,7 +347,8 @@ def simulate(
         columns = [jnp.pad(c, ((0, len(times) - reached), (0, 0)), constant_values=jnp.inf) for c in columns]
     x, xd, near, u = columns
     found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, form, name)
-    check(found.result, throw and not stopped)
+    failing = throw and not stopped and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass
+    check(found.result, throw and not stopped, without_mass(model) if failing else "")
     return found
 
 
@@ -357,6 +386,24 @@ def _event_now(event, model: Model, driven, t, start: Start, settings: dict[str,
     return dataclasses.replace(event, cond_fn=jax.tree.map(now, event.cond_fn, is_leaf=callable))
 
 
+def _check_kinds(**given: Any) -> None:
+    """Refuse what is no object of diffrax where one is asked for, such as its class or its name."""
+    if all(value is None for value in given.values()):
+        return
+    import diffrax
+
+    kinds = {
+        "solver": (diffrax.AbstractSolver, "a solver, such as Rodas5P() or diffrax.Dopri8()"),
+        "controller": (diffrax.AbstractStepSizeController, "a step size controller of diffrax"),
+        "adjoint": (diffrax.AbstractAdjoint, "an adjoint of diffrax"),
+        "event": (diffrax.Event, "an Event of diffrax"),
+    }
+    for name, value in given.items():
+        kind, wanted = kinds[name]
+        if value is not None and not isinstance(value, kind):
+            raise TypeError(f"Argument `{name}` must be {wanted}, not {shown(value)}.")
+
+
 def _checked_solver(solver, controller, plain: bool, dt0, jumps: bool):
     """A solver that was given, with its steps brought back onto the constraints."""
     import diffrax
@@ -377,6 +424,7 @@ def _checked_solver(solver, controller, plain: bool, dt0, jumps: bool):
 
 
 def _checked_times(times):
+    check_numbers("Argument `times`", times)
     times = jnp.asarray(times, float)
     if times.ndim != 1 or times.shape[0] < 2:
         raise ValueError(f"Argument `times` must be at least two times, the first of them the start, not {times}.")
@@ -390,6 +438,12 @@ def _initial(model: Model, initial):
         if model.parameters.start is None and model.parameters.loads.x is None and model.parameters.loads.e is None:
             return Start(model.parameters.reference, jnp.zeros(model.topology.n_x))
         initial = configuration(model)
+    if not isinstance(initial, Equilibrium | Configuration | Motion):
+        raise TypeError(
+            f"Argument `initial` must be an Equilibrium, a Configuration or a Motion, not {shown(initial)}."
+        )
+    if initial.labels.x != model.labels.x:
+        raise ModelError("Argument `initial` is a state of another model: its nodes are not those of this one.")
     if isinstance(initial, Motion):
         return Start(initial.x[-1], initial.xd[-1], initial.near[-1])
     rest = jnp.zeros(model.topology.n_x)
@@ -409,36 +463,50 @@ def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple
         ModelError: Unknown name, or what cannot be driven.
     """
     labels, topology = model.labels, model.topology
-    loads = {name: _now(f"Load '{name}'", value) for name, value in loads.items()}
-    motion = {name: _now(f"Motion '{name}'", value) for name, value in motion.items()}
+    for argument, given in (("loads", loads), ("motion", motion)):
+        if not isinstance(given, Mapping):
+            raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
     x_names = {str(entry): i for i, entry in enumerate(labels.x)}
     e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
     found = []
+    driven_names: dict[tuple[str, int], str] = {}
     for name, value in loads.items():
-        nodes = labels.coordinates(name)
+        nodes, what = labels.coordinates(name), f"Load '{name}'"
         if name in x_names:
-            found.append(Driven("force", jnp.array([x_names[name]]), value))
+            found.append(Driven("force", jnp.array([x_names[name]]), _function(what, value, 1)))
         elif name in e_names:
-            found.append(Driven("stress", jnp.array([e_names[name]]), value))
+            found.append(Driven("stress", jnp.array([e_names[name]]), _function(what, value, 1)))
         elif nodes:
             turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
+            value = _function(what, value, 3 if turned else len(nodes))
             found.append(Driven("moment" if turned else "force", jnp.array(nodes), value))
         else:
             raise ModelError(
                 f"Load '{name}' names no coordinate, deformation or node. There are: {_some(x_names, e_names)}."
             )
     for name, value in motion.items():
+        meant = _rotation_prescribed(labels, name)
         for names, roles, quantity in ((x_names, topology.x, "x"), (e_names, topology.e, "e")):
-            if name not in names:
+            if meant not in names:
                 continue
             order = np.asarray(roles.prescribed).tolist()
-            if names[name] not in order:
+            if names[meant] not in order:
                 raise ModelError(f"Motion '{name}' is not PRESCRIBED: say prescribe() of it in the builder.")
             if isinstance(value, Table):
                 raise ModelError(f"Motion '{name}' is a table, whose velocity jumps. Give a smooth function of time.")
-            found.append(Driven(quantity, jnp.array([order.index(names[name])]), value))
+            value = _function(f"Motion '{name}'", value, 1)
+            first = driven_names.setdefault((quantity, names[meant]), name)
+            if first != name:
+                raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
+            found.append(Driven(quantity, jnp.array([order.index(names[meant])]), value))
             break
         else:
+            if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
+                node = name.removesuffix(".rotation")
+                raise ModelError(
+                    f"Motion '{name}' is not PRESCRIBED: say prescribe('{node}', \"rotation\", axis=..) of it in the"
+                    " builder."
+                )
             raise ModelError(
                 f"Motion '{name}' names no coordinate or deformation. There are: {_some(x_names, e_names)}."
             )
@@ -448,21 +516,55 @@ def driven_by(model: Model, loads: Mapping, motion: Mapping, increment) -> tuple
             raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
         if own.gravity is not None:
             raise ModelError("Gravity among the incremental loads does not change with time. Make it a constant load.")
-        found.append(Driven("increment", jnp.zeros(0, int), _now("Argument `increment`", increment)))
+        found.append(Driven("increment", jnp.zeros(0, int), _function("Argument `increment`", increment, 1)))
     return tuple(found)
 
 
-def _now(what: str, value):
-    """A function of time as it is now."""
-    if isinstance(value, Table):
-        return value
+def _rotation_prescribed(labels: Labels, name: str) -> str:
+    """Name of what is prescribed in place of a rotation: its angle in the plane, that of a hinge in space."""
+    indices = labels.coordinates(name)
+    if not indices or labels.x[indices[0]].kind != "rotation":
+        return name
+    if labels.dimension == 2:
+        return f"{name}.{labels.x[indices[0]].symbol}"
+    return f"turn of {name.removesuffix('.rotation')}.e1"
+
+
+def _function(what: str, value: Any, size: int) -> Captured | Table:
+    """A function of time as it is now, which gives as many numbers as are driven.
+
+    Raises:
+        ModelError: It is no function, or gives another number of them.
+    """
     if not callable(value):
-        raise TypeError(f"{what} must be a function of time or a Table, not {value!r}.")
-    try:
-        return captured(value, jax.ShapeDtypeStruct((), jnp.float64))
-    except Exception as fault:
-        fault.add_note(f"{what} was evaluated at an abstract time: write it with jax.numpy, without branches on t.")
-        raise
+        raise ModelError(f"{what} must be a function of time, such as lambda t: 3.0, not {shown(value)}.")
+    if isinstance(value, Table):
+        _check_table(what, value)
+        taken, shape = value, np.shape(value.values)[1:]
+    else:
+        time = jax.ShapeDtypeStruct((), float)
+        try:
+            taken = captured(lambda t: jnp.asarray(value(t), float), time)
+        except Exception as fault:
+            first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+            raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
+        shape = jax.eval_shape(taken, time).shape
+    if shape != (size,) and not (size == 1 and shape == ()):
+        wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
+        raise ModelError(f"{what} must give {wanted}, but gives shape {shape}.")
+    return taken
+
+
+def _check_table(what: str, table: Table) -> None:
+    if not is_concrete(table):
+        return
+    times, values = np.asarray(table.times), np.asarray(table.values)
+    if times.ndim != 1 or len(times) < 2 or not np.all(np.isfinite(times)) or not np.all(np.diff(times) > 0):
+        raise ModelError(f"{what}: the times of a table must be finite and ascending, two at least.")
+    if values.ndim < 1 or len(values) != len(times):
+        raise ModelError(f"{what}: a table needs as many values as times, {len(times)}, not {np.shape(values)[:1]}.")
+    if not np.all(np.isfinite(values)):
+        raise ModelError(f"{what}: the values of a table must be finite.")
 
 
 def _some(*groups) -> str:

@@ -8,15 +8,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import check_whole
 from ..elements.surface import POINTS, von_mises
 from ..errors import ModelError
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.stress import section_resultants as resultants_of_blocks
-from ..model.model import Labels, Model
+from ..model.model import Labels, Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .equilibrium import Equilibrium, equilibrium
+from .equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .linearize import Linearization
 
 
@@ -186,15 +187,21 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, places, rows):
     return jnp.concatenate(found)[rows], sigma_x, tau, von_mises(sigma_x, tau)
 
 
-def _state(model: Model, points: int, at, load_factor: float, increment: float, throw: bool):
+def _state(model: Model, points: int, at, load_factor: float, increment: float | None, throw: bool, function: str):
     """Names, what both kernels take, and code of the equilibrium."""
-    if points < 2:
-        raise ValueError(f"Argument `points` must be at least 2, both ends, but is {points}.")
+    as_model(model, function)
+    points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
         raise ModelError("No flexible element has a section. Give the beams or trusses one that are to be told about.")
     if at is None:
-        at = equilibrium(model, load_factor=load_factor, increment=increment, throw=throw)
+        if increment is None:
+            warn_of_increment(model, function)
+        at = equilibrium(model, load_factor=load_factor, increment=increment or 0.0, throw=throw)
+    if not isinstance(at, Equilibrium | Linearization):
+        raise TypeError(
+            f"Argument `at` must be an Equilibrium or a Linearization of this model, not a {type(at).__name__}."
+        )
     if at.x.shape != model.parameters.reference.shape:
         raise ValueError(
             f"Argument `at` must be one state with {model.topology.n_x} coordinates, but x has shape {at.x.shape}. Of"
@@ -210,7 +217,7 @@ def section_resultants(
     points: int = 5,
     at: Equilibrium | Linearization | None = None,
     load_factor: float = 1.0,
-    increment: float = 0.0,
+    increment: float | None = None,
     throw: bool = True,
 ) -> SectionResultants:
     """Normal and shear forces, torque and bending moments along every flexible element with a section.
@@ -224,7 +231,7 @@ def section_resultants(
         at: Equilibrium or linearisation of this model, such as ``path.linearization(step)``; by default the
             equilibrium under the loads is solved.
         load_factor: Factor of the loads of that equilibrium, () [-].
-        increment: Factor of its incremental loads, () [-].
+        increment: Factor of its incremental loads, () [-]; zero unless given.
         throw: Raise where it fails; otherwise the code is in ``result``.
 
     Returns:
@@ -238,7 +245,7 @@ def section_resultants(
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; FORMULATION.md 7.
     """
-    names, inputs, result = _state(model, points, at, load_factor, increment, throw)
+    names, inputs, result = _state(model, points, at, load_factor, increment, throw, "section_resultants")
     return SectionResultants(_resultants(*inputs), jnp.asarray(inputs[4]), result, names)
 
 
@@ -248,7 +255,7 @@ def stress(
     points: int = 5,
     at: Equilibrium | Linearization | None = None,
     load_factor: float = 1.0,
-    increment: float = 0.0,
+    increment: float | None = None,
     throw: bool = True,
 ) -> Stress:
     """Stress on the surface of every flexible element with a section, its maximum and a smooth estimate of that.
@@ -258,7 +265,7 @@ def stress(
         points: Places along each element, both ends among them.
         at: As for :func:`section_resultants`.
         load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-].
+        increment: Factor of the incremental loads, () [-]; zero unless given.
         throw: Raise where the equilibrium fails; otherwise the code is in ``resultants.result``.
 
     Returns:
@@ -272,11 +279,11 @@ def stress(
     Source:
         :func:`section_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
     """
-    if shapeless := without_shape(model):
+    if shapeless := without_shape(as_model(model, "stress")):
         raise ModelError(
             f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
-    names, inputs, result = _state(model, points, at, load_factor, increment, throw)
+    names, inputs, result = _state(model, points, at, load_factor, increment, throw, "stress")
     values, sigma_x, tau, equivalent = _stress(*inputs)
     return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(inputs[4]), result, names))

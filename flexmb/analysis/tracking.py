@@ -1,19 +1,22 @@
 """Functions of several eigenvalues that stay smooth where two meet, and modes followed by their shape."""
 
+from typing import Any
+
 import jax
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import check_number, check_numbers, is_concrete, numbers, shown
 from ..math.compile import jit
 from ..mechanics.loads import LoadFactors, lacks_potential
-from ..model.model import Model
+from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS
+from .equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
-from .modal import Modes, refuse_unsymmetric, spectrum, to_frequency
+from .modal import Modes, check_spectrum, refuse_unsymmetric, spectrum, to_frequency
 
 # Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
 CLUSTER = 1e-6
@@ -38,7 +41,7 @@ def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[
     Source:
         Norms of order -p; spectral functions are as smooth as they are symmetric: Lewis 1996, Math. Oper. Res. 21.
     """
-    _check_positive("smooth_minimum", values, sharpness)
+    values = _positive("smooth_minimum", values, sharpness)
     least = jax.lax.stop_gradient(jnp.min(values))
     ratios = jnp.where(jnp.isfinite(values), values, 1.0) / least
     total = jnp.sum(jnp.where(jnp.isfinite(values), ratios ** (-sharpness), 0.0))
@@ -63,16 +66,20 @@ def smooth_maximum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[
     Source:
         As :func:`smooth_minimum`.
     """
-    _check_positive("smooth_maximum", values, sharpness)
+    values = _positive("smooth_maximum", values, sharpness)
     largest = jax.lax.stop_gradient(jnp.max(values))
     return largest * jnp.sum((values / largest) ** sharpness) ** (1 / sharpness)
 
 
-def _check_positive(name: str, values, sharpness) -> None:
-    if not isinstance(sharpness, jax.core.Tracer) and not sharpness >= 1:
-        raise ValueError(f"Argument `sharpness` of {name} must be at least 1, but is {sharpness}.")
-    if not isinstance(values, jax.core.Tracer) and not np.all(np.asarray(values) > 0):
+def _positive(name: str, values: Any, sharpness: Any) -> Float[Array, "n"]:
+    """Several positive values as an array."""
+    check_number("sharpness", sharpness, least=1)
+    concrete = is_concrete(values)
+    if concrete and (numbers(values) is None or np.ndim(values) != 1 or not np.size(values)):
+        raise ValueError(f"Argument `values` of {name} must be several numbers, not {shown(values)}.")
+    if concrete and not np.all(np.asarray(values) > 0):
         raise ValueError(f"Argument `values` of {name} must be positive, but is {np.asarray(values)}.")
+    return jnp.asarray(values, float)
 
 
 def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
@@ -91,6 +98,9 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
     Source:
         Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
     """
+    for given in (one, other):
+        if not isinstance(given, Modes):
+            raise TypeError(f"fm.mode_assurance takes Modes, of fm.modes(model), not a {type(given).__name__}.")
     a, b, m = (np.asarray(v) for v in (one.q_shapes, other.q_shapes, one.lin.matrices.M0))
     if a.shape[0] != b.shape[0]:
         raise ValueError(f"The models differ: {a.shape[0]} and {b.shape[0]} degrees of freedom.")
@@ -144,11 +154,15 @@ def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = Tr
     Source:
         :func:`mode_assurance`; Rayleigh's quotient, stationary at a mode.
     """
+    warn_of_increment(as_model(model, "frequency_like"), "frequency_like")
     refuse_unsymmetric(not lacks_potential(model.topology))
-    if jnp.shape(shape) != (model.topology.n_q,):
-        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {jnp.shape(shape)}.")
+    check_numbers("Argument `shape`", shape)
+    if np.shape(shape) != (model.topology.n_q,):
+        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(shape)}.")
+    if is_concrete(shape) and not np.any(np.asarray(shape)):
+        raise ValueError("Argument `shape` must have an entry that is not zero.")
     value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(shape, float))
-    check(result, throw)
+    check_spectrum(result, throw, model)
     return value
 
 

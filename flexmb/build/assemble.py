@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 
+from ..arguments import is_concrete as is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.sections import Rigidity
@@ -25,45 +25,13 @@ if TYPE_CHECKING:
 UNIT_NORM = Element(unit_norm)
 
 
-def is_concrete(tree: Any) -> bool:
-    """Whether no leaf of a pytree is traced.
+def is_option(value: Any) -> bool:
+    """Whether a property chooses code and is no number.
 
     Args:
-        tree: Any pytree.
+        value: The property.
     """
-    return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
-
-
-def _is_option(value: Any) -> bool:
     return isinstance(value, bool | str)
-
-
-def number_of_deformations(element: Element, properties: dict[str, Any]) -> int:
-    """Length of what a deformation function returns, found without computing it.
-
-    Args:
-        element: Element type.
-        properties: Its properties, complete.
-    """
-    own = element.arguments(element.deformation, properties) or {}
-    options = {k: v for k, v in own.items() if _is_option(v)}
-    leaves, structure = jax.tree.flatten({k: v for k, v in own.items() if not _is_option(v)})
-    shapes = tuple(np.shape(leaf) for leaf in leaves)
-    key = (element, tuple(sorted(options.items())), structure, shapes)
-    if key not in _COUNTS:
-        nodes = [jax.ShapeDtypeStruct((kind.size,), float) for kind in element.nodes.values()]
-        numbers = [jax.ShapeDtypeStruct(shape, float) for shape in shapes]
-
-        def call(nodes, numbers):
-            extra = {"near": jnp.zeros(64)} if element.tracks_angle else {}
-            named = jax.tree.unflatten(structure, numbers)
-            return element.deformation(*nodes, ref=element.reference(nodes), **named, **options, **extra)
-
-        _COUNTS[key] = jax.eval_shape(call, nodes, numbers).shape[0]
-    return _COUNTS[key]
-
-
-_COUNTS: dict[Any, int] = {}
 
 
 def stack(values: Sequence[Any]) -> Any:
@@ -132,7 +100,7 @@ def assemble(builder: Builder) -> Model:
         start = tuple(stack([pair[i] for pair in pairs]) for i in range(2)) if order else None
     parameters = Parameters(reference, properties, initial, increment if has_increment else None, strain, start)
     signals = {
-        kind: tuple(Signal(name, quantity, index(key)) for name, quantity, key in entries)
+        kind: tuple(Signal(s.name, s.quantity, index(s.key), s.axis, s.local) for s in entries)
         for kind, entries in builder.signals.items()
     }
     elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)
@@ -205,8 +173,8 @@ def _blocks(builder, members, first_x):
 
 def _structure(properties: dict[str, Any]) -> Any:
     """What two elements must have in common to be stacked: anything but the numbers and the kinds of section."""
-    options = tuple(sorted((k, v) for k, v in properties.items() if _is_option(v)))
-    rest = {k: v for k, v in properties.items() if not _is_option(v) and k != "section"}
+    options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
+    rest = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
     leaves, structure = jax.tree.flatten(rest)
     return options, structure, tuple(np.shape(leaf) for leaf in leaves)
 
@@ -228,13 +196,13 @@ def _block(
     ordered = [piece for own in kinds.values() for piece in own]
     x: Any = np.array([p.x for p in ordered], int)
     e: Any = np.array([p.e for p in ordered], int).reshape(len(ordered), -1)
-    options = tuple(sorted((k, v) for k, v in ordered[0].properties.items() if _is_option(v)))
+    options = tuple(sorted((k, v) for k, v in ordered[0].properties.items() if is_option(v)))
     stacked = {}
     for name, value in ordered[0].properties.items():
         if name == "section":
             stacks = tuple(_stack_trees([p.properties[name] for p in own]) for own in kinds.values())
             stacked[name] = stacks if len(kinds) > 1 else _stack_trees([p.properties[name] for p in ordered])
-        elif not _is_option(value):
+        elif not is_option(value):
             stacked[name] = _stack_trees([p.properties[name] for p in ordered])
     told = "resultants" in companions
     stressed = tuple(p.name if told and "resultants" in p.companions else None for p in ordered)

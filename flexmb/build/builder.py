@@ -6,26 +6,43 @@ import copy
 import dataclasses
 import difflib
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
+from ..arguments import as_whole, check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
-from ..elements.element import ALL, Element, as_element
+from ..elements.element import ALL, COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
-from ..elements.sections import Section
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..model.model import Model
 from ..model.roles import Role
-from .assemble import assemble, is_concrete, number_of_deformations, stack
+from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
-from .dofs import complete
+from .dofs import check_inputs, complete
+from .properties import complete as complete_properties
+from .properties import element_type, number_of_deformations
 
 AXES = ("x", "y", "z")
+HELD = (Role.FIXED, Role.PRESCRIBED)
+# Rotations in space about the axes, as inputs and outputs name them.
+TURNS = ("rx", "ry", "rz")
+# Euler parameters off the unit norm by more than this are no rotation.
+UNIT = 1e-9
 
 # "node" or "element", its name, and the number of a coordinate or deformation from 1.
 Key = tuple[str, str, int]
+
+
+class NamedSignal(NamedTuple):
+    """An input or output as it was named, see :class:`flexmb.model.model.Signal`."""
+
+    name: str
+    quantity: str
+    key: Key
+    axis: int | None = None
+    local: bool = False
 
 
 @dataclasses.dataclass
@@ -53,7 +70,8 @@ class Builder:
 
     A node has a position; its rotation, named "name.rotation", exists once an element asks for it. Everything that is
     a number may be traced, so that a function that builds a model can be differentiated and batched. Checks of values
-    run on concrete numbers only.
+    run on concrete numbers only. Forces, moments and masses that are given twice add up; what is prescribed, gravity,
+    prestress, strains and start values have the value that was given last.
 
     Example:
         >>> b = Builder()
@@ -76,7 +94,7 @@ class Builder:
         self.members: dict[str, Member] = {}
         self.dofs: list[Key] = []
         self.loads: dict[str, dict[str, Any]] = {"initial": {}, "increment": {}}
-        self.signals: dict[str, list[tuple[str, str, Key]]] = {"input": [], "output": []}
+        self.signals: dict[str, list[NamedSignal]] = {"input": [], "output": []}
         self.starts: dict[Key, tuple[Any, Any]] = {}
         self.dimension: int | None = None
         self._clamped: set[str] = set()
@@ -96,8 +114,10 @@ class Builder:
         Raises:
             ModelError: The name is taken, or the position has another dimension than the rest or is not finite.
         """
-        name = str(name)
-        position = list(position)
+        name = _named("A node", name)
+        if name.endswith(".rotation"):
+            raise ModelError(f"Node '{name}' would be taken for the rotation of a node: add one with rotation().")
+        position = _listed(f"Node '{name}'", position)
         if len(position) not in (2, 3):
             raise ModelError(f"Node '{name}' must have 2 or 3 coordinates, but has {len(position)}.")
         kind = POINT2 if len(position) == 2 else POINT3
@@ -113,10 +133,15 @@ class Builder:
 
         Returns:
             The name.
+
+        Raises:
+            ModelError: The name is taken, there is no node with a position yet, or ``start`` is no rotation.
         """
+        name = _named("A rotation", name)
         kind = ANGLE if self._dimension_for(name) == 2 else ROTATION3
-        self._new_node(str(name), kind, list(kind.start) if start is None else list(start))
-        return str(name)
+        own = list(kind.start) if start is None else _listed(f"Start of rotation '{name}'", start)
+        self._new_node(name, kind, own)
+        return name
 
     def add(
         self,
@@ -142,22 +167,32 @@ class Builder:
             The name.
 
         Raises:
-            ModelError: Unknown node, wrong number of nodes, missing or unknown property, deformation out of range,
-                zero length, parallel y vector.
+            ModelError: Unknown node, wrong number of nodes, missing or unknown property or one of the wrong kind,
+                deformation out of range, zero length, parallel y vector, functions that do not fit together.
         """
-        element = as_element(element)
-        name = f"{element.name} {len(self.members) + 1}" if name is None else str(name)
+        element = element_type(element)
+        name = self._free_name(element.name) if name is None else _named("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
-        nodes = self._resolve(element, name, [str(n) for n in nodes])
-        properties = self._complete(element, name, properties)
-        references = [self.nodes[n].start for n in nodes]
-        self._check_member(element, name, references, properties)
-        n_e = number_of_deformations(element, properties)
-        self.members[name] = Member(element, nodes, properties, [Role.FIXED] * n_e)
+        properties = complete_properties(element, name, properties)
+        n_e = number_of_deformations(element, name, properties)
+        companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
+        if not n_e and all(element.arguments(c, properties) is None for c in companions):
+            wanted = ", ".join(repr(key) for c in companions for key in element.wanted(c)) or "a companion"
+            raise ModelError(f"Element '{name}' ({element.name}) does nothing without the property {wanted}.")
         usual = (ALL if element.is_elastic(properties) else ()) if element.released is None else element.released
-        wanted = usual if released is None else released
-        self.release(name, *(range(1, n_e + 1) if isinstance(wanted, str) else wanted), *element.measured)
+        roles = [Role.FIXED] * n_e
+        for i in (*_released(name, usual if released is None else released, n_e), *element.measured):
+            roles[i - 1] = Role.DEPENDENT
+        resolved = self._resolve(element, name, [str(n) for n in nodes])
+        kinds = list(element.nodes.values())
+        starts = [self.nodes[n].start if n in self.nodes else k.start for n, k in zip(resolved, kinds, strict=True)]
+        self._check_member(element, name, starts, properties)
+        # Only now, so that an element that is refused leaves nothing behind.
+        for node, kind in zip(resolved, kinds, strict=True):
+            if node not in self.nodes:
+                self._new_node(node, kind, list(kind.start))
+        self.members[name] = Member(element, resolved, properties, roles)
         return name
 
     def release(self, element: str, *deformations: int) -> None:
@@ -167,8 +202,8 @@ class Builder:
             element: Name of the element.
             deformations: Numbers from 1.
         """
-        for i in deformations:
-            self._set_role(self._member(element), element, int(i), Role.DEPENDENT)
+        given = _some_of("release", element, deformations)
+        self._set_roles([self._entry(element, i, "element") for i in given], Role.DEPENDENT)
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
 
@@ -180,21 +215,19 @@ class Builder:
             components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part. None:
                 the whole node, its rotation included if it has or gets one.
         """
-        if components in ((), ("position",), ("rotation",)):
-            parts = [self._position(node) if node in self.nodes else self._unknown_node(node, "fix")]
-            if components == ("rotation",):
-                parts = [self._rotation_of(node)]
-            elif not components:
-                parts.append(f"{node}.rotation")
-            for part in parts:
-                if part not in self.nodes:
-                    self._clamped.add(part)
-                    continue
-                for i in range(self.nodes[part].kind.size):
-                    self._set_role(self.nodes[part], part, i + 1, Role.FIXED)
+        node, word = str(node), components[0] if len(components) == 1 else None
+        if components and not (isinstance(word, str) and word in ("position", "rotation")):
+            self._set_roles([("node", *self._coordinate(node, c)) for c in components], Role.FIXED)
             return
-        for part, i in (self._coordinate(node, c) for c in components):
-            self._set_role(self.nodes[part], part, i, Role.FIXED)
+        if node not in self.nodes:
+            self._unknown_node(node, "fix")
+        if word == "rotation":
+            parts = [self._rotation_name(node)]
+        else:
+            parts = [self._position(node)] if word == "position" else [node, f"{node}.rotation"]
+        there = [part for part in parts if part in self.nodes or word == "rotation"]
+        self._set_roles([("node", p, i + 1) for p in there for i in range(self._kind_of(p).size)], Role.FIXED)
+        self._clamped.update(part for part in parts if part not in there)
 
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
         """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
@@ -206,12 +239,14 @@ class Builder:
             components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1.
             kind: "node" or "element", where both bear the name.
         """
-        for component in components:
+        keys: list[Key] = []
+        for component in _some_of("dof", of, components):
             key = self._entry(of, component, kind)
-            if key in self.dofs:
+            if key in (*self.dofs, *keys):
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
-            self._assign(of, component, Role.DOF, kind)
-            self.dofs.append(key)
+            keys.append(key)
+        self._set_roles(keys, Role.DOF)
+        self.dofs += keys
 
     def prescribe(
         self,
@@ -227,8 +262,9 @@ class Builder:
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
         A rotation is an angle that counts past half and full turns. In space it is that of a hinge named "turn of"
-        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle, its stress
-        resultant the moment that is needed.
+        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle. Its stress
+        resultant is the moment of the mechanism on whoever turns it: what must be put on the node is the opposite. In
+        the plane the reaction of the coordinate is what must be put on the node.
 
         Args:
             of: Name of a node or an element.
@@ -240,14 +276,16 @@ class Builder:
                 holds the angle about the axis alone.
             kind: "node" or "element", where both bear the name.
         """
-        if component == "rotation" and kind != "element":
-            of, component, kind = self._turned(str(of), axis, tilt)
+        check_flag("increment", increment, ModelError)
+        check_numbers(f"Prescribed value of '{of}'", value, (), ModelError)
+        self._check_kind(kind)
+        if isinstance(component, str) and component == "rotation" and kind != "element":
+            entry = self._turned(str(of), axis, tilt)
         elif axis is not None or tilt is not None:
             raise ModelError(f"'{of}.{component}': only component \"rotation\" takes an axis or a tilt.")
-        entry = self._entry(of, component, kind)
-        self._check_finite(f"Prescribed value of '{of}'", value)
-        if self._owner(entry).roles[entry[2] - 1] is not Role.PRESCRIBED:
-            self._assign(of, component, Role.PRESCRIBED, kind)
+        else:
+            entry = self._entry(of, component, kind)
+        self._set_roles([entry], Role.PRESCRIBED)
         self._load("prescribed", increment)[entry] = value
 
     def start(
@@ -263,8 +301,10 @@ class Builder:
             kind: "node" or "element", where both bear the name.
         """
         for what, number in (("value", value), ("velocity", velocity)):
-            self._check_finite(f"Start {what} of '{of}'", number)
-        self.starts[self._entry(of, component, kind)] = (value, velocity)
+            check_numbers(f"Start {what} of '{of}'", number, (), ModelError)
+        entry = self._entry(of, component, kind)
+        self._owner(entry)
+        self.starts[entry] = (value, velocity)
 
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
@@ -275,11 +315,14 @@ class Builder:
             inertia: In the plane () of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, or the
                 matrix of them [kg m^2].
         """
-        if is_concrete(mass) and np.any(np.asarray(mass, float) < 0):
+        part = self._position(node)
+        check_numbers(f"The mass on node '{node}'", mass, (), ModelError)
+        if is_concrete(mass) and np.asarray(mass) < 0:
             raise ModelError(f"The mass on node '{node}' is {mass}, but it cannot be negative. Rotary inertia may be.")
-        self._add_hidden("mass", self._position(node), mass=mass)
-        if inertia is not None:
-            self.inertia(node, inertia)
+        rotary = None if inertia is None else self._inertia(node, inertia)
+        self._add_hidden("mass", part, mass=mass)
+        if rotary is not None:
+            self._add_hidden("inertia", rotary[0], inertia=rotary[1])
 
     def inertia(self, node: str, inertia: Any) -> None:
         """Put lumped rotary inertia on a node's rotation.
@@ -291,8 +334,15 @@ class Builder:
         Raises:
             ModelError: Another number of values, or a matrix that is not symmetric.
         """
-        rotation, shape = self._rotation_of(node), np.shape(inertia)
-        if self.nodes[rotation].kind is ANGLE:
+        rotation, own = self._inertia(node, inertia)
+        self._add_hidden("inertia", rotation, inertia=own)
+
+    def _inertia(self, node: str, inertia: Any) -> tuple[str, Any]:
+        """Name of a node's rotation, and its inertia as it is kept."""
+        rotation = self._rotation_name(str(node))
+        check_numbers(f"The inertia of node '{node}'", inertia, fault=ModelError)
+        shape = np.shape(stack(inertia)) if isinstance(inertia, list | tuple) else np.shape(inertia)
+        if self._kind_of(rotation) is ANGLE:
             if shape != ():
                 raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
         elif shape == (3, 3):
@@ -304,31 +354,33 @@ class Builder:
                 f"The inertia of node '{node}' must be (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) or a matrix of three by three,"
                 f" not of shape {shape}."
             )
-        self._add_hidden("inertia", rotation, inertia=inertia)
+        return rotation, inertia
 
     def force(self, node: str, force: Sequence[float], *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant force to a node.
 
         Args:
             node: Name of the node.
-            force: Components along the global axes [N]; for a rotation: forces dual to its coordinates.
+            force: Components along the global axes [N]; for a rotation: forces dual to its coordinates; for coordinates
+                that an element owns: from the first on.
             increment: Whether the force belongs to the incremental loads.
             follower: Whether it turns with the node's rotation, from the direction given; it then has no potential.
         """
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
-        force, size = list(force), self.nodes[part].kind.size
-        if len(force) > size:
+        for name, flag in (("increment", increment), ("follower", follower)):
+            check_flag(name, flag, ModelError)
+        force, kind = _listed(f"Force on node '{part}'", force), self.nodes[part].kind
+        size = kind.size
+        if len(force) > size or (len(force) < size and kind.part != "internal"):
             raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {size}.")
         if follower:
-            self._check_finite(f"Force on node '{part}'", force)
-            if self.nodes[part].kind.part != "position" or len(force) != size:
-                raise ModelError(f"A follower force on '{part}' needs a node with a position, and {size} components.")
+            if kind.part != "position":
+                raise ModelError(f"A follower force on '{part}' needs a node with a position.")
             options = {"incremental": True} if increment else {}
-            self._add_hidden("follower_force", part, self._rotation_of(part), force=stack(force), **options)
+            self._add_hidden("follower_force", part, self._rotation_name(part), force=stack(force), **options)
             return
+        forces = self._load("force", increment)
         for i, value in enumerate(force):
-            self._check_finite(f"Force on node '{part}'", value)
-            forces = self._load("force", increment)
             key = ("node", part, i + 1)
             forces[key] = forces.get(key, 0.0) + value
 
@@ -341,10 +393,21 @@ class Builder:
             increment: Whether the moment belongs to the incremental loads.
             follower: Whether its axis turns with the rotation; in the plane there is no difference.
         """
-        part = self._rotation_of(node)
-        if self.nodes[part].kind is ANGLE:
-            self.force(part, [moment] if np.ndim(moment) == 0 else moment, increment=increment)
+        part = self._rotation_name(str(node))
+        for name, flag in (("increment", increment), ("follower", follower)):
+            check_flag(name, flag, ModelError)
+        check_numbers(f"Moment on node '{node}'", moment, fault=ModelError)
+        alone = not isinstance(moment, list | tuple) and np.ndim(moment) == 0
+        size = 1 if alone else len(moment)
+        if self._kind_of(part) is ANGLE:
+            if size != 1:
+                raise ModelError(f"Moment on node '{node}' must be one number in the plane, not {shown(moment)}.")
+            self._owner(("node", part, 1))
+            components: Any = [moment] if alone else moment
+            self.force(part, components, increment=increment)
         else:
+            if alone or size != 3:
+                raise ModelError(f"Moment on node '{node}' must have 3 components in space, not {shown(moment)}.")
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 
@@ -355,10 +418,9 @@ class Builder:
             acceleration: Components along the global axes [m/s^2].
             increment: Whether it belongs to the incremental loads.
         """
-        acceleration = list(acceleration)
-        if len(acceleration) != (self.dimension or len(acceleration)):
-            raise ModelError(f"Gravity must have {self.dimension} components, but has {len(acceleration)}.")
-        self._check_finite("Gravity", acceleration)
+        check_flag("increment", increment, ModelError)
+        acceleration = _listed("Gravity", acceleration)
+        self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
 
     def prestress(self, element: str, *values: float, increment: bool = False) -> None:
@@ -369,9 +431,8 @@ class Builder:
             values: From the first deformation on [N, N m].
             increment: Whether it belongs to the incremental loads.
         """
-        for i, value in enumerate(values, 1):
-            self._check_finite(f"Prestress of element '{element}'", value)
-            self._load("prestress", increment)[self._entry(element, i, "element")] = value
+        check_flag("increment", increment, ModelError)
+        self._load("prestress", increment).update(self._values("Prestress", element, values))
 
     def strain(self, element: str, *values: float) -> None:
         """Set the deformations at which an element is free of stress.
@@ -379,24 +440,52 @@ class Builder:
         Args:
             element: Name of the element.
             values: From the first deformation on [m, rad].
+
+        Raises:
+            ModelError: The element has no stiffness, or the deformation has none: the closure of a spectral beam.
         """
-        for i, value in enumerate(values, 1):
-            self._load("strain", False)[self._entry(element, i, "element")] = value
+        member = self._member(element)
+        if not member.element.is_elastic(member.properties):
+            raise ModelError(f"Strain of element '{element}': it has no stiffness, so that a strain does nothing.")
+        first = min((field[0] for field in member.element.fields), default=1)
+        found = self._values("Strain", element, values)
+        for key, value in found:
+            if key[2] < first and is_concrete(value) and value != 0:
+                raise ModelError(
+                    f"Strain of element '{element}': deformation {key[2]} is part of its closure, which has no"
+                    f" stiffness. Give zero there; the strains are those from {first} on."
+                )
+        self._load("strain", False).update(found)
 
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
-    def input(self, of: str, component: str | int, *, name: str | None = None, kind: str | None = None) -> None:
-        """Name an input of the state-space model: a force on a coordinate, or a stress in a deformation.
+    def input(
+        self,
+        of: str,
+        component: str | int,
+        *,
+        name: str | None = None,
+        kind: str | None = None,
+        local: bool = False,
+    ) -> None:
+        """Name an input: a force on a coordinate, a moment on a rotation, or a stress in a deformation.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
+            component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
+                "ry" or "rz", a moment about that global axis at every state.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
+            local: Of a rotation in space: about the axis that turns with the node, the global one where its Euler
+                parameters are (1, 0, 0, 0).
+
+        Raises:
+            ModelError: Unknown node, element or component, an Euler parameter, or a label that is taken. An input on
+                what is FIXED or PRESCRIBED is refused by :meth:`build`.
         """
-        entry = self._entry(of, component, kind)
-        quantity = "stress" if entry[0] == "element" else "force"
-        self.signals["input"].append((name or f"{quantity} {of}.{component}", quantity, entry))
+        entry, axis = self._signalled("Input", of, component, kind, local)
+        quantity = "stress" if entry[0] == "element" else "force" if axis is None else "moment"
+        self._add_signal("input", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local))
 
     def output(
         self,
@@ -406,25 +495,62 @@ class Builder:
         *,
         name: str | None = None,
         kind: str | None = None,
+        local: bool = False,
     ) -> None:
-        """Name an output of the state-space model.
+        """Name an output.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
-            quantity: "position", "velocity" or "acceleration" of a coordinate; "deformation", "deformation rate",
-                "deformation acceleration" or "stress" of a deformation. By default the first.
+            component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
+                "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is linearised
+                about, in a simulation the component of the rotation vector from its start, beside that from the
+                undeformed mechanism to the start; angular velocity and angular acceleration.
+            quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation; "deformation",
+                "deformation rate", "deformation acceleration" or "stress" of a deformation. By default the first.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
+            local: As for :meth:`input`.
+
+        Raises:
+            ModelError: As for :meth:`input`; no such quantity.
         """
-        entry = self._entry(of, component, kind)
+        entry, axis = self._signalled("Output", of, component, kind, local)
         allowed = ("position", "velocity", "acceleration")
         if entry[0] == "element":
             allowed = ("deformation", "deformation rate", "deformation acceleration", "stress")
         quantity = quantity or allowed[0]
-        if quantity not in allowed:
-            raise ModelError(f"Output '{of}.{component}' must be one of {', '.join(allowed)}, not '{quantity}'.")
-        self.signals["output"].append((name or f"{quantity} {of}.{component}", quantity, entry))
+        if not isinstance(quantity, str) or quantity not in allowed:
+            raise ModelError(f"Output '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(quantity)}.")
+        self._add_signal(
+            "output", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local)
+        )
+
+    def _signalled(self, side: str, of: str, component: Any, kind: str | None, local: bool) -> tuple[Key, int | None]:
+        """What a signal is about, and its axis if that is a rotation in space."""
+        check_flag("local", local, ModelError)
+        self._check_kind(kind)
+        of = str(of)
+        about = self.dimension == 3 and isinstance(component, str) and component in TURNS
+        if about and kind != "element" and not (kind is None and of in self.members and of not in self.nodes):
+            return ("node", self._rotation_name(of), 1), TURNS.index(component)
+        if local:
+            raise ModelError(f"{side} '{of}.{component}': only a rotation in space (rx, ry, rz) takes `local`.")
+        entry = self._entry(of, component, kind)
+        if entry[0] == "node" and self._kind_of(entry[1]) is ROTATION3:
+            own = f"{entry[1]}.{ROTATION3.components[entry[2] - 1]}"
+            raise ModelError(
+                f"{side} '{own}' is an Euler parameter, whose dual is no moment and which is no angle. Name the axis of"
+                f" the rotation: rx, ry or rz."
+            )
+        return entry, None
+
+    def _add_signal(self, side: str, name: str, signal: NamedSignal) -> None:
+        name = _named(f"An {side}", name)
+        # Where a control system is made of them, a point becomes a blank.
+        if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
+            raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
+        self._owner(signal.key)
+        self.signals[side].append(signal._replace(name=name))
 
     # -- the model ----------------------------------------------------------------------------------------------
 
@@ -441,12 +567,21 @@ class Builder:
             Model.
 
         Raises:
-            ModelError: Nothing to analyse.
+            ModelError: Nothing to analyse; an input on what is FIXED or PRESCRIBED; deformations that are not zero in
+                the undeformed mechanism.
             MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
                 move or do not determine the rest.
+
+        Warns:
+            FlexmbWarning: A prestress, strain or damping of deformations that are held; gravity where nothing has mass.
         """
+        for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
+            check_choice(argument, value, allowed, ModelError)
+        check_flag("check", check, ModelError)
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
+        for loads in self.loads.values():
+            self._check_gravity(loads.get("gravity", {}).get("all"))
         strangers = [
             f"{of} {component}" for kind, of, component in self.starts if (kind, of, component) not in self.dofs
         ]
@@ -454,10 +589,12 @@ class Builder:
             raise ModelError(
                 f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
             )
+        if check:
+            self._warn_of_idle()
         model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
             if before is not None and (twin := as_in(self, before)) is not self:
-                return note(assemble(twin))
+                return note(check_inputs(assemble(twin), twin))
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof();"
@@ -471,8 +608,10 @@ class Builder:
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
+            return note(check_inputs(model, self))
+        if not check:
             return note(model)
-        return note(complete(self, model, dofs, release) if check else model)
+        return check_inputs(note(complete(self, model, dofs, release)))
 
     def copy(self) -> Builder:
         """A builder with the same contents, to vary."""
@@ -503,72 +642,144 @@ class Builder:
                 f"Node '{name}' has {kind.size} coordinates, but the mechanism is"
                 f" {'planar' if self.dimension == 2 else 'spatial'}."
             )
-        for value in start:
-            self._check_finite(f"Node '{name}'", value)
+        if len(start) != kind.size:
+            raise ModelError(
+                f"Node '{name}' must have {kind.size} coordinate{'s' if kind.size > 1 else ''}, but has {len(start)}."
+            )
+        check_numbers(f"Node '{name}'", start, fault=ModelError)
+        if kind is ROTATION3 and is_concrete(start) and abs(np.linalg.norm(np.asarray(start, float)) - 1) > UNIT:
+            raise ModelError(
+                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have"
+                f" {np.linalg.norm(np.asarray(start, float)):.6g}."
+            )
         self.dimension = kind.dimension
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
         self.nodes[name] = Node(kind, start, [role] * kind.size)
 
-    def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> tuple[str, str | int, str]:
+    def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> Key:
         """What is prescribed in place of a node's rotation: the angle in the plane, that of a hinge in space."""
-        part = self._rotation_of(node)
-        if self.nodes[part].kind is ANGLE:
+        part = self._rotation_name(node)
+        if self._kind_of(part) is ANGLE:
             if axis is not None or tilt is not None:
                 raise ModelError(f"Rotation of node '{node}': in the plane it takes neither an axis nor a tilt.")
-            return part, "phi", "node"
+            return "node", part, 1
         if axis is None:
             raise ModelError(f"Rotation of node '{node}': in space it needs an axis, such as axis=(0, 0, 1).")
-        if tilt not in (None, "fixed", "free"):
-            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {tilt!r}.")
+        if tilt is not None and not (isinstance(tilt, str) and tilt in ("fixed", "free")):
+            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {shown(tilt)}.")
         node = part.removesuffix(".rotation")
         name, frame = f"turn of {node}", f"frame of {node}"
+        properties = complete_properties(spatial.hinge, name, {"axis": axis})
         if name not in self.members:
-            held = [role.value for role in self.nodes[part].roles if role is not Role.DEPENDENT]
+            held = [r for r in (self._role(("node", part, i)) for i in range(1, 5)) if r is not Role.DEPENDENT]
             if held:
-                raise ModelError(f"The rotation of node '{node}' is {held[0]} already and cannot be prescribed too.")
+                raise ModelError(
+                    f"The rotation of node '{node}' is {held[0].value} already and cannot be prescribed too."
+                )
+            if frame in self.nodes:
+                raise ModelError(
+                    f"Node '{frame}' is defined already: to prescribe a rotation takes a node of that name."
+                )
+            self._check_member(spatial.hinge, name, [ROTATION3.start] * 2, properties)
             self.rotation(frame)
             self.fix(frame)
             self.add(spatial.hinge, frame, part, name=name, axis=axis, released=(2, 3) if tilt == "free" else ())
-        known, roles = self.members[name].properties["axis"], self.members[name].roles
-        other = is_concrete((known, list(axis))) and not np.allclose(known, np.asarray(axis, float))
+        member = self.members[name]
+        if member.nodes != (frame, part):
+            raise ModelError(
+                f"Element '{name}' is defined already: to prescribe a rotation takes an element of that name."
+            )
+        known, roles = member.properties["axis"], member.roles
+        other = is_concrete((known, properties)) and not np.allclose(known, properties["axis"])
         if other or (tilt is not None and (tilt == "free") is not (roles[1] is Role.DEPENDENT)):
             raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
-        return name, 1, "element"
+        return "element", name, 1
 
-    def _check_finite(self, what: str, value: Any) -> None:
-        if is_concrete(value) and not np.all(np.isfinite(np.asarray(value, float))):
-            raise ModelError(f"{what} has a value that is not a finite number: {value}.")
+    def _values(self, what: str, element: str, values: tuple) -> list[tuple[Key, Any]]:
+        """Numbers of an element's deformations, from the first on, with the keys of these."""
+        found = []
+        for i, value in enumerate(_some_of(what.lower(), element, values), 1):
+            check_numbers(f"{what} of element '{element}'", value, (), ModelError)
+            found.append((self._entry(element, i, "element"), value))
+        return found
+
+    def _warn_of_idle(self) -> None:
+        """Say what acts on deformations that are all held, where it does nothing."""
+        for what in ("prestress", "strain"):
+            for sets in self.loads.values():
+                acting: dict[str, list[int]] = {}
+                for (_, of, number), value in sets.get(what, {}).items():
+                    if not is_concrete(value) or value != 0:
+                        acting.setdefault(of, []).append(number)
+                for of, numbers in acting.items():
+                    roles = [self.members[of].roles[n - 1] for n in numbers]
+                    if all(role in HELD for role in roles):
+                        told = ", ".join(f"deformation {n} is {r.value}" for n, r in zip(numbers, roles, strict=True))
+                        warn(
+                            f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
+                            " deformation, or leave it out."
+                        )
+        for of, member in self.members.items():
+            dampers = [getattr(member.element, kind) for kind in ("damping", "dissipation")]
+            damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
+            if damped and member.roles and all(role in HELD for role in member.roles):
+                warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
+        if any("gravity" in sets for sets in self.loads.values()) and not any(map(_may_weigh, self.members.values())):
+            warn("Gravity acts on nothing: no element has a density and no node a mass.")
+
+    def _check_gravity(self, acceleration: list | None) -> None:
+        """Refuse gravity of another dimension than the nodes."""
+        if acceleration is None:
+            return
+        if len(acceleration) != (self.dimension or len(acceleration)) or len(acceleration) not in (2, 3):
+            raise ModelError(f"Gravity must have {self.dimension or '2 or 3'} components, but has {len(acceleration)}.")
+
+    def _free_name(self, before: str) -> str:
+        """A name with a number that no element has yet."""
+        number = len(self.members) + 1
+        while f"{before} {number}" in self.members:
+            number += 1
+        return f"{before} {number}"
 
     def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
         node = nodes[0]
-        element = getattr(planar if self.nodes[node].kind.dimension == 2 else spatial, kind)
-        count = sum(name.startswith(f"{kind} {node}") for name in self.members)
-        self.members[f"{kind} {node} {count + 1}"] = Member(
-            element, nodes, self._complete(element, f"{kind} of {node}", properties), [], hidden=True
-        )
+        element = getattr(planar if self.dimension == 2 else spatial, kind)
+        own = complete_properties(element, f"{kind} of {node}", properties)
+        for part in nodes:
+            self._owner(("node", part, 1))
+        self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
 
     def _unknown_node(self, name: str, where: str) -> Any:
         near = difflib.get_close_matches(name, self.nodes, 1)
         hint = f" Did you mean '{near[0]}'?" if near else " Add it with node() first."
-        raise ModelError(f"No node '{name}' ({where}).{hint}")
+        raise ModelError(f"No node {shown(name)} ({where}).{hint}")
 
     def _position(self, node: str) -> str:
+        """Name of a node that has a position."""
         node = str(node)
-        return node if node in self.nodes else self._unknown_node(node, "position")
+        if node not in self.nodes:
+            self._unknown_node(node, "position")
+        if self.nodes[node].kind.part != "position":
+            raise ModelError(f"Node '{node}' has no position: it is a {self.nodes[node].kind.part} node.")
+        return node
 
-    def _rotation_of(self, node: str) -> str:
-        """Name of a node's rotation, which is made if it is not there yet."""
-        node = str(node)
+    def _kind_of(self, part: str) -> NodeKind:
+        """Kind of a node, or of a rotation that is not there yet."""
+        return self.nodes[part].kind if part in self.nodes else ANGLE if self.dimension == 2 else ROTATION3
+
+    def _rotation_name(self, node: str) -> str:
+        """Name that a node's rotation has or will have."""
         if node in self.nodes and self.nodes[node].kind.part == "rotation":
             return node
+        owner = node.removesuffix(".rotation")
         if f"{node}.rotation" not in self.nodes:
-            if node not in self.nodes:
+            if owner not in self.nodes:
                 self._unknown_node(node, "rotation")
-            self.rotation(f"{node}.rotation")
-        return f"{node}.rotation"
+            self._position(owner)
+        return f"{owner}.rotation"
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
-        """One node for each positional parameter of an element."""
+        """One node for each positional parameter of an element; rotations and own coordinates may not be there yet."""
         kinds = [(p, k) for p, k in element.nodes.items() if k.part != "internal"]
         expected = ", ".join(f"{p} ({k.part})" for p, k in kinds)
         wrong = ModelError(
@@ -593,8 +804,8 @@ class Builder:
             if part is None:
                 raise wrong
             if kind.part == "rotation":
-                part = self._rotation_of(current)
-            if self.nodes[part].kind.dimension != kind.dimension:
+                part = self._rotation_name(current)
+            if self.dimension != kind.dimension:
                 raise ModelError(
                     f"Element '{name}' ({element.name}) is {'planar' if kind.dimension == 2 else 'spatial'}, but node"
                     f" '{part}' is not."
@@ -602,14 +813,15 @@ class Builder:
             found.append(part)
         if waiting is None and next(source, None) is not None:
             raise wrong
-        own = [k for k in element.nodes.values() if k.part == "internal"]
-        return tuple(found + [self._internal(name, kind) for kind in own])
-
-    def _internal(self, element: str, kind: NodeKind) -> str:
-        """Node of the coordinates that an element owns; an element owns one such node at most, its last."""
-        node = f"{element}.internal"
-        self._new_node(node, kind, list(kind.start))
-        return node
+        for node in found:
+            if found.count(node) > 1:
+                raise ModelError(f"Element '{name}' ({element.name}) joins node '{node}' to itself. Give it two nodes.")
+        # Coordinates that an element owns: one such node at most, its last.
+        own = [f"{name}.internal" for k in element.nodes.values() if k.part == "internal"]
+        for node in own:
+            if node in self.nodes:
+                raise ModelError(f"Node '{node}' is defined twice. Give each element its own name.")
+        return (*found, *own)
 
     def _part_kind(self, node: str, kind: NodeKind) -> str | None:
         """Whether a name can stand for a node of this kind."""
@@ -617,38 +829,6 @@ class Builder:
             return node if kind.part == "rotation" and node.endswith(".rotation") else None
         own = self.nodes[node].kind.part
         return node if own == kind.part or (own == "position" and kind.part == "rotation") else None
-
-    def _complete(self, element: Element, name: str, properties: dict[str, Any]) -> dict[str, Any]:
-        """Properties with defaults filled in, checked for names and finiteness."""
-        known = element.properties
-        for given in properties:
-            if given not in known and given != "incremental":
-                raise ModelError(
-                    f"Element '{name}' ({element.name}) has no property '{given}'. It takes:"
-                    f" {', '.join(known) or 'none'}."
-                )
-        complete = {k: stack(v) if isinstance(v, list | tuple) else v for k, v in properties.items()}
-        # Stiffness, damping and mass may be left out; a law is what its element is for.
-        needed = {
-            n for f in (element.deformation, element.law) for n in element.arguments(f, dict.fromkeys(known, 0)) or {}
-        }
-        for wanted, parameter in known.items():
-            if wanted in complete:
-                continue
-            if parameter.default is not parameter.empty:
-                complete[wanted] = parameter.default
-            elif wanted in needed:
-                raise ModelError(f"Element '{name}' ({element.name}) needs the property '{wanted}'.")
-            else:
-                complete[wanted] = None
-        for wanted, value in complete.items():
-            for leaf in jax.tree.leaves(value):
-                if not isinstance(leaf, str):
-                    self._check_finite(f"Property '{wanted}' of element '{name}'", leaf)
-            if isinstance(value, Section) and is_concrete(value):
-                for fault in value.faults():
-                    raise ModelError(f"The section of element '{name}' has {fault}.")
-        return complete
 
     def _check_member(self, element: Element, name: str, references: list, properties: dict) -> None:
         if element.check is None or not is_concrete((references, properties)):
@@ -660,60 +840,136 @@ class Builder:
     def _member(self, name: str) -> Member:
         name = str(name)
         if name not in self.members or self.members[name].hidden:
-            shown = [n for n, m in self.members.items() if not m.hidden]
-            near = difflib.get_close_matches(name, shown, 1)
-            raise ModelError(f"No element '{name}'." + (f" Did you mean '{near[0]}'?" if near else ""))
+            near = difflib.get_close_matches(name, [n for n, m in self.members.items() if not m.hidden], 1)
+            raise ModelError(f"No element {shown(name)}." + (f" Did you mean '{near[0]}'?" if near else ""))
         return self.members[name]
 
     def _owner(self, key: Key) -> Node | Member:
-        return (self.members if key[0] == "element" else self.nodes)[key[1]]
+        """Node or element of a coordinate or deformation; a rotation is made if it is not there yet."""
+        kind, of, _ = key
+        if kind == "node" and of not in self.nodes:
+            self.rotation(of)
+        return (self.members if kind == "element" else self.nodes)[of]
 
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
-        """Node and number of a coordinate named by a letter or a number."""
-        part = node = str(node)
-        if isinstance(component, str) and not component.isdigit():
-            if node in self.nodes and self.nodes[node].kind.part == "position" and component not in AXES:
-                part = self._rotation_of(node)
-            if part not in self.nodes:
-                self._unknown_node(part, f"coordinate {component}")
-            names = self.nodes[part].kind.components
-            if component not in names:
-                raise ModelError(f"Node '{part}' has no coordinate '{component}'. It has: {', '.join(names)}.")
-            return part, names.index(component) + 1
-        if part not in self.nodes:
-            self._unknown_node(part, f"coordinate {component}")
-        if not 1 <= int(component) <= self.nodes[part].kind.size:
-            raise ModelError(f"Node '{part}' has coordinates 1 to {self.nodes[part].kind.size}, not {component}.")
-        return part, int(component)
+        """Node, which may be a rotation that is not there yet, and number of a coordinate named by letter or number."""
+        part, number = node, _number(component)
+        letter = isinstance(component, str) and number is None
+        if node not in self.nodes:
+            part = (
+                self._rotation_name(node)
+                if node.endswith(".rotation")
+                else self._unknown_node(node, f"coordinate {shown(component)}")
+            )
+        elif letter and self.nodes[node].kind.part == "position" and component not in AXES:
+            part = self._rotation_name(node)
+        kind = self._kind_of(part)
+        if letter:
+            if component not in kind.components:
+                names = ", ".join(kind.components)
+                raise ModelError(f"Node '{part}' has no coordinate {shown(component)}. It has: {names}.")
+            return part, kind.components.index(str(component)) + 1
+        if number is None or not 1 <= number <= kind.size:
+            raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {shown(component)}.")
+        return part, number
+
+    def _check_kind(self, kind: Any) -> None:
+        if kind is not None and not (isinstance(kind, str) and kind in ("node", "element")):
+            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
 
     def _entry(self, of: str, component: str | int, kind: str | None = None) -> Key:
         """Kind and name of the owner, and number, of a coordinate or a deformation."""
+        self._check_kind(kind)
         of = str(of)
         is_element = of in self.members and not self.members[of].hidden
-        if kind not in (None, "node", "element"):
-            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {kind!r}.")
         if kind is None and is_element and of in self.nodes:
             raise ModelError(
                 f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
             )
         if kind == "element" or (kind is None and is_element):
-            self._member(of)
-            count = len(self.members[of].roles)
-            if not str(component).isdigit() or not 1 <= int(component) <= count:
-                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {component}.")
-            return "element", of, int(component)
+            count, number = len(self._member(of).roles), _number(component)
+            if number is None or not 1 <= number <= count:
+                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
+            return "element", of, number
         return "node", *self._coordinate(of, component)
 
-    def _assign(self, of: str, component: str | int, role: Role, kind: str | None) -> None:
-        key = self._entry(of, component, kind)
-        self._set_role(self._owner(key), key[1], key[2], role)
+    def _role(self, key: Key) -> Role:
+        """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""
+        kind, of, number = key
+        if kind == "node" and of not in self.nodes:
+            return Role.FIXED if of in self._clamped else Role.DEPENDENT
+        return self._owner(key).roles[number - 1]
 
-    def _set_role(self, owner: Node | Member, name: str, number: int, role: Role) -> None:
-        if not 1 <= number <= len(owner.roles):
-            raise ModelError(f"Element '{name}' has deformations 1 to {len(owner.roles)}, not {number}.")
-        present = owner.roles[number - 1]
-        free = (Role.DEPENDENT,) if isinstance(owner, Node) else (Role.FIXED, Role.DEPENDENT)
-        if present is not role and present not in free:
-            what = "Coordinate" if isinstance(owner, Node) else "Deformation"
-            raise ModelError(f"{what} {number} of '{name}' is {present.value} already and cannot be {role.value} too.")
-        owner.roles[number - 1] = role
+    def _set_roles(self, keys: list[Key], role: Role) -> None:
+        """Give a role to coordinates or deformations, to all of them or, where one has another, to none."""
+        for key in keys:
+            kind, of, number = key
+            present, free = self._role(key), (Role.DEPENDENT,) if kind == "node" else (Role.FIXED, Role.DEPENDENT)
+            if present is not role and present not in free:
+                what = "Coordinate" if kind == "node" else "Deformation"
+                raise ModelError(
+                    f"{what} {number} of '{of}' is {present.value} already and cannot be {role.value} too."
+                )
+        for key in keys:
+            self._owner(key).roles[key[2] - 1] = role
+
+
+def _may_weigh(member: Member) -> bool:
+    """Whether an element has a mass, as far as is known without computing it."""
+    if member.element.arguments(member.element.inertia, member.properties) is None:
+        return False
+    section = member.properties.get("section")
+    mass = section.rigidity().mass if section is not None else member.properties.get("mass", 1.0)
+    return not is_concrete(mass) or bool(np.any(np.asarray(mass) != 0))
+
+
+def _named(what: str, name: Any) -> str:
+    """A name as it is kept; a number is a name too."""
+    if not isinstance(name, str) and as_whole(name) is None:
+        raise ModelError(f"{what} is named by a string, such as 'foot', not by {shown(name)}.")
+    if not str(name).strip() or not str(name).isprintable():
+        raise ModelError(f"{what} needs a name of printable characters, not {shown(name)}.")
+    return str(name)
+
+
+def _listed(what: str, values: Any) -> list:
+    """Several numbers as a list of one each."""
+    if isinstance(values, str | dict | set):
+        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
+    try:
+        found = list(values)
+    except TypeError:
+        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.") from None
+    for value in found:
+        check_numbers(what, value, (), ModelError)
+    return found
+
+
+def _number(component: Any) -> int | None:
+    """Number of a coordinate or deformation, None where it is none."""
+    if isinstance(component, str):
+        return int(component) if component.isascii() and component.isdecimal() else None
+    return as_whole(component)
+
+
+def _some_of(what: str, of: Any, given: tuple) -> tuple:
+    """What is given, which must be something."""
+    if not given:
+        raise ModelError(f"{what.capitalize()} of '{of}': say of what; nothing is named.")
+    return given
+
+
+def _released(name: str, wanted: Any, count: int) -> list[int]:
+    """Numbers of the deformations that may change."""
+    if isinstance(wanted, str) and wanted == ALL:
+        return list(range(1, count + 1))
+    found = None if isinstance(wanted, str | bytes | dict) or not hasattr(wanted, "__iter__") else list(wanted)
+    if found is None or any(as_whole(i) is None for i in found):
+        raise ModelError(
+            f"Argument `released` of element '{name}' must be \"all\" or numbers from 1, such as (2, 3); () for none."
+            f" It is {shown(wanted)}."
+        )
+    for i in found:
+        if not 1 <= i <= count:
+            raise ModelError(f"Element '{name}' has deformations 1 to {count}, not {i}.")
+    return [int(i) for i in found]

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.mobility import constraints, mobility
-from ..errors import MechanismError
-from ..math.subspace import independent_rows, null_spaces
+from ..analysis.mobility import constraints, mobility, motions_of
+from ..errors import MechanismError, ModelError
+from ..math.subspace import independent_rows
 from ..model.model import Model
+from ..model.roles import Role
 from .assemble import assemble
 
 if TYPE_CHECKING:
@@ -55,6 +56,39 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
         return model
     model = _with_coefficients(builder, model, motions)
     _check_named(model, motions)
+    return model
+
+
+def check_inputs(model: Model, builder: Builder | None = None) -> Model:
+    """Refuse inputs on what is held: there they do nothing.
+
+    Args:
+        model: Mechanism with its final roles.
+        builder: Builder of the model, whose roles are taken where those of the model are traced.
+
+    Returns:
+        The model.
+
+    Raises:
+        ModelError: An input acts on a FIXED or PRESCRIBED coordinate, rotation or deformation.
+    """
+    if not model.labels.inputs:
+        return model
+    if builder is None:
+        x_roles, e_roles = model.roles()
+    else:
+        owners = builder.nodes, builder.members
+        x_roles, e_roles = ([role for one in several.values() for role in one.roles] for several in owners)
+    for s in model.labels.inputs:
+        roles = e_roles[s.index : s.index + 1] if s.quantity == "stress" else x_roles[s.index : s.index + 1]
+        if s.axis is not None:
+            roles = x_roles[s.index : s.index + 4]
+        if all(role in (Role.FIXED, Role.PRESCRIBED) for role in roles):
+            what = {"stress": "deformation", "moment": "rotation"}.get(s.quantity, "coordinate")
+            raise ModelError(
+                f"Input '{s.name}' acts on a {what} that is {roles[0].value}, where it can do nothing. Let it act on"
+                " what can move, or leave it out."
+            )
     return model
 
 
@@ -104,17 +138,6 @@ def _named_rows(model: Model, motions: np.ndarray) -> np.ndarray:
     """Change of the named degrees of freedom in each motion, (n_q, f)."""
     by_deformation = constraints(model).jacobian[np.asarray(model.topology.e.dof)] @ motions
     return np.concatenate([motions[np.asarray(model.topology.x.dof)], by_deformation])
-
-
-def motions_of(model: Model) -> tuple[np.ndarray, int]:
-    """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints."""
-    found, topology = constraints(model), model.topology
-    held = np.concatenate([np.asarray(topology.e.fixed), np.asarray(topology.e.prescribed)])
-    free = np.concatenate([np.asarray(topology.x.dependent), np.asarray(topology.x.dof)])
-    rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
-    motions = np.zeros((topology.n_x, right.shape[1]))
-    motions[free] = right
-    return motions, len(held) - rank
 
 
 def choose(model: Model, motions: np.ndarray, wanted: int) -> tuple[list[int], list[int]]:

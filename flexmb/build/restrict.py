@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..analysis.mobility import constraints
+from ..analysis.mobility import constraints, motions_of
 from ..elements.element import NONLINEAR
 from ..elements.tie import Part, tie
 from ..math.record import Record, static
@@ -15,7 +15,7 @@ from ..math.subspace import independent_rows
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Block, RoleIndices, Topology
-from .dofs import CANNOT_MOVE, choose, motions_of
+from .dofs import CANNOT_MOVE, choose
 
 TIE = "tie"
 

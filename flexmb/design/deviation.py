@@ -7,6 +7,7 @@ import numpy as np
 
 from ..analysis.linearize import Linearization
 from ..errors import AnalysisError
+from ..mechanics.signals import along_coordinates, input_row
 
 # Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
 POINTS = 40
@@ -134,7 +135,7 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
         )
     dfx, dfe = np.asarray(m.DFx), np.asarray(m.DFe)
     n = dfx.shape[1]
-    inputs = [-dfe[s.index] if s.quantity == "stress" else dfx[s.index] for s in labels.inputs]
+    inputs = [np.asarray(input_row(s, m.x, dfx, dfe)) for s in labels.inputs]
     places = np.asarray(lin.model.parameters.reference)[np.asarray(lin.model.topology.axes)]
     extent = float(np.max(np.ptp(places, axis=1))) or 1.0
     outputs, kinds, orders = [], [], []
@@ -142,7 +143,8 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
         if s.quantity == "stress":
             outputs.append((np.asarray(m.S) @ dfe)[s.index])
         else:
-            outputs.append(dfe[s.index] if s.quantity.startswith("deformation") else dfx[s.index])
+            own, row = (s.index, 1.0) if s.quantity.startswith("deformation") else along_coordinates(s, m.x)
+            outputs.append(dfe[own] if s.quantity.startswith("deformation") else np.asarray(row @ dfx[own]))
             if not s.quantity.startswith("deformation") and labels.x[s.index].kind == "rotation":
                 outputs[-1] = extent * outputs[-1]
         kinds.append(s.quantity)

@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..analysis.compliance import compliance
-from ..analysis.linearize import Linearization
+from ..analysis.linearize import Linearization, linearized
+from ..arguments import check_number, check_numbers, check_whole
 from ..mechanics.inertia import mass_matrix, uniform_motion
-from ..model.model import Model
-from .designs import positive, whole
+from ..model.model import Model, as_model
 
 AXES = {2: ("x", "y", "phi"), 3: ("x", "y", "z", "rx", "ry", "rz")}
 
@@ -27,7 +27,7 @@ def mass(model: Model) -> Float[Array, ""]:
     Source:
         Twice the kinetic energy of a uniform unit velocity.
     """
-    topology, parameters = model.topology, model.parameters
+    topology, parameters = as_model(model, "mass").topology, model.parameters
     along = jnp.asarray(uniform_motion(topology, np.eye(model.labels.dimension)[0]))
     return along @ mass_matrix(topology, parameters, parameters.reference) @ along
 
@@ -54,12 +54,13 @@ def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool
     Source:
         Inverse of the diagonal entry of :func:`flexmb.compliance`.
     """
-    labels, node = model.labels, str(node)
-    found = compliance(model, node, local=local)
+    lin, node = linearized(model, "stiffness"), str(node)
+    labels = lin.labels
+    found = compliance(lin, node, local=local)
     alone = labels.x[labels.coordinates(node)[0]].kind == "rotation"
     axes = AXES[labels.dimension][-found.shape[0] :] if alone else AXES[labels.dimension][: found.shape[0]]
     if axis not in axes:
-        raise ValueError(f"Node '{node}' has no axis '{axis}': it is one of {', '.join(axes)}.")
+        raise ValueError(f"Node '{node}' has no axis {axis!r}: it is one of {', '.join(map(repr, axes))}.")
     i = axes.index(axis)
     return 1 / found[i, i]
 
@@ -91,12 +92,16 @@ def settling_time(
         jumps where one more swing leaves the level; in between it is differentiable.
 
     Raises:
-        ValueError: horizon is not positive or finite, fewer than two samples, or shapes that do not fit.
+        ValueError: level or horizon is not positive, fewer than two samples, or sizes that do not agree.
 
     Source:
         Definition; z(t) = exp(A t) z(0), and Newton's method for the last crossing.
     """
-    horizon, samples = positive("horizon", horizon), whole("samples", samples, 2)
+    check_number("level", level, above=0)
+    check_number("horizon", horizon, above=0)
+    samples, n = check_whole("samples", samples, 2), np.shape(start)[:1]
+    for name, value, shape in (("matrix", matrix, n * 2), ("start", start, n), ("output", output, n)):
+        check_numbers(f"Argument `{name}`", value, shape)
     a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
     if a.ndim != 2 or not a.shape[0] == a.shape[1] == z0.size == c.size or z0.ndim != 1 or c.ndim != 1:
         raise ValueError(

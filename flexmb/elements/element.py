@@ -92,6 +92,14 @@ class Element:
                     found[name] = parameter
         return found
 
+    def hint(self, name: str) -> Any:
+        """Annotation of a property, None where there is none.
+
+        Args:
+            name: Name of the property.
+        """
+        return next((h[name] for h in map(_hints, self._functions()) if name in h), None)
+
     @property
     def tracks_angle(self) -> bool:
         """Whether the deformation asks for ``near``: its value at the last accepted state (angles past a turn)."""
@@ -117,6 +125,14 @@ class Element:
         """
         return _reference_type(self.deformation)(*coordinates)
 
+    def wanted(self, companion: Callable[..., Any]) -> dict[str, inspect.Parameter]:
+        """Properties that one of this element's functions names.
+
+        Args:
+            companion: The function.
+        """
+        return _properties(companion)
+
     def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict | None:
         """Properties that a companion names, or None where it does not exist for these properties.
 
@@ -134,15 +150,6 @@ class Element:
         return chosen
 
 
-def as_element(function: "Element | Callable[..., Any]") -> Element:
-    """Wrap a bare deformation function; an Element passes through.
-
-    Args:
-        function: Deformation function, or an Element.
-    """
-    return function if isinstance(function, Element) else Element(function)
-
-
 @functools.cache
 def _properties(function) -> dict[str, inspect.Parameter]:
     """Keyword-only parameters but for those that are given."""
@@ -151,9 +158,18 @@ def _properties(function) -> dict[str, inspect.Parameter]:
 
 
 @functools.cache
+def _hints(function) -> dict[str, Any]:
+    """Annotations of a function; none where they name what is not there."""
+    try:
+        return typing.get_type_hints(function, include_extras=True)
+    except (NameError, TypeError):
+        return {}
+
+
+@functools.cache
 def _nodes(function) -> dict[str, NodeKind]:
     """Node kinds of the positional parameters."""
-    hints = typing.get_type_hints(function, include_extras=True)
+    hints = _hints(function)
     nodes = {}
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY:

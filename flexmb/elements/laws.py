@@ -8,6 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..arguments import shown
 from .element import Element
 
 
@@ -66,6 +67,8 @@ def as_law(characteristic: Callable[..., Any]) -> Callable[..., Any]:
     Raises:
         TypeError: The function does not take a deformation and a rate.
     """
+    if not callable(characteristic):
+        raise TypeError(f"A law must be a function of a deformation and its rate, not {shown(characteristic)}.")
     given = list(inspect.signature(characteristic).parameters.values())
     own = [p for p in given if p.kind is p.KEYWORD_ONLY]
     if len(given) - len(own) != 2 or any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in given):

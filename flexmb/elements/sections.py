@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import check_number, shown
 from ..errors import ModelError
 from ..math.record import Record, static
 from . import surface
@@ -119,6 +120,8 @@ def _faults(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
             continue
         if isinstance(value, Record):
             found += _faults(value, at_least_zero)
+            if isinstance(value, Material) and value.nu is not None and not -1 < float(value.nu) <= 0.5:
+                found.append(f"nu = {value.nu}, but it must be above -1 and at most 0.5")
         elif field.name in at_least_zero:
             found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
         elif not np.all(np.asarray(value) > 0):
@@ -141,6 +144,10 @@ class Damping(Record):
     EIz: Scalar = 0.0
     GIt: Scalar = 0.0
 
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers, all concrete: none is negative."""
+        return _faults(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self)))
+
 
 def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar) -> Damping:
     """Damping rigidities that give a spring of this section and length a damping ratio.
@@ -156,9 +163,17 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar) -> Dampi
     Returns:
         Damping rigidities.
 
+    Raises:
+        TypeError: It is no section, or a number is none.
+        ValueError: The length is not positive, or the ratio is negative.
+
     Source:
         Tutorial WA 1239 (2012), eq. (2.14) and the numbers after (3.9) and (4.14).
     """
+    if not isinstance(section, Section):
+        raise TypeError(f"Argument `section` must be a Section, such as Rectangle(..), not {shown(section)}.")
+    check_number("length", length, above=0)
+    check_number("ratio", ratio, least=0)
     s = section.rigidity()
     mass = s.mass * length
 
@@ -184,9 +199,14 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
     Returns:
         Torsion constant, () [m^4]; the terms left out are below 1e-9 of it.
 
+    Raises:
+        ValueError: A side is not positive.
+
     Source:
         Saint-Venant's solution, e.g. Timoshenko and Goodier, Theory of Elasticity, section on rectangular bars.
     """
+    check_number("width", width, above=0)
+    check_number("thickness", thickness, above=0)
     w, t = jnp.maximum(width, thickness), jnp.minimum(width, thickness)
     # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail is that of the zeta function:
     # sum over odd n of 1/n^5 = (31/32) zeta(5).
@@ -199,16 +219,21 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
     """Torsion constant of a thin rectangle by the tutorial's formula, for comparison.
 
     Args:
-        width: Longer side, () [m].
-        thickness: Shorter side, () [m].
+        width: One side, () [m].
+        thickness: The other, () [m].
 
     Returns:
-        w t^3 (1/3 - 0.21 (t/w) (1 - (t/w)^4/12)), () [m^4].
+        w t^3 (1/3 - 0.21 (t/w) (1 - (t/w)^4/12)) with t the shorter side, () [m^4].
+
+    Raises:
+        ValueError: A side is not positive.
 
     Source:
         Tutorial WA 1239 (2012), eq. (4.9).
     """
-    w, t = width, thickness
+    check_number("width", width, above=0)
+    check_number("thickness", thickness, above=0)
+    w, t = jnp.maximum(width, thickness), jnp.minimum(width, thickness)
     return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
 
 
@@ -230,6 +255,9 @@ def warping_factor(
     Returns:
         Factor on G It, () [-]; 1 for no clamped end.
 
+    Raises:
+        ValueError: A length that is not positive, a Poisson's ratio that is none, no such modulus or number of ends.
+
     Source:
         Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip, alpha^2 = G It/(E Cw) with It = w t^3/3 and
         Cw = w^3 t^3/144. Its (4.14) is the limit for a long strip.
@@ -238,6 +266,9 @@ def warping_factor(
         raise ValueError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")
     if modulus not in ("plate", "beam"):
         raise ValueError(f"modulus must be 'plate' or 'beam', but is {modulus!r}.")
+    check_number("length", length, above=0)
+    check_number("width", width, above=0)
+    check_number("nu", nu, above=-1, most=1)
     if clamped_ends == 0:
         return 1.0
     al = length * jnp.sqrt(24 * (1 - nu) if modulus == "plate" else 24 / (1 + nu)) / width
@@ -268,6 +299,11 @@ class Rectangle(Section):
     warping_length: Scalar | None = None
     clamped_ends: int = static(default=2)
     warping_modulus: Literal["plate", "beam"] = static(default="plate")
+
+    def faults(self) -> list[str]:
+        """As for every section; two ends at most are clamped."""
+        known = self.clamped_ends in (0, 1, 2)
+        return super().faults() + ([] if known else [f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2"])
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the rectangle; equations above."""

@@ -20,6 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import check_flag, check_whole
 from ..math.linear import multiplied
 from ..math.quadrature import (
     gauss,
@@ -37,6 +38,9 @@ from .element import Element
 from .nodes import Angle, Internal, Point2, Point3, Rotation3
 from .sections import Damping, Section
 
+# Coefficients of a strain field, at most: beyond it compiling takes minutes, and round-off is reached long before.
+LARGEST_ORDER = 40
+
 
 @dataclasses.dataclass(frozen=True)
 class _Layout:
@@ -50,8 +54,8 @@ class _Layout:
     order: int
 
     def __post_init__(self):
-        if self.order < 1:
-            raise ValueError(f"order must be at least 1, but is {self.order}.")
+        if not 1 <= self.order <= LARGEST_ORDER:
+            raise ValueError(f"order must be at least 1 and at most {LARGEST_ORDER}, but is {self.order}.")
 
     @property
     def size(self) -> int:
@@ -134,7 +138,7 @@ def planar_beam(order: int = 5) -> Element:
     Source:
         Strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps)(cos theta, sin theta).
     """
-    return _planar_beam(order)
+    return _planar_beam(check_whole("order", order))
 
 
 # The defaults are filled in before: one element for all ways to ask for it, so that its blocks and code are shared.
@@ -294,7 +298,8 @@ def spatial_beam(order: int = 5, shear: bool = False) -> Element:
         Strains of Simo (1985) and Reissner: r' = R (1 + eps, gamma_y, gamma_z), R' = R hat(kappa); poses by the
         exponentials of :mod:`flexmb.math.rigid`.
     """
-    return _spatial_beam(order, bool(shear))
+    check_flag("shear", shear)
+    return _spatial_beam(check_whole("order", order), bool(shear))
 
 
 @functools.cache

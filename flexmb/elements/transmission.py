@@ -32,6 +32,10 @@ def _check_centres(*, ref) -> list[str]:
     return []
 
 
+def _check_gear(*, ref, ratio: float) -> list[str]:
+    return _check_centres(ref=ref) + ([] if float(ratio) else ["has a ratio of zero"])
+
+
 def _around(centre, start, turns) -> Float[Array, "2"]:
     """Point of a circle, so many turns after its start."""
     return centre + rotation_plane(2 * np.pi * jnp.clip(turns, 0.0, 1.0)) @ (start - centre)
@@ -48,7 +52,7 @@ gear = Element(
     stiffness=mesh_stiffness,
     damping=mesh_damping,
     shape=_gear_shape,
-    check=_check_centres,
+    check=_check_gear,
     measured=(2,),
 )
 """Two meshing gears with centres p and q: e1 mismatch of rotation at gear p [rad], FIXED unless the mesh has a

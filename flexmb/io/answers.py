@@ -11,6 +11,7 @@ from .. import __version__
 from ..analysis.buckling import buckling
 from ..analysis.compliance import directional_compliance
 from ..analysis.linearize import Linearization, linearize
+from ..analysis.loose import refuse_negative_mass
 from ..analysis.mobility import Mobility, mobility
 from ..analysis.modal import modes, poles
 from ..analysis.path import Path, path
@@ -146,6 +147,7 @@ def _poles(lin: Linearization, always: bool) -> dict[str, Any]:
 
 
 def _compliance(lin: Linearization) -> dict[str, list[float]]:
+    """Directional compliance of each node, infinite (so that JSON has null) where it takes part in a free motion."""
     own = {entry.of for entry in lin.labels.x if entry.kind == "internal"}
     return {node: values.tolist() for node, values in directional_compliance(lin).items() if node not in own}
 
@@ -178,6 +180,7 @@ def _frequencies(model: Model, lin: Linearization) -> dict[str, Any]:
 
 
 def _buckling(model: Model, lin: Linearization) -> dict[str, Any]:
+    refuse_negative_mass(lin)
     found = buckling(model)
     silent = "No load acts in any motion: there is no load multiplier." if not len(found.multipliers) else None
     return {
@@ -300,7 +303,8 @@ def answer(
     # Of overflow on the way nothing is said: what is not finite in the end has a status.
     with heard() as said, np.errstate(all="ignore"):
         found = _answer(data, builder, name, mode, release, dofs, max_steps, settings or {})
-    data["warnings"] += dict.fromkeys(said)
+    # What does nothing has been told with the line that says it.
+    data["warnings"] += [text for text in dict.fromkeys(said) if not text.startswith(("Prestress", "Strain"))]
     return found
 
 
@@ -344,7 +348,7 @@ def _answer(
             model = builder.build(dofs=dofs, release=release)
             run = MODES[mode][1]
             assert run is not None
-            lin = linearize(model)
+            lin = linearize(model, increment=0.0)
             data["warnings"] += _loose_warnings(lin)
             extra = run(model, lin)
     except (MechanismError, AnalysisError) as fault:

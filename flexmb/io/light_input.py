@@ -160,11 +160,36 @@ class Script:
         return range(1, len(self.elements) + 1)
 
 
+PARTS = {"coordinates": "nodes", "connect": "elements", "nprops": "nprops", "eprops": "eprops", "opt": "opt"}
+
+
+def _parts(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> dict[str, Any]:
+    """The five parts of a script, which may be given in one struct."""
+    given = {"nodes": nodes, "elements": elements, "nprops": nprops, "eprops": eprops, "opt": opt}
+    spelling = {name: name for name in given}
+    if isinstance(nodes, Mapping | Struct):
+        if any(part is not None for part in (elements, nprops, eprops, opt)):
+            raise ModelError("A script in one struct is given alone: its fields are " + ", ".join(PARTS) + ".")
+        fields = dict(nodes) if isinstance(nodes, Mapping) else vars(nodes)
+        for name in fields:
+            if name not in PARTS:
+                raise ModelError(f"{name}: there is no such field. It takes: {', '.join(PARTS)}.")
+        given = {part: fields.get(name) for name, part in PARTS.items()}
+        spelling = {part: name for name, part in PARTS.items()}
+    missing = [spelling[part] for part, value in given.items() if value is None and part != "opt"]
+    if missing:
+        raise ModelError(
+            f"{', '.join(missing)}: {'is' if len(missing) == 1 else 'are'} not given. Give nodes, elements, nprops,"
+            f" eprops and, if wanted, opt; or one struct with {', '.join(PARTS)}."
+        )
+    return given
+
+
 def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Script:
     """Read what a script says; every field must be known and have its form.
 
     Args:
-        nodes: Positions, (n, 3) [m].
+        nodes: Positions, (n, 3) [m]; or all of the script in one struct.
         elements: Numbers of the nodes of each element, (m, 2).
         nprops: Properties of nodes.
         eprops: Properties of element sets.
@@ -177,6 +202,7 @@ def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Scrip
         ModelError: One line a fault.
     """
     faults: list[str] = []
+    nodes, elements, nprops, eprops, opt = _parts(nodes, elements, nprops, eprops, opt).values()
     positions, pairs = _rows(nodes), _rows(elements)
     if positions is None or positions.shape[1] != 3:
         faults.append(f"nodes: must be one row of x, y and z a node, but is {_seen(nodes, positions)}.")

@@ -154,8 +154,11 @@ def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
         beams = beam_names(script, k)
         for beam in beams:
             free = releases.get(k, ()) if beam is beams[-1] else ()
-            b.release(beam, *free)
-            b.dof(beam, *(i for i in script.flexible(k) if i not in free))
+            rest = [i for i in script.flexible(k) if i not in free]
+            if free:
+                b.release(beam, *free)
+            if rest:
+                b.dof(beam, *rest)
     if not bare and "gravity" in script.opt and acts(script.opt["gravity"]):
         b.gravity(list(script.opt["gravity"]))
     return b

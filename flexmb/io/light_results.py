@@ -8,7 +8,7 @@ import numpy as np
 import scipy.linalg
 
 from .. import __version__
-from ..analysis.buckling import multipliers_of
+from ..analysis.buckling import multipliers_about
 from ..analysis.compliance import compliance
 from ..analysis.linearize import Linearization
 from ..analysis.modal import modes
@@ -65,7 +65,9 @@ class LightResults:
             self.stressmax = np.array([float(found.maximum) for found in self._stresses])
         self.buck = None
         if script.opt.get("calcbuck"):
-            found = [multipliers_of(lin.matrices.K0, lin.matrices.G0) for lin in linearizations]
+            found = [
+                multipliers_about(lin.model.topology, lin.model.parameters, lin.matrices) for lin in linearizations
+            ]
             self.buck = _columns(found, self.ndof)
             self.buck[np.abs(self.buck) > NO_LOAD] = np.inf
 

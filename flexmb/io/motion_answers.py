@@ -10,9 +10,10 @@ import scipy.linalg
 from jax.tree_util import Partial
 
 from ..analysis.linearize import Linearization
+from ..analysis.loose import without_mass
 from ..analysis.moving import linearize_motion
 from ..analysis.simulate import Motion, simulate
-from ..errors import SpacarError
+from ..errors import SpacarError, heard
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
 from ..results import RESULTS
@@ -146,7 +147,9 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     rtol = error.get("relative", RTOL)
     atol = error["absolute"] / extent if "absolute" in error else None
     driven = _motions(model, settings)
-    found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
+    # That incremental loads are left out is said by the keywords of the file.
+    with heard():
+        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
     code = RESULTS(int(found.result))
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if code not in PARTLY:
@@ -155,6 +158,8 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     if not reached[-1]:
         count = int(np.argmin(reached))
         found = found.until(count)
+    if code == RESULTS.singular_mass:
+        extra["message"] = f"{code.message} {without_mass(model)}"
     if not len(found.t):
         return extra
     seen = found.observe()

@@ -25,6 +25,8 @@ def save_motion(motion: Motion, path: str | os.PathLike) -> None:
         ValueError: Another ending.
         OSError: The folder is missing or not writable.
     """
+    if not isinstance(motion, Motion):
+        raise TypeError(f"fm.save_motion takes a Motion, of fm.simulate(..), not a {type(motion).__name__}.")
     reached = np.all(np.isfinite(np.asarray(motion.x)), axis=1)
     if not reached.all():
         motion = motion.until(int(np.argmin(reached)))

@@ -7,11 +7,13 @@ from collections.abc import Callable
 from typing import Any
 
 from ..build.assemble import stack
+from ..build.builder import NamedSignal
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..elements.spectral import LARGEST_ORDER
 from ..errors import shown
 from ..model.roles import Role
 from . import spacar_series as series
-from .spacar_elements import LARGEST_ORDER, NOTHING, ElementKind
+from .spacar_elements import NOTHING, ElementKind
 from .spacar_lines import DRAWING, Fault, Statement, known
 from .spacar_reading import Declared, Reading, Setting
 
@@ -202,6 +204,8 @@ def force(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{_part(kind)} node takes at most {kind.size} components, but {len(values)} are given")
     moment = spatial and len(values) == 3
     r.once(s, p["node"], moment)
+    # Components that are not given are zero.
+    values = values if moment else values + [0.0] * (kind.size - len(values))
     (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
 
 
@@ -333,6 +337,14 @@ QUANTITIES = {
 }
 
 
+EULER = {
+    "input": "a coordinate of a spatial rotation is an Euler parameter: the input is the force dual to it, twice a"
+    ' moment at an unturned node; in Python, input(node, "rx") is a moment',
+    "output": "a coordinate of a spatial rotation is an Euler parameter: half an angle at an unturned node; in Python,"
+    ' output(node, "rx") is a rotation',
+}
+
+
 def signal(r: Reading, s: Statement, p: Values) -> None:
     """INPUTF, INPUTS, OUTX, OUTE and the like: one input or output, added when all are known."""
     kind, of, component = _target(p)
@@ -340,15 +352,16 @@ def signal(r: Reading, s: Statement, p: Values) -> None:
     number_signal(r, s, p["number"])
     r.single(of, component, kind)
     quantity = QUANTITIES.get(s.keyword)
+    if kind == "node" and r.kind_of(of) is ROTATION3:
+        r.warnings.append((s, EULER[side]))
+    if side == "input" and kind == "node" and r.entries(of, [component], kind)[0] in (Role.FIXED, Role.PRESCRIBED):
+        raise Fault(f"coordinate {component} is held, so that a force on it does nothing; let it act on one that moves")
 
     def add():
         what = quantity or ("force" if kind == "node" else "stress")
-        label, names = f"{what} {of}.{component}", {known[0] for known in r.builder.signals[side]}
-        options = {"name": f"{label} ({p['number']})" if label in names else label, "kind": kind}
-        if quantity:
-            r.builder.output(str(of), component, quantity, **options)
-        else:
-            r.builder.input(str(of), component, **options)
+        label, known = f"{what} {of}.{component}", r.builder.signals[side]
+        name = f"{label} ({p['number']})" if label in {signal.name for signal in known} else label
+        known.append(NamedSignal(name, what, (kind, str(of), component)))
 
     r.signals[side][p["number"]] = s, add
 

@@ -13,7 +13,7 @@ from .spacar_lines import known
 # A place in a line of numbers that must be zero, since the element has nothing for it.
 NOTHING = ""
 # Coefficients of each strain field of a spectral beam: as many as are usual, and as are sensible at most.
-ORDER, LARGEST_ORDER = 4, 40
+ORDER = 4
 
 
 @dataclasses.dataclass(frozen=True)

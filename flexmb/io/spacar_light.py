@@ -24,7 +24,9 @@ LOAD_STEPS = 10
 TINY_STIFFNESS, TINY_MASS = 15, 150
 
 
-def spacar_light(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any = None) -> LightResults:
+def spacar_light(
+    nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
+) -> LightResults:
     """Analyse a mechanism that is described in the predecessor's SPACAR Light.
 
     Names and meaning are those of SPACAR Light: fields of nodes fix, fix_pos, fix_orien, fix_x .., fix_warp, force,
@@ -42,7 +44,8 @@ def spacar_light(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any =
     element is. The axis of an element of type "hinge" is its orien. ``silent`` leaves out warnings, not checks.
 
     Args:
-        nodes: Positions, one row a node, (n, 3) [m].
+        nodes: Positions, one row a node, (n, 3) [m]; or the whole script in one struct (a Struct or a dictionary) with
+            the fields coordinates, connect, nprops, eprops and, if wanted, opt.
         elements: Numbers from 1 of the nodes of each element, (m, 2).
         nprops: Properties of nodes: a StructArray, a dictionary by number, or a list whose first is node 1.
         eprops: Properties of element sets, likewise.
@@ -76,7 +79,9 @@ def spacar_light(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any =
     return light
 
 
-def spacar_light_model(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any = None) -> Model:
+def spacar_light_model(
+    nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
+) -> Model:
     """The mechanism of a SPACAR Light script, to differentiate, batch and analyse by flexmb's own functions.
 
     Every number of the script may be traced. With traced node positions, releases are not found: ``opt.rls`` must be
@@ -124,7 +129,7 @@ def load_steps(script: Script) -> list[tuple[float, float]]:
 
 def _linearize(model: Model, step: int, steps: int, initial: float, increment: float) -> Linearization:
     try:
-        return linearize(model, load_factor=initial, increment=increment)
+        return linearize(model, load_factor=initial, increment=0.0 if model.parameters.increment is None else increment)
     except AnalysisError as fault:
         at = f"At load step {step} of {steps}, initial loads times {initial:.3g} and the others times {increment:.3g}: "
         hint = " fm.path(fm.spacar_light_model(..)) follows the loads past such a point."

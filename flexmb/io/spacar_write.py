@@ -162,7 +162,7 @@ class _Writer:
         closed = range(1, series.closure(m.element) + 1)
         values = [
             *(k for sets in self.builder.loads.values() for load in sets.values() for k, v in load.items() if v != 0),
-            *(key for signals in self.builder.signals.values() for *_, key in signals),
+            *(signal.key for signals in self.builder.signals.values() for signal in signals),
         ]
         if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
             raise ModelError(
@@ -332,7 +332,12 @@ class _Writer:
         keywords |= {"force": "INPUTF", "stress": "OUTS"}
         lines = []
         for side in ("input", "output"):
-            for i, (_, quantity, (kind, of, number)) in enumerate(self.builder.signals[side], 1):
+            for i, (name, quantity, (kind, of, number), axis, _) in enumerate(self.builder.signals[side], 1):
+                if axis is not None:
+                    raise ModelError(
+                        f"The {side} '{name}' is about an axis, which a SPACAR input file cannot express: there the"
+                        " components of a rotation in space are Euler parameters."
+                    )
                 keyword = "INPUTS" if (side, quantity) == ("input", "stress") else keywords[quantity]
                 lines.append(_line(keyword, i, (self.node if kind == "node" else self.element)[of], number))
         return lines

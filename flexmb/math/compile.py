@@ -54,6 +54,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     Returns:
         The compiled function.
     """
+    if not callable(function):
+        raise TypeError(f"fm.jit takes a function, not a {type(function).__name__}.")
 
     def flat(structure, options, *leaves):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))

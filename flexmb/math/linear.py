@@ -10,6 +10,8 @@ from jaxtyping import Array, Bool, Float
 
 from .indices import TRUSTED, put
 
+# An eigenvalue is negative that is below minus this, where a diagonal is one: far above round-off.
+SEMIDEFINITE = 1e-9
 # A product of matrices costs a call of a library, as long as so many multiplications.
 SMALL = 700
 
@@ -133,6 +135,17 @@ def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
     scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
     pivots = diagonal_of(cholesky(matrix * scale[:, None] * scale)) ** 2
     return jnp.all(diagonal > 0) & jnp.all(pivots > 10 * n * jnp.finfo(matrix.dtype).eps)
+
+
+def is_positive_semidefinite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
+    """Whether a symmetric matrix has no negative eigenvalue, in units that make its diagonal one.
+
+    Args:
+        matrix: (n, n), symmetric.
+    """
+    diagonal = jnp.abs(diagonal_of(matrix))
+    scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+    return is_positive_definite(matrix * scale[:, None] * scale + SEMIDEFINITE * np.eye(matrix.shape[0]))
 
 
 @jax.custom_jvp

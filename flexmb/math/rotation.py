@@ -88,6 +88,8 @@ def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * n
     return angle + turn * jnp.round((near - angle) / turn)
 
 
+# Square of the sine of half an angle below which it is the angle itself, to round-off.
+SMALLEST_TURN = 1e-20
 # lbar(lam)[i, j] = LBAR[i, j, k] lam[k]; constant tensors keep the traced graph to one product.
 LBAR = np.zeros((3, 4, 4))
 LBODY = np.zeros((3, 4, 4))
@@ -180,6 +182,42 @@ def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Arr
         Quaternion product.
     """
     return jnp.concatenate([(p @ q)[None], lbody(p) @ q])
+
+
+def rotation_vector(lam: Float[Array, "4"]) -> Float[Array, "3"]:
+    """Rotation vector of Euler parameters: the axis times the angle.
+
+    Args:
+        lam: Euler parameters, scalar first, unit norm, (4,) [-].
+
+    Returns:
+        (3,) [rad], differentiable at zero rotation too; within a full turn to either side.
+
+    Source:
+        Definition of Euler parameters: l0 = cos a/2, the rest sin a/2 along the axis.
+    """
+    square = lam[1:] @ lam[1:]
+    turned = square > SMALLEST_TURN
+    sine = jnp.sqrt(jnp.where(turned, square, 1.0))
+    return jnp.where(turned, 2 * jnp.arctan2(sine, lam[0]) / sine, 2 * jnp.sign(lam[0])) * lam[1:]
+
+
+def rotation_since(start: Float[Array, "4"], lam: Float[Array, "4"], local: bool = False) -> Float[Array, "3"]:
+    """Rotation vector from one orientation to another, about global axes or about those of the body.
+
+    Args:
+        start: Euler parameters at the start, (4,) [-].
+        lam: Euler parameters now, (4,) [-].
+        local: About axes that turn with the body.
+
+    Returns:
+        (3,) [rad]; for a small change ``2 lbar(lam) dlam``, or ``2 lbody(lam) dlam``.
+
+    Source:
+        Vector part of the quaternion product lam * conj(start), or conj(start) * lam.
+    """
+    matrix = lbody if local else lbar
+    return rotation_vector(jnp.concatenate([(start @ lam)[None], matrix(start) @ lam]))
 
 
 def initial_frame(p: Float[Array, "3"], q: Float[Array, "3"], y: Float[Array, "3"] | None) -> Float[Array, "3 3"]:

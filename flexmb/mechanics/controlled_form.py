@@ -8,12 +8,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..errors import ModelError
 from ..math.record import Record, static
 from .coordinates_form import CoordinatesForm
 from .deformation import deformations
-from .drive import Driven
+from .drive import MOMENTS, Driven
 from .motion import force_derivatives
 from .second_order import MotionState, Tangent
+from .signals import rotation_measured, rotation_row
 
 
 class Feedback(Record):
@@ -48,20 +50,55 @@ class Held(Record):
         return self.value
 
 
-def driven_by_inputs(form: CoordinatesForm, forces, stresses, u) -> CoordinatesForm:
+class Places(Record):
+    """What each input acts on and what each output measures, as indices.
+
+    Attributes:
+        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
+        stresses: The same for inputs that are stresses, index in e, (2, l).
+        moments: Index in x of the first Euler parameter, place among the inputs, and axis, of each input that is a
+            moment about a global axis, (3, m).
+        local_moments: The same for axes that turn with the body, (3, n).
+        outputs: Index in x or e of each output; of a rotation in space, that of its first Euler parameter, (n_y,).
+        axes: Axis of each output that is a rotation in space, (n_y,).
+        quantities: What each output is: "position", "velocity", "deformation", "deformation rate", or for a rotation in
+            space "rotation", "angular velocity", "local rotation", "local angular velocity".
+    """
+
+    forces: Int[Array, "2 k"]
+    stresses: Int[Array, "2 l"]
+    moments: Int[Array, "3 m"]
+    local_moments: Int[Array, "3 n"]
+    outputs: Int[Array, "n_y"]
+    axes: Int[Array, "n_y"]
+    quantities: tuple[str, ...] = static()
+
+
+ROTATIONS = ("rotation", "local rotation")
+TURNING = ("angular velocity", "local angular velocity")
+
+
+def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesForm:
     """Equations of a mechanism under given inputs.
 
     Args:
         form: Equations of the mechanism.
-        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
-        stresses: The same for inputs that are stresses, index in e, (2, l).
+        places: What the inputs act on.
         u: Inputs, (n_u,).
     """
+    own = (places.forces, places.stresses, places.moments, places.local_moments)
+    count = sum(of.shape[1] for of in own)
+    if u.shape != (count,):
+        raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {count} inputs.")
     extra = []
-    if forces.shape[1]:
-        extra.append(Driven("force", forces[0], Held(u[forces[1]])))
-    if stresses.shape[1]:
-        extra.append(Driven("stress", stresses[0], Held(u[stresses[1]])))
+    if places.forces.shape[1]:
+        extra.append(Driven("force", places.forces[0], Held(u[places.forces[1]])))
+    if places.stresses.shape[1]:
+        extra.append(Driven("stress", places.stresses[0], Held(u[places.stresses[1]])))
+    for kind, moments in zip(MOMENTS, (places.moments, places.local_moments), strict=True):
+        for first, place, axis in moments.T:
+            about = jnp.zeros(3).at[axis].set(u[place])
+            extra.append(Driven(kind, first + jnp.arange(4), Held(about)))
     return dataclasses.replace(form, driven=(*form.driven, *extra))
 
 
@@ -74,18 +111,14 @@ class ControlledForm(Record):
     Attributes:
         form: Equations of the mechanism.
         feedback: Controller.
-        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
-        stresses: The same for inputs that are stresses, index in e, (2, k).
-        outputs: Index in x or e of each output.
-        quantities: What each output is: "position", "velocity", "deformation" or "deformation rate".
+        places: Inputs and outputs.
+        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -].
     """
 
     form: CoordinatesForm
     feedback: Feedback
-    forces: Int[Array, "2 k"]
-    stresses: Int[Array, "2 l"]
-    outputs: Int[Array, "n_y"]
-    quantities: tuple[str, ...] = static()
+    places: Places
+    start: Float[Array, "n_x"]
 
     @property
     def states(self) -> int:
@@ -135,17 +168,43 @@ class ControlledForm(Record):
         at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
         top, parameters = self.form.topology, self.form.parameters
         e = ed = jnp.zeros(top.n_e)
-        if any("deformation" in quantity for quantity in self.quantities):
+        if any("deformation" in quantity for quantity in self.places.quantities):
             near = self.form.near(own.memory)
             e, ed = jax.jvp(lambda x: deformations(top, parameters, x, near), (at.x,), (at.v,))
         moved = at.x - parameters.reference
         sources = {"position": moved, "velocity": at.v, "deformation": e, "deformation rate": ed}
-        values = [sources[q][self.outputs[i]] for i, q in enumerate(self.quantities)]
+        values = []
+        for i, quantity in enumerate(self.places.quantities):
+            if quantity in sources:
+                values.append(sources[quantity][self.places.outputs[i]])
+            elif quantity in ROTATIONS:
+                values.append(self._rotation(i, at.x)[0])
+            else:
+                turning, axis, local = self._turning(i)
+                values.append(rotation_row(at.x[turning], axis, local) @ at.v[turning])
         return jnp.stack(values) if values else jnp.zeros(0)
+
+    def _turning(self, i: int):
+        """Indices of the Euler parameters of an output that is a rotation, its axis, and whether that turns along."""
+        own = self.places.outputs[i] + jnp.arange(4)
+        return own, self.places.axes[i], self.places.quantities[i].startswith("local")
+
+    def _rotation(self, i: int, x):
+        """Rotation that an output measures, and its derivative by the Euler parameters."""
+        own, axis, local = self._turning(i)
+        return rotation_measured(x[own], self.start[own], self.form.parameters.reference[own], axis, local)
+
+    def _rate(self, t, states, y):
+        """Rates of the controller's state, (n_z,)."""
+        rate: Any = self.feedback.rate
+        found = jnp.atleast_1d(jnp.asarray(rate(t, states, y), float))
+        if found.shape != states.shape:
+            raise ModelError(f"The controller's rate gives shape {found.shape}, but it has {states.shape[0]} states.")
+        return found
 
     def _driven(self, u) -> CoordinatesForm:
         """Equations of the mechanism under given inputs."""
-        return driven_by_inputs(self.form, self.forces, self.stresses, u)
+        return driven_by_inputs(self.form, self.places, u)
 
     def inputs(self, t, state: MotionState):
         """Inputs of the mechanism, (n_u,).
@@ -171,8 +230,7 @@ class ControlledForm(Record):
         mechanism = self._driven(u).residual(t, own, own_z)
         controller = rates
         if self.states:
-            rate: Any = self.feedback.rate
-            controller = rates - rate(t, states, y)
+            controller = jnp.asarray(rates) - self._rate(t, states, y)
         return self._joined(mechanism, controller)
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
@@ -198,8 +256,7 @@ class ControlledForm(Record):
         mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by_y @ y_by_w, by_input @ u_by_z], axis=1)
         controller_u = controller_w = jnp.zeros((k, n + k))
         if k:
-            rate: Any = self.feedback.rate
-            r_by_z, r_by_y = jax.jacfwd(lambda z, y: rate(t, z, y), (0, 1))(states, y)
+            r_by_z, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
             controller_u = jnp.concatenate([-r_by_y @ y_by_u, jnp.zeros((k, k))], axis=1)
             controller_w = jnp.concatenate([-r_by_y @ y_by_w, -r_by_z], axis=1)
         by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
@@ -217,13 +274,21 @@ class ControlledForm(Record):
         at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
         rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
         by_x = None
-        if any("deformation" in quantity for quantity in self.quantities):
+        if any("deformation" in quantity for quantity in self.places.quantities):
             near, still = form.near(own.memory), jnp.zeros(top.n_x)
             by_x = force_derivatives(form.elements, at.x, at.v, still, None, near, lambda e, ed: e)
         found: tuple[list, list] = ([], [])
-        for i, quantity in enumerate(self.quantities):
-            j = self.outputs[i]
-            if by_x is None or "deformation" not in quantity:
+        for i, quantity in enumerate(self.places.quantities):
+            j = self.places.outputs[i]
+            if quantity in ROTATIONS:
+                own_x, *_ = self._turning(i)
+                pair = (zero.at[0, own_x].set(self._rotation(i, at.x)[1]), zero)
+            elif quantity in TURNING:
+                own_x, axis, local = self._turning(i)
+                # The angular velocity 2 Lbar(lambda) lambda_dot is antisymmetric in the two.
+                by_rate = zero.at[0, own_x].set(rotation_row(at.x[own_x], axis, local))
+                pair = (zero.at[0, own_x].set(-rotation_row(at.v[own_x], axis, local)), by_rate)
+            elif by_x is None or "deformation" not in quantity:
                 row = rows[j][None]
                 pair = (row, zero) if quantity == "position" else (zero, row)
             elif quantity == "deformation":
@@ -257,8 +322,7 @@ class ControlledForm(Record):
         y = self.measured(t, own)
         u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
         z, regular = self._driven(u).begin(t, own)
-        rate: Any = self.feedback.rate
-        return self._joined(z, rate(t, states, y) if self.states else jnp.zeros(0)), regular
+        return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
     def gap(self, t, state: MotionState):
         """As the mechanism's.

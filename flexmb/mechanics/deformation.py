@@ -110,11 +110,16 @@ def deformation_jacobian(
 def _jacobians(block: Block, properties: dict[str, Any], ref: Float[Array, "elements c"]):
     function: Any = element_function(block, block.element.deformation, properties)
     near = {"near": jnp.zeros(block.e.shape[1])} if block.element.tracks_angle else {}
-    return jax.vmap(jax.jacfwd(lambda x, ref, own: function(x, ref, own, **near)))(ref, ref, properties)
+
+    def with_value(x, ref, own):
+        e = function(x, ref, own, **near)
+        return e, e
+
+    return jax.vmap(jax.jacfwd(with_value, has_aux=True))(ref, ref, properties)
 
 
-def reference_jacobian(topology: Topology, parameters: Parameters) -> np.ndarray:
-    """Derivatives of all deformations by the nodal coordinates in the undeformed mechanism; concrete numbers.
+def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
     Compiled for each type of element and number of them, whatever else there is in the mechanism.
 
@@ -123,7 +128,7 @@ def reference_jacobian(topology: Topology, parameters: Parameters) -> np.ndarray
         parameters: Numbers.
 
     Returns:
-        D_x, (n_e, n_x).
+        e, (n_e,) [m, rad], and D_x, (n_e, n_x).
     """
     alike: dict[Any, list[Any]] = {}
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
@@ -133,13 +138,13 @@ def reference_jacobian(topology: Topology, parameters: Parameters) -> np.ndarray
             fixed = tuple((name, value) for name, value in block.options if name in wanted)
             key = (block.element.deformation, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
-    found = np.zeros((topology.n_e, topology.n_x))
+    found, jacobian = np.zeros(topology.n_e), np.zeros((topology.n_e, topology.n_x))
     for (function, fixed, _, splits, _), members in alike.items():
         x, e, chosen = jax.tree.map(lambda *rows: np.concatenate(rows), *members)
         block = Block(Element(function), ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits)
-        matrices = np.asarray(_jacobians(block, chosen, np.asarray(parameters.reference)[x]))
-        np.add.at(found, (e[:, :, None], x[:, None, :]), matrices)
-    return found
+        matrices, found[e] = map(np.asarray, _jacobians(block, chosen, np.asarray(parameters.reference)[x]))
+        np.add.at(jacobian, (e[:, :, None], x[:, None, :]), matrices)
+    return found, jacobian
 
 
 def curvature_pieces(

@@ -8,10 +8,13 @@ from jaxtyping import Array, Float, Int
 
 from ..math.indices import accumulate, put
 from ..math.record import Record, static
-from ..math.rotation import LBAR
+from ..math.rotation import LBAR, LBODY
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
 from .loads import LoadFactors, scaled_loads
+
+# The tensor of each kind of moment.
+MOMENTS = {"moment": LBAR, "local moment": LBODY}
 
 
 class Drive(NamedTuple):
@@ -21,7 +24,7 @@ class Drive(NamedTuple):
         loads: Constant and incremental loads together.
         increment: Factor of the incremental loads, () [-].
         force: Nodal forces, (n_x,) [N, N m].
-        turning: Nodal forces by coordinates, of moments about fixed axes, (n_x, n_x) [N m].
+        turning: Nodal forces by coordinates, of moments about fixed axes and axes of bodies, (n_x, n_x) [N m].
         stress: Stress resultants added, (n_e,) [N, N m].
         x: Values of the PRESCRIBED coordinates, from their start, in their order [m, rad].
         e: Values of the PRESCRIBED deformations, in their order [m, rad].
@@ -40,7 +43,8 @@ class Driven(Record):
     """One function of time and what it drives.
 
     Attributes:
-        quantity: "increment", "force", "moment", "stress", "x" or "e".
+        quantity: "increment", "force", "moment", "local moment" (about axes that turn with the body), "stress", "x" or
+            "e".
         at: Indices of the coordinates or deformations; for "x" and "e" among the PRESCRIBED ones.
         value: Function of time that gives one number for each.
     """
@@ -96,14 +100,24 @@ def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, .
     for one, value in values:
         if one.quantity == "increment":
             continue
-        name = "turning" if one.quantity == "moment" else one.quantity
+        moment = one.quantity in MOMENTS
+        name = "turning" if moment else one.quantity
         whole = jnp.zeros(sizes[name]) if found[name] is None else found[name]
-        if one.quantity == "moment":
-            # f = 2 Lbar(lambda)^T M is linear in lambda.
-            matrix = 2 * jnp.einsum("i,ijk->jk", value, LBAR)
+        if moment:
+            # f = 2 Lbar(lambda)^T M is linear in lambda, and so is 2 L(lambda)^T M of axes that turn with the body.
+            matrix = 2 * jnp.einsum("i,ijk->jk", value, MOMENTS[one.quantity])
             found[name] = accumulate(whole, (one.at[:, None], one.at[None, :]), matrix)
         elif name in ("x", "e"):
-            found[name] = put(whole, one.at, jnp.broadcast_to(value, one.at.shape))
+            found[name] = put(whole, one.at, _for_each(value, one.at))
         else:
-            found[name] = accumulate(whole, one.at, jnp.broadcast_to(value, one.at.shape))
+            found[name] = accumulate(whole, one.at, _for_each(value, one.at))
     return Drive(loads, increment, found["force"], found["turning"], found["stress"], found["x"], found["e"])
+
+
+def _for_each(value, at):
+    """One number for each index; a number for several would act on all of them."""
+    if value.shape == () and at.shape == (1,):
+        return value[None]
+    if value.shape != at.shape:
+        raise ValueError(f"A function of time gives numbers of shape {value.shape} where {at.shape[0]} are driven.")
+    return value

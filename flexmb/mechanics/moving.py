@@ -32,6 +32,10 @@ class MovingMatrices(NamedTuple):
         reactions: Forces of the supports on the mechanism, (n_x,).
         sigma: Stress resultants, multipliers included, (n_e,).
         regular: Whether the degrees of freedom determine the configuration here.
+        DFx_d: Rate of DFx along the motion, (n_x, n_q).
+        DFx_dd: Its second rate, (n_x, n_q).
+        DFe_d: Rate of DFe, (n_e, n_q).
+        DFe_dd: Its second rate, (n_e, n_q).
     """
 
     M0: Float[Array, "n_q n_q"]
@@ -48,6 +52,10 @@ class MovingMatrices(NamedTuple):
     reactions: Float[Array, "n_x"]
     sigma: Float[Array, "n_e"]
     regular: Bool[Array, ""]
+    DFx_d: Float[Array, "n_x n_q"]
+    DFx_dd: Float[Array, "n_x n_q"]
+    DFe_d: Float[Array, "n_e n_q"]
+    DFe_dd: Float[Array, "n_e n_q"]
 
     @property
     def K(self) -> Float[Array, "n_q n_q"]:
@@ -138,8 +146,9 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         MovingMatrices.
 
     Source:
-        FORMULATION.md 6. With A dx = 0 the change of the configuration, the velocities change by Y = -A^-1 (D_xx v)
-        DFx and the accelerations by -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) Y), beside DFx qd and DFx qdd.
+        FORMULATION.md 6. With dx = DFx dq the change of the configuration, the velocities change by DFx dqd + DFx_d dq
+        with DFx_d = -A^-1 (D_xx v) DFx, and the accelerations by DFx dqdd + 2 DFx_d dqd + DFx_dd dq with
+        DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
     at = balance(form, t, x, v, a, near)
@@ -150,8 +159,8 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     curvature = deformation_curvature(top, parameters, x, near, sigma)
     rates = by_x.ed @ z
     turning = solved(form, tangent, rates)
-    velocity_by_qd = solved(form, tangent, 2 * rates)
-    by_q = solved(form, tangent, by_x.edd @ z + 2 * by_x.ed @ turning)
+    second = by_x.edd @ z + 2 * by_x.ed @ turning
+    by_q = solved(form, tangent, second)
     loads = load_stiffness(top, parameters, factors, x)
     if drive.turning is not None:
         loads = loads + drive.turning
@@ -161,10 +170,11 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     dfe = tangent.DFe
     held = jnp.concatenate([top.x.fixed, top.x.prescribed])
     stiffness, damping = form.tangents_at(x, v, near)
-    n0 = n0 + dfe.T @ damping @ (rates + jacobian @ turning)
+    rate_of_dfe = rates + jacobian @ turning
+    n0 = n0 + dfe.T @ damping @ rate_of_dfe
     return MovingMatrices(
         M0=z.T @ by_x.mass @ z,
-        C0=z.T @ (by_x.by_v @ z + by_x.mass @ velocity_by_qd),
+        C0=z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning),
         D0=dfe.T @ damping @ dfe,
         K0=dfe.T @ stiffness @ dfe,
         N0=n0,
@@ -177,6 +187,10 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
         sigma=sigma,
         regular=at.regular,
+        DFx_d=turning,
+        DFx_dd=by_q,
+        DFe_d=rate_of_dfe,
+        DFe_dd=second + jacobian @ by_q,
     )
 
 

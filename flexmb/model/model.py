@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+from typing import Any
 
 import numpy as np
 
@@ -38,14 +40,19 @@ class Signal:
 
     Attributes:
         name: Its label.
-        quantity: "force", "stress", "position", "velocity", "acceleration", "deformation", "deformation rate",
-            "deformation acceleration".
-        index: Index in x or e.
+        quantity: "force", "moment", "stress", "position", "velocity", "acceleration", "deformation", "deformation
+            rate", "deformation acceleration". Of a rotation in space the three of a coordinate are the rotation vector,
+            the angular velocity and the angular acceleration.
+        index: Index in x or e; of a rotation in space, that of its first Euler parameter.
+        axis: About which axis of a rotation in space, 0, 1 or 2; None for what is a coordinate or a deformation.
+        local: Whether the axis turns with the node.
     """
 
     name: str
     quantity: str
     index: int
+    axis: int | None = None
+    local: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -163,6 +170,39 @@ class Model(Record):
         from ..viewer.notebook import card
 
         return card(self)
+
+
+# What to do with what is no model, by the name of its class.
+_INSTEAD = {
+    "Builder": "say build() first",
+    "SpacarModel": "say .builder.build() first",
+    "LightResults": "give its .model",
+    "Lean": "give its .model",
+    "Linearization": "give its .model",
+    "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads where a linearisation is taken",
+    "Path": "give its .model, or path.linearization(step) where a linearisation is taken",
+    "Motion": "give its .model, or fm.linearize_motion(motion).at_time(number) where a linearisation is taken",
+    "str": "read a file by fm.read_spacar(path).builder.build()",
+    "NoneType": "a function that builds a model ends with: return b.build()",
+    "function": "call it, if it builds a model",
+}
+
+
+def as_model(given: Any, function: str) -> Model:
+    """A model, which is refused by what to do where it is none.
+
+    Args:
+        given: What is given as model.
+        function: Name of the public function that it is given to.
+
+    Raises:
+        TypeError: It is no Model.
+    """
+    if isinstance(given, Model):
+        return given
+    kind = type(given).__name__
+    instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "a Builder makes one by build()")
+    raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not a {kind}: {instead}.")
 
 
 def _list(indices) -> list[int]:

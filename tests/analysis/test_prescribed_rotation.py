@@ -96,6 +96,35 @@ def test_a_free_tilt_takes_no_moment():
         assert moment / small == pytest.approx(expected, rel=1e-6), tilt
 
 
+def test_the_opposite_of_the_stress_resultant_put_on_the_node_turns_it_as_far():
+    """As Builder.prescribe says: what is prescribed by an angle, and the same held there by a moment."""
+    axis, angle = np.array([0.0, 0.0, 1.0]), 0.3
+    prescribed = cantilever("B", axis, angle, "free")
+    found = fm.equilibrium(prescribed)
+    moment = -deformation(prescribed, found.sigma, "turn of B.e1")
+    assert moment > 0
+    b = fm.Builder()
+    for i, name in enumerate(("A", "M", "B")):
+        b.node(name, (LENGTH * i / 2, 0, 0))
+    for ends in (("A", "M"), ("M", "B")):
+        b.add(spatial.beam, *ends, name="".join(ends), section=SECTION, y=(0, 0, 1))
+    b.fix("A")
+    b.moment("B", moment * axis)
+    turned = Rotation.from_quat(np.asarray(fm.equilibrium(b.build()).at("B.rotation")), scalar_first=True)
+    # Round-off times EA L^2/EI = 1e9.
+    np.testing.assert_allclose(turned.as_rotvec(), angle * axis, atol=1e-6)
+    # In the plane the reaction is what is put on the node.
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (LENGTH, 0))
+    b.add(planar.beam, "A", "B", name="leaf", section=SECTION)
+    b.fix("A")
+    b.prescribe("B", "rotation", 1e-3)
+    model = b.build()
+    reaction = fm.equilibrium(model).reactions[model.labels.known("B.rotation")[0]]
+    assert reaction == pytest.approx(SECTION.EIy * 1e-3 / LENGTH, rel=1e-5)
+
+
 def cross_pivot_in_space(angle):
     """B3 with its leaf springs in two parallel planes; a hinge of the other kind turns the body."""
     b = fm.Builder()

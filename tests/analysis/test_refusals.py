@@ -339,3 +339,51 @@ def test_a_third_leaf_spring_that_cannot_stretch_is_refused_by_name(lean, code, 
 def test_modes_under_a_trace():
     with pytest.raises(TypeError, match="frequencies"):
         jax.grad(lambda t: fm.modes(mechanisms.planar_guide(t).build()).frequencies[0])(5e-4)
+
+
+def side_loaded(beams, load, released=None, lengthwise=0.0):
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"{i}", (0.1 * i / beams, 0))
+    for i in range(beams):
+        b.add(planar.beam, f"{i}", f"{i + 1}", section=LEAF, released=released)
+    b.fix("0")
+    b.force(f"{beams}", (lengthwise, load))
+    return b.build()
+
+
+@pytest.mark.parametrize("released", [None, (2, 3)])
+@pytest.mark.parametrize("load", [1e-6, 1e-3, 0.1])
+def test_what_round_off_would_buckle_is_unbounded(released, load):
+    # A cubic beam under a side load has no geometric stiffness in its axial force, which is zero: nothing buckles.
+    model = side_loaded(1, load, released)
+    assert not np.any(np.isfinite(fm.buckling_loads(model)))
+    assert len(fm.buckling(model).multipliers) == 0
+    assert not np.any(np.isfinite(fm.path(model).multipliers[1:]))
+
+
+@pytest.mark.parametrize("load", [1e-5, 1e-3, 1.0])
+def test_a_lengthwise_load_buckles_at_any_scale(load):
+    # Smaller and larger root of det(K0 + P G0) = 0 of one cubic beam, P L^2/EI = 2.486 and 32.18 (textbooks).
+    found = np.asarray(fm.buckling_loads(side_loaded(1, 0.0, lengthwise=-load)))
+    first, second = (float(LEAF.rigidity().EIy) / 0.1**2 * np.array([2.486, 32.181])).tolist()
+    # Printed to four digits.
+    np.testing.assert_allclose(found[:2] * load, [first, second], rtol=3e-4)
+    assert not np.isfinite(found[2])
+
+
+def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
+    def first(thickness):
+        b = fm.Builder()
+        b.node("0", (0, 0))
+        b.node("1", (0.1, 0))
+        b.add(planar.beam, "0", "1", section=fm.Rectangle(0.018, thickness, LEAF.material))
+        b.fix("0")
+        b.force("1", (-1.0, 0))
+        b.dof("1", "x", "y", "phi")
+        return fm.buckling_loads(b.build())
+
+    found = jax.jacfwd(first)(5e-4)
+    # With the cube of the thickness, but for the strain P/EA.
+    np.testing.assert_allclose(found[:2], 3 * first(5e-4)[:2] / 5e-4, rtol=1e-6)
+    assert np.all(np.isfinite(found[:2]))

@@ -50,6 +50,56 @@ WRONG = {
     "force too long": (lambda b: b.force("B", (1, 2, 3)), r"Force on node 'B' has 3 components, but the node has 2"),
     "gravity too long": (lambda b: b.gravity((0, 0, -9.81)), r"Gravity must have 2 components"),
     "wrong output": (lambda b: b.output("A", "x", "stress"), r"must be one of position, velocity, acceleration"),
+    "released a word": (lambda b: beam(b, released="none"), r"`released` of element 'leaf' must be \"all\" or numbers"),
+    "released a number": (lambda b: beam(b, released=2), r"`released` of element 'leaf' must be \"all\" or numbers"),
+    "released a fraction": (lambda b: beam(b, released=(1.5,)), r"`released` of element 'leaf' must be"),
+    "released nothing": (lambda b: (beam(b), b.release("leaf")), r"Release of 'leaf': .* nothing is named"),
+    "released half": (lambda b: (beam(b), b.release("leaf", 1.5)), r"'leaf' has deformations 1 to 3, not 1.5"),
+    "a fraction of a coordinate": (lambda b: b.dof("B", 1.7), r"Node 'B' has coordinates 1 to 2, not 1.7"),
+    "a truth as coordinate": (lambda b: b.dof("B", True), r"Node 'B' has coordinates 1 to 2, not True"),
+    "nothing as coordinate": (lambda b: b.fix("B", None), r"Node 'B' has coordinates 1 to 2, not None"),
+    "a power as coordinate": (lambda b: b.fix("B", "²"), r"has no coordinate '²'"),
+    "no degree of freedom": (lambda b: b.dof("B"), r"Dof of 'B': .* nothing is named"),
+    "scalar force": (lambda b: b.force("B", 3.0), r"Force on node 'B' must be a sequence of numbers, not 3.0"),
+    "force a word": (lambda b: b.force("B", "12"), r"Force on node 'B' must be a sequence of numbers, not '12'"),
+    "force of words": (lambda b: b.force("B", ("1", "2")), r"Force on node 'B' must be a number, not '1'"),
+    "force too short": (lambda b: b.force("B", (1.0,)), r"Force on node 'B' has 1 components, but the node has 2"),
+    "force without end": (lambda b: b.force("B", (1.0, float("nan"))), r"Force on node 'B' has a value that is not a"),
+    "a flag that is a word": (
+        lambda b: b.force("B", (1.0, 0.0), increment="no"),
+        r"Argument `increment` must be True or False, not 'no'",
+    ),
+    "moment of two": (lambda b: b.moment("B", (1.0, 2.0)), r"Moment on node 'B' must be one number in the plane"),
+    "moment a word": (lambda b: b.moment("B", "1"), r"Moment on node 'B' must be numbers, not '1'"),
+    "scalar gravity": (lambda b: b.gravity(-9.81), r"Gravity must be a sequence of numbers, not -9.81"),
+    "position a number": (lambda b: b.node("C", 1.0), r"Node 'C' must be a sequence of numbers, not 1.0"),
+    "position of words": (lambda b: b.node("C", ("1", "2")), r"Node 'C' must be a number, not '1'"),
+    "arguments exchanged": (lambda b: b.node((0, 0), "C"), r"A node is named by a string.*not by \(0, 0\)"),
+    "a node without a name": (lambda b: b.node("", (0, 0)), r"A node needs a name"),
+    "a name that is a rotation's": (lambda b: b.node("A.rotation", (0, 0)), r"'A.rotation' would be taken for the rot"),
+    "mass on a rotation": (lambda b: (beam(b), b.mass("A.rotation", 1.0)), r"'A.rotation' has no position"),
+    "mass a word": (lambda b: b.mass("A", "heavy"), r"The mass on node 'A' must be a number, not 'heavy'"),
+    "mass of two": (lambda b: b.mass("A", [1.0, 2.0]), r"The mass on node 'A' must be one number, but has shape"),
+    "prestress of nothing": (lambda b: (beam(b), b.prestress("leaf")), r"Prestress of 'leaf': .* nothing is named"),
+    "strain not a number": (
+        lambda b: (beam(b), b.strain("leaf", float("nan"))),
+        r"Strain of element 'leaf' has a value that is not a finite number: nan",
+    ),
+    "strain beyond reason": (
+        lambda b: (beam(b), b.strain("leaf", 1e308)),
+        r"Strain of element 'leaf' has a value that is too large to compute with",
+    ),
+    "strain of what has no stiffness": (
+        lambda b: (beam(b, section=None), b.strain("leaf", 1e-3)),
+        r"Strain of element 'leaf': it has no stiffness",
+    ),
+    "strain of a closure": (
+        lambda b: (b.add(planar.spectral_beam(2), "A", "B", name="s", section=LEAF), b.strain("s", 0, 0, 1e-3)),
+        r"Strain of element 's': deformation 3 is part of its closure.* from 4 on",
+    ),
+    "prescribed a word": (lambda b: b.prescribe("B", "x", "5 mm"), r"Prescribed value of 'B' must be a number, not '5"),
+    "prescribed in two": (lambda b: b.prescribe("B", "x", [0, 1]), r"Prescribed value of 'B' must be one number"),
+    "start a word": (lambda b: b.start("B", "x", "1"), r"Start value of 'B' must be a number, not '1'"),
 }
 
 
@@ -287,3 +337,60 @@ def test_inertia_in_the_plane_is_one_number():
     b.node("hub", (0, 0))
     with pytest.raises(fm.ModelError, match="inertia of node 'hub' must be one number"):
         b.mass("hub", 1.0, inertia=np.eye(3))
+
+
+def test_options_of_build_that_do_not_exist():
+    b = mechanisms.planar_guide()
+    for options, message in (
+        ({"dofs": "none"}, "`dofs` must be 'auto' or 'named', but is 'none'"),
+        ({"release": "all"}, "`release` must be 'auto' or 'none', but is 'all'"),
+        ({"release": True}, "`release` must be 'auto' or 'none', but is True"),
+        ({"check": "no"}, "`check` must be True or False, not 'no'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            b.build(**options)
+
+
+def test_gravity_is_of_the_dimension_of_the_nodes_whatever_comes_first():
+    b = fm.Builder()
+    b.gravity((0, 0, -9.81))
+    b.node("A", (0, 0))
+    b.node("B", (0.1, 0))
+    beam(b)
+    b.fix("A")
+    with pytest.raises(fm.ModelError, match="Gravity must have 2 components, but has 3"):
+        b.build()
+
+
+def test_an_element_that_is_refused_leaves_nothing_behind():
+    b = two_nodes()
+    with pytest.raises(fm.ModelError, match="No node 'C'"):
+        b.add(planar.beam, "A", "C", name="leaf")
+    b.node("C", (0.0, 0.0))
+    with pytest.raises(fm.ModelError, match="zero length"):
+        b.add(planar.beam, "A", "C", name="leaf")
+    assert list(b.nodes) == ["A", "B", "C"]
+    assert not b.members
+
+
+def test_names_that_the_builder_gives_are_free():
+    """Neither a default name nor that of a mass takes another element's."""
+    b = two_nodes()
+    b.add(planar.beam, "A", "B", name="beam 3")
+    b.add(planar.beam, "A", "B", name="mass A 4")
+    assert b.add(planar.beam, "A", "B") == "beam 4"
+    b.mass("A", 1.0)
+    assert len(b.members) == 4
+    assert b.members["mass A 4"].element is planar.beam
+
+
+@pytest.mark.parametrize("what", ["prestress", "strain"])
+def test_what_acts_on_fixed_deformations_is_warned_of(what):
+    b = two_nodes()
+    beam(b, released=(2, 3))
+    b.fix("A")
+    getattr(b, what)("leaf", 1e-3, 0.0)
+    with pytest.warns(fm.FlexmbWarning, match=f"{what.capitalize()} of element 'leaf': deformation 1 is fixed"):
+        b.build()
+    b.release("leaf", 1)
+    b.build()

@@ -195,8 +195,8 @@ def test_inputs_are_ordered_by_their_numbers():
         "END\nEND", "END\nHALT\nINPUTS 2 1 1\nOUTS 3 1 1\nOUTX 2 2 1\nINPUTF 1 2 1\nOUTXP 1 2 1\nEND\nEND"
     )
     signals = fm.read_spacar(text).builder.signals
-    assert [name for name, *_ in signals["input"]] == ["force 2.1", "stress 1.1"]
-    assert [quantity for _, quantity, _ in signals["output"]] == ["velocity", "position", "stress"]
+    assert [signal.name for signal in signals["input"]] == ["force 2.1", "stress 1.1"]
+    assert [signal.quantity for signal in signals["output"]] == ["velocity", "position", "stress"]
 
 
 def test_settings():
@@ -695,3 +695,49 @@ def test_all_faults_at_once_in_the_order_of_lines(tmp_path):
 )
 def test_junk_is_a_fault_and_not_a_traceback(junk):
     assert faults(junk)[0].startswith("text:1: ")
+
+
+SIGNALS = """
+BEAM 1 1 2 3 4 0 0 1
+X 1 0 0 0
+X 3 1 0 0
+FIX 1
+FIX 2
+DYNE 1 1 2 3 4 5 6
+END
+HALT
+XM 3 1
+XM 4 1 0 0 1 0 1
+ESTIFF 1 1 1 1 1
+END
+HALT
+INPUTF 1 {input}
+OUTX 1 {output}
+END
+END
+"""
+
+
+def test_components_of_a_spatial_rotation_keep_their_meaning_with_a_warning():
+    read = fm.read_spacar(SIGNALS.format(input="4 2", output="4 2"))
+    assert [text.split(": ")[1:3] for text in read.warnings] == [
+        ["INPUTF", "a coordinate of a spatial rotation is an Euler parameter"],
+        ["OUTX", "a coordinate of a spatial rotation is an Euler parameter"],
+    ]
+    found, _ = fm.state_matrices(read.builder.build())
+    static = -np.asarray(found.C) @ np.linalg.solve(found.A, found.B)
+    # Twist L/(G It) = 1 of a unit moment; the dual is twice the moment, the parameter half the angle.
+    assert static[0, 0] == pytest.approx(0.25, rel=1e-9)
+    assert not fm.read_spacar(SIGNALS.format(input="3 2", output="3 2")).warnings
+
+
+def test_an_input_on_what_a_file_holds():
+    with pytest.raises(fm.SpacarError, match=r"text:15: INPUTF: input 1: coordinate 2 is held"):
+        fm.read_spacar(SIGNALS.format(input="1 2", output="3 2"))
+
+
+def test_signals_about_axes_have_no_keyword(tmp_path):
+    builder = fm.read_spacar(SIGNALS.format(input="3 2", output="3 2")).builder
+    builder.output("4", "rx", name="roll")
+    with pytest.raises(fm.ModelError, match="output 'roll' is about an axis"):
+        fm.write_spacar(builder, tmp_path / "out.dat")

@@ -525,3 +525,37 @@ def test_warping_of_two_leaf_springs_in_a_row_is_refused():
     script = {"sets": {1: {"warping": 1, "elems": [1, 2]}, 3: {"elems": 3}, 2: {"elems": 4}}}
     with pytest.raises(fm.ModelError, match="Elements 1 and 2: share their warping at node 2, which is not offered"):
         fm.spacar_light(*changed(**script))
+
+
+def as_struct(**fields):
+    """The same script as one struct, as the predecessor takes it too."""
+    nodes, elements, nprops, eprops, opt = guide(showinputonly=True)
+    parts = {"coordinates": nodes, "connect": elements, "nprops": nprops, "eprops": eprops, "opt": opt}
+    return {name: value for name, value in {**parts, **fields}.items() if value is not None}
+
+
+def test_a_script_in_one_struct():
+    alone = fm.spacar_light_model(as_struct())
+    apart = fm.spacar_light_model(*guide())
+    for one, other in zip(jax.tree.leaves(alone), jax.tree.leaves(apart), strict=True):
+        np.testing.assert_array_equal(one, other)
+    # As a Struct, and without opt.
+    assert fm.spacar_light_model(fm.Struct(**as_struct(opt=None))).labels == apart.labels
+    assert fm.spacar_light(as_struct()).ndof == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((as_struct(nprops=None),), r"nprops: is not given"),
+        ((as_struct(connect=None, eprops=None),), r"connect, eprops: are not given"),
+        ((as_struct(nodes=[]),), r"nodes: there is no such field.*coordinates, connect, nprops, eprops, opt"),
+        ((as_struct(), [[1, 2]]), r"one struct .* alone"),
+        (GUIDE, r"nprops, eprops: are not given"),
+        ((GUIDE[0],), r"elements, nprops, eprops: are not given"),
+    ],
+)
+def test_a_script_that_lacks_a_part(arguments, message):
+    for call in (fm.spacar_light, fm.spacar_light_model):
+        with pytest.raises(fm.ModelError, match=message):
+            call(*arguments)

@@ -1,0 +1,178 @@
+"""What numbers given to public functions must be: a fault names the argument and says what is right."""
+
+import operator
+import reprlib
+from typing import Any
+
+import jax
+import jax.core
+import numpy as np
+
+# Squares and cubes of what is larger are no finite numbers any more.
+LARGEST = 1e100
+
+
+def is_concrete(tree: Any) -> bool:
+    """Whether no leaf of a pytree is traced.
+
+    Args:
+        tree: Any pytree.
+    """
+    return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
+
+
+def shown(value: Any) -> str:
+    """A value as a message quotes it: in one line, shortened.
+
+    Args:
+        value: Anything.
+    """
+    if isinstance(value, np.ndarray | jax.Array):
+        value = np.asarray(value).tolist()
+    return " ".join(reprlib.repr(value).split())
+
+
+def numbers(value: Any) -> np.ndarray | None:
+    """Real numbers as an array of float64; None where a value is something else, or traced.
+
+    Args:
+        value: Number, or nested sequence or array of numbers.
+    """
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError, jax.errors.TracerArrayConversionError):
+        return None
+    return array.astype(float) if array.dtype.kind in "iuf" else None
+
+
+def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, fault: type = ValueError) -> None:
+    """Refuse what are no finite real numbers of a sensible size; traced ones pass.
+
+    Args:
+        what: What they are, for the message.
+        value: Number, or nested sequence or array of numbers.
+        shape: Their shape; any unless given.
+        fault: What to raise.
+
+    Raises:
+        ValueError: Or what is given as ``fault``.
+    """
+    if type(value) in (int, float) and shape in (None, ()) and abs(value) <= LARGEST:
+        # What nearly all are.
+        return
+    traced = not is_concrete(value)
+    array = None if traced else numbers(value)
+    if not traced and (array is None or (not array.size and shape is None)):
+        wanted = "a number" if shape == () else "numbers"
+        raise fault(f"{what} must be {wanted}, not {shown(value)}.")
+    own = getattr(value, "shape", shape) if array is None else array.shape
+    if shape is not None and own != shape:
+        wanted = "be one number" if shape == () else f"have shape {shape}"
+        raise fault(f"{what} must {wanted}, but has shape {own}.")
+    if array is None:
+        return
+    if not np.all(np.isfinite(array)):
+        raise fault(f"{what} has a value that is not a finite number: {shown(value)}.")
+    if np.any(np.abs(array) > LARGEST):
+        raise fault(f"{what} has a value that is too large to compute with, beyond {LARGEST:g}: {shown(value)}.")
+
+
+def check_number(
+    name: str, value: Any, *, above: float | None = None, least: float | None = None, most: float | None = None
+) -> None:
+    """Refuse an argument that is no finite number within its range; a traced one passes.
+
+    Args:
+        name: Name of the argument.
+        value: What is given.
+        above: It must be greater than this.
+        least: It must be this at least.
+        most: It must be this at most.
+
+    Raises:
+        TypeError: It is no number.
+        ValueError: It is not finite, or beyond its range.
+    """
+    if not is_concrete(value):
+        return
+    array = numbers(value)
+    if array is None or array.shape != ():
+        raise TypeError(f"Argument `{name}` must be one number, not {shown(value)}.")
+    parts = [
+        "" if above is None else "positive" if above == 0 else f"greater than {above:g}",
+        "" if least is None else f"at least {least:g}",
+        "" if most is None else f"at most {most:g}",
+    ]
+    wanted = " and ".join(part for part in parts if part) or "finite"
+    within = (above is None or array > above) and (least is None or array >= least) and (most is None or array <= most)
+    if not np.isfinite(array) or not within:
+        raise ValueError(f"Argument `{name}` must be {wanted}, but is {shown(value)}.")
+
+
+def check_whole(name: str, value: Any, least: int | None = None) -> int:
+    """Refuse an argument that is no whole number, or too small a one.
+
+    Args:
+        name: Name of the argument.
+        value: What is given.
+        least: It must be this at least.
+
+    Returns:
+        The number.
+
+    Raises:
+        TypeError: It is no whole number.
+        ValueError: It is too small.
+    """
+    found = as_whole(value)
+    if found is None:
+        raise TypeError(f"Argument `{name}` must be a whole number, not {shown(value)}.")
+    if least is not None and found < least:
+        raise ValueError(f"Argument `{name}` must be at least {least}, but is {found}.")
+    return found
+
+
+def as_whole(value: Any) -> int | None:
+    """A whole number as an int; None where a value is something else, truth values among them.
+
+    Args:
+        value: Anything.
+    """
+    if isinstance(value, bool | np.bool_):
+        return None
+    try:
+        return operator.index(value)
+    except TypeError:
+        return None
+
+
+def check_flag(name: str, value: Any, fault: type = TypeError) -> None:
+    """Refuse an argument that is neither True nor False.
+
+    Args:
+        name: Name of the argument.
+        value: What is given.
+        fault: What to raise.
+
+    Raises:
+        TypeError: Or what is given as ``fault``.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise fault(f"Argument `{name}` must be True or False, not {shown(value)}.")
+
+
+def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> None:
+    """Refuse an argument that is none of a few values.
+
+    Args:
+        name: Name of the argument.
+        value: What is given.
+        allowed: What it may be.
+        fault: What to raise.
+
+    Raises:
+        ValueError: Or what is given as ``fault``.
+    """
+    if not any(value is one or (type(value) is type(one) and value == one) for one in allowed):
+        listed = " or ".join(repr(one) for one in allowed)
+        raise fault(f"Argument `{name}` must be {listed}, but is {shown(value)}.")

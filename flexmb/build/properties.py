@@ -1,0 +1,324 @@
+"""Properties of an element: completed by their defaults, of the kind that the element asks for, none forgotten."""
+
+import dataclasses
+import inspect
+import types
+import typing
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.core
+import numpy as np
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..elements.element import COMPANIONS, NONLINEAR, Element
+from ..elements.sections import Damping, Section
+from ..errors import ModelError
+from ..math.record import Record
+from .assemble import is_option, stack
+
+EMPTY = inspect.Parameter.empty
+# Companions whose shapes follow from no property: those of the package are right.
+SURE = ("inertia", "force", "resultants")
+
+
+def element_type(given: Any) -> Element:
+    """An element type, of a bare deformation function one without companions.
+
+    Args:
+        given: Element, or deformation function.
+
+    Raises:
+        ModelError: It is something else, or its signature does not say which nodes it joins.
+    """
+    function = given.deformation if isinstance(given, Element) else given
+    if not inspect.isfunction(function):
+        raise ModelError(
+            f"Element type must be an Element or a deformation function, such as planar.beam, not {shown(given)}."
+        )
+    if function is given and inspect.signature(function).return_annotation is Element:
+        name = function.__name__
+        raise ModelError(f"Function '{name}' makes element types: call it, such as {name}(4).")
+    found = given if isinstance(given, Element) else Element(given)
+    for name in COMPANIONS:
+        companion = getattr(found, name)
+        if companion is not None and not inspect.isroutine(companion):
+            raise ModelError(f"Element type '{found.name}': its {name} must be a function, not {shown(companion)}.")
+    try:
+        nodes = found.nodes
+    except TypeError as fault:
+        raise ModelError(str(fault)) from None
+    if not nodes:
+        raise ModelError(f"Element type '{found.name}' joins no nodes: annotate its positional parameters.")
+    return found
+
+
+def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, Any]:
+    """Properties of an element with defaults filled in.
+
+    Args:
+        element: Its type.
+        name: Its name, for messages.
+        given: What the caller gives; what is given as None counts as not given.
+
+    Returns:
+        A value for each property; None where a companion is not asked for.
+
+    Raises:
+        ModelError: An unknown property, one of the wrong kind, one that is needed and missing.
+    """
+    known = element.properties
+    for key in given:
+        if key not in known and key != "incremental":
+            raise ModelError(
+                f"Element '{name}' ({element.name}) has no property '{key}'. It takes: {', '.join(known) or 'none'}."
+            )
+    found = {key: _checked(element, name, key, value) for key, value in given.items() if value is not None}
+    needed = {n for f in (element.deformation, element.law) if f is not None for n in element.wanted(f)}
+    for key, parameter in known.items():
+        if key in found:
+            continue
+        if key in needed and parameter.default is EMPTY:
+            raise ModelError(f"Element '{name}' ({element.name}) needs the property '{key}'.")
+        found[key] = None if parameter.default is EMPTY else parameter.default
+    _check_whole(element, name, set(given) & {k for k, v in found.items() if v is not None}, found, needed)
+    return found
+
+
+def _check_whole(element: Element, name: str, given: set[str], found: dict[str, Any], needed: set[str]) -> None:
+    """Refuse some but not all properties of a companion, which would be left out for want of the others."""
+    for kind in (*COMPANIONS, "shape"):
+        companion = getattr(element, kind)
+        if companion is None:
+            continue
+        own = {key: p for key, p in element.wanted(companion).items() if key not in needed}
+        missing = [key for key, p in own.items() if p.default is not None and found[key] is None]
+        present = [key for key in own if key in given]
+        if missing and present:
+            raise ModelError(
+                f"Element '{name}' ({element.name}): its {kind} needs {_listed(missing)} too, beside"
+                f" {_listed(present)}. Give all of them, or none for an element without {kind}."
+            )
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(f"'{n}'" for n in names)
+
+
+# -- one property ---------------------------------------------------------------------------------------------------
+
+
+def _checked(element: Element, name: str, key: str, value: Any) -> Any:
+    """A property as it is kept: sequences of numbers as arrays."""
+    what = f"Property '{key}' of element '{name}'"
+    hints = _alternatives(element.hint(key))
+    records = [h for h in hints if inspect.isclass(h) and issubclass(h, Record)]
+    if records:
+        if not isinstance(value, tuple(records)):
+            wanted = " or ".join(_kind(h) for h in records)
+            raise ModelError(f"{what} must be {wanted}, not {shown(value)}.")
+    elif bool in hints:
+        if not isinstance(value, bool):
+            raise ModelError(f"{what} must be True or False, not {shown(value)}.")
+        return value
+    elif is_option(value) and not _is_number(hints):
+        return value
+    if isinstance(value, Record):
+        _check_record(what, f"{key} of element '{name}'", value)
+        return value
+    if isinstance(value, list | tuple):
+        check_numbers(what, value, fault=ModelError)
+        value = stack(value)
+    leaves = jax.tree.leaves(value)
+    if len(leaves) == 1 and leaves[0] is value:
+        shape = next((s for s in map(_shape, hints) if s is not None), None)
+        # One number stands for several that are equal, such as a stiffness of each deformation.
+        check_numbers(what, value, () if float in hints and np.ndim(value) == 0 else shape, fault=ModelError)
+    else:
+        for leaf in leaves:
+            check_numbers(what, leaf, fault=ModelError)
+    return value
+
+
+def _kind(record: type) -> str:
+    """A kind of record as a message names it."""
+    example = {Section: ", such as Rectangle(..)", Damping: ", such as Damping(EA=..)"}.get(record, "")
+    return f"a {record.__name__}{example}"
+
+
+def _alternatives(hint: Any) -> tuple:
+    """Kinds that an annotation allows, None left out."""
+    if isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union:
+        return tuple(h for h in typing.get_args(hint) if h is not type(None))
+    return () if hint is None else (hint,)
+
+
+def _is_number(hints: tuple) -> bool:
+    return any(h in (float, int) or hasattr(h, "dim_str") for h in hints)
+
+
+def _shape(hint: Any) -> tuple[int, ...] | None:
+    """Shape that an annotation of jaxtyping gives in numbers."""
+    words = getattr(hint, "dim_str", "any").split()
+    return tuple(int(w) for w in words) if all(w.isdecimal() for w in words) else None
+
+
+def _check_record(what: str, of: str, value: Record) -> None:
+    """Refuse a section or damping with wrong entries; one that many elements share is looked at once."""
+    if value in _CHECKED:
+        return
+    _check_fields(of, value)
+    for leaf in jax.tree.leaves(value):
+        check_numbers(what, leaf, fault=ModelError)
+    if is_concrete(value) and isinstance(value, Section | Damping):
+        for fault in value.faults():
+            raise ModelError(f"The {of} has {fault}.")
+    _CHECKED.add(value)
+
+
+_CHECKED: weakref.WeakSet[Record] = weakref.WeakSet()
+
+
+def _check_fields(of: str, record: Any) -> None:
+    """Refuse entries of the wrong kind, named as the engineer wrote them."""
+    try:
+        hints = typing.get_type_hints(type(record))
+    except (NameError, TypeError):
+        return
+    for field in dataclasses.fields(record):
+        value, hint = getattr(record, field.name), hints[field.name]
+        wanted = _alternatives(hint)
+        inner = [h for h in wanted if inspect.isclass(h) and issubclass(h, Record)]
+        right = ""
+        if inner:
+            right = "" if isinstance(value, tuple(inner)) else " or ".join(map(_kind, inner))
+            if not right:
+                _check_fields(of, value)
+        elif field.metadata.get("static"):
+            right = _wanted_option(value, hint)
+        elif float in wanted and not (value is None and type(None) in typing.get_args(hint)):
+            right = "" if _is_scalar(value) else "a number"
+        if right:
+            raise ModelError(f"The {of} has {field.name} = {shown(value)}, but it must be {right}.")
+
+
+def _wanted_option(value: Any, hint: Any) -> str:
+    """What an option should be, empty if it is."""
+    if typing.get_origin(hint) is typing.Literal:
+        allowed = typing.get_args(hint)
+        return "" if value in allowed else f"one of {', '.join(map(repr, allowed))}"
+    if hint is bool:
+        return "" if isinstance(value, bool) else "True or False"
+    return ""
+
+
+def _is_scalar(value: Any) -> bool:
+    if isinstance(value, jax.core.Tracer):
+        return value.shape == ()
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):
+        return False
+    return array.shape == () and array.dtype.kind in "iuf"
+
+
+# -- what the functions of an element return -------------------------------------------------------------------------
+
+
+def number_of_deformations(element: Element, name: str, properties: dict[str, Any]) -> int:
+    """Length of what a deformation function returns, found without computing it; shapes of companions are checked.
+
+    Args:
+        element: Element type.
+        name: Name of the element, for messages.
+        properties: Its properties, complete.
+
+    Raises:
+        ModelError: One of the element's functions fails, or returns what it should not.
+    """
+    options = {k: v for k, v in properties.items() if is_option(v)}
+    leaves, structure = jax.tree.flatten({k: v for k, v in properties.items() if not is_option(v)})
+    shapes = tuple(np.shape(leaf) for leaf in leaves)
+    key = (element, tuple(sorted(options.items())), structure, shapes)
+    if key not in _COUNTS:
+        try:
+            _COUNTS[key] = _count(element, options, structure, shapes)
+        except _WrongFunction as fault:
+            raise ModelError(f"Element '{name}' ({element.name}): its {fault}") from fault.__cause__
+    return _COUNTS[key]
+
+
+_COUNTS: dict[Any, int] = {}
+
+
+class _WrongFunction(Exception):
+    """What is wrong with one of an element's functions."""
+
+
+def _count(element: Element, options: dict[str, Any], structure: Any, shapes: tuple) -> int:
+    nodes = [jax.ShapeDtypeStruct((kind.size,), float) for kind in element.nodes.values()]
+    numbers = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(shape, float) for shape in shapes])
+
+    def returned(kind: str, companion: Callable[..., Any], arguments: list, **extra: Any) -> Any:
+        """Shapes of what a function returns."""
+        own = element.arguments(companion, {**numbers, **options})
+        if own is None:
+            return None
+        fixed = {k: v for k, v in own.items() if is_option(v)}
+        varying = {k: v for k, v in own.items() if not is_option(v)}
+
+        def call(arguments, nodes, varying, extra):
+            return companion(*arguments, ref=element.reference(nodes), **varying, **fixed, **extra)
+
+        try:
+            return jax.eval_shape(call, arguments, nodes, varying, extra)
+        except Exception as fault:
+            first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+            raise _WrongFunction(f"{kind} cannot be computed: {first}") from fault
+
+    def vector(size: int) -> jax.ShapeDtypeStruct:
+        return jax.ShapeDtypeStruct((size,), float)
+
+    near = {"near": vector(64)} if element.tracks_angle else {}
+    found = returned("deformation", element.deformation, nodes, **near)
+    if not isinstance(found, jax.ShapeDtypeStruct) or len(found.shape) != 1:
+        raise _WrongFunction(f"deformation must be a vector of shape (n,), but is {_described(found)}.")
+    n = found.shape[0]
+    for name in ("measured", "fields"):
+        told = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
+        if any(not 1 <= i <= n for i in told):
+            raise _WrongFunction(f"`{name}` names deformations {told}, but it has {n}.")
+    of = {"stiffness": [], "damping": [], **{k: [vector(n), vector(n)] for k in NONLINEAR}, "energy": [vector(n)]}
+    wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
+    wanted |= {"force": (sum(kind.size for kind in element.nodes.values()),), "resultants": (6,)}
+    for kind in COMPANIONS:
+        companion = getattr(element, kind)
+        if companion is None or (kind in SURE and companion.__module__.startswith("flexmb.")):
+            continue
+        extra = {"place": jax.ShapeDtypeStruct((), float), "sigma": vector(n)} if kind == "resultants" else {}
+        answer = returned(kind, companion, of.get(kind, nodes), **extra)
+        if answer is None:
+            continue
+        if kind == "inertia":
+            _check_inertia(answer)
+        elif getattr(answer, "shape", None) != wanted[kind]:
+            raise _WrongFunction(f"{kind} must have shape {wanted[kind]}, but {_has(answer)}.")
+    return n
+
+
+def _check_inertia(answer: Any) -> None:
+    shapes = [getattr(part, "shape", ()) for part in answer] if isinstance(answer, tuple) else []
+    if len(shapes) == 2 and len(shapes[0]) == 2 and shapes[1] == (shapes[0][0],) * 2:
+        return
+    raise _WrongFunction(f"inertia must be vectors (k, d) and a matrix (k, k), but is {_described(answer)}.")
+
+
+def _described(answer: Any) -> str:
+    shapes = [getattr(leaf, "shape", "?") for leaf in jax.tree.leaves(answer)]
+    return f"of shape {' and '.join(map(str, shapes))}" if shapes else "nothing"
+
+
+def _has(answer: Any) -> str:
+    return f"has {answer.shape}" if isinstance(answer, jax.ShapeDtypeStruct) else f"is {_described(answer)}"

@@ -1,0 +1,89 @@
+"""What inputs do and what outputs measure: rows in the coordinates, and rotations about axes in space."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..math.rotation import lbar, lbody, rotation_since
+from ..model.model import Signal
+
+
+def rotation_row(lam: Float[Array, "4"], axis: Any, local: bool) -> Float[Array, "4"]:
+    """Infinitesimal rotation, or angular velocity, about an axis, by the change of Euler parameters.
+
+    Its transpose is the force dual to them of a unit moment about that axis.
+
+    Args:
+        lam: Euler parameters, (4,) [-].
+        axis: 0, 1 or 2.
+        local: About axes that turn with the body, not about global ones.
+
+    Returns:
+        (4,) [rad].
+
+    Source:
+        omega = 2 Lbar d(lambda)/dt, f = 2 Lbar^T M (FORMULATION.md 5); with L for axes of the body.
+    """
+    return 2 * (lbody if local else lbar)(lam)[axis]
+
+
+def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Float[Array, "k"]]:
+    """Coordinates that a signal is about, and its derivative by them.
+
+    Args:
+        signal: Input or output of a coordinate or rotation.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+
+    Returns:
+        Indices, (k,), and row, (k,).
+    """
+    if signal.axis is None:
+        return jnp.array([signal.index]), jnp.ones(1)
+    own = signal.index + jnp.arange(4)
+    return own, rotation_row(x[own], signal.axis, signal.local)
+
+
+def input_row(signal: Signal, x, dfx, dfe) -> Float[Array, "n_q"]:
+    """Generalised force of a unit input.
+
+    Args:
+        signal: Input.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        dfx: DFx, (n_x, n_q).
+        dfe: DFe, (n_e, n_q).
+
+    Source:
+        FORMULATION.md 7: forces by DFx^T, a stress adds to sigma: -DFe^T.
+    """
+    if signal.quantity == "stress":
+        return -dfe[signal.index]
+    own, row = along_coordinates(signal, x)
+    return row @ dfx[own]
+
+
+def rotation_measured(
+    lam: Float[Array, "4"], start: Float[Array, "4"], reference: Float[Array, "4"], axis: Any, local: bool
+) -> tuple[Float[Array, ""], Float[Array, "4"]]:
+    """Rotation about an axis as a sensor gives it, and its derivative by the Euler parameters.
+
+    It is a component of the rotation vector from the undeformed mechanism to the start, plus that from the start to
+    now: about a fixed axis the angle itself, about the start to first order that of the linearised equations.
+
+    Args:
+        lam: Euler parameters now, (4,) [-].
+        start: At the start of the motion, (4,) [-].
+        reference: In the undeformed mechanism, (4,) [-].
+        axis: 0, 1 or 2.
+        local: About axes that turn with the body.
+
+    Returns:
+        () [rad] and (4,) [rad].
+    """
+
+    def since(lam):
+        return rotation_since(start, lam, local)[axis]
+
+    value, slope = jax.value_and_grad(since)(lam)
+    return value + rotation_since(reference, start, local)[axis], slope

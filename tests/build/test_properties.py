@@ -1,0 +1,286 @@
+"""Properties of elements: forgotten, of the wrong kind, or of the wrong shape, each answered by name."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.elements import beams
+
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
+LEAF = fm.Rectangle(0.018, 5e-4, STEEL)
+
+
+def ends(dimension=2):
+    b = fm.Builder()
+    b.node("A", (0.0,) * dimension)
+    b.node("B", (0.1, *(0.0,) * (dimension - 1)))
+    return b
+
+
+def bar(p: fm.Point2, q: fm.Point2, *, ref):
+    return beams.truss(p, q, ref=ref)
+
+
+def hard(e, *, ref, k: float, cubic: float):
+    return k * e[0] ** 2 / 2 + cubic * e[0] ** 4
+
+
+def soft(*, ref, k: float, share: float = 1.0):
+    return jnp.reshape(k * share, (1, 1))
+
+
+def heavy(p: fm.Point2, q: fm.Point2, *, ref, rho: float, area: float):
+    return beams.line_inertia(p, q, ref=ref, section=fm.Rigidity(mass=rho * area))
+
+
+COMPANIONS = {
+    "stiffness": (soft, {"share": 0.5}, "k"),
+    "energy": (hard, {"k": 100.0}, "cubic"),
+    "dissipation": (lambda e, ed, *, ref, c, d: (c + d) * ed[0] ** 2, {"d": 1.0}, "c"),
+    "damping": (lambda *, ref, c, d: jnp.reshape(c + d, (1, 1)), {"c": 1.0}, "d"),
+    "inertia": (heavy, {"area": 1.0}, "rho"),
+    "force": (lambda p, q, *, ref, size, at: size * jnp.ones(4) * at, {"size": 1.0}, "at"),
+    "resultants": (lambda p, q, *, ref, place, sigma, a, b: jnp.zeros(6), {"a": 1.0}, "b"),
+    "shape": (lambda p, q, *, ref, place, bow, out: p, {"bow": 1.0}, "out"),
+}
+
+
+@pytest.mark.parametrize("companion", COMPANIONS)
+def test_some_but_not_all_properties_of_a_companion(companion):
+    function, given, missing = COMPANIONS[companion]
+    element = fm.Element(bar, **{companion: function})
+    with pytest.raises(fm.ModelError, match=f"'own' .*{companion} needs '{missing}' too.*'{next(iter(given))}'"):
+        ends().add(element, "A", "B", name="own", **given)
+    # None of them: the element is without it.
+    ends().add(element, "A", "B", name="own")
+
+
+def test_a_law_needs_all_of_its_properties():
+    stop = planar.spring_damper(lambda e, ed, *, k, gap: k * e - gap)
+    for given in ({}, {"k": 1.0}, {"gap": 1.0}, {"k": 1.0, "gap": None}):
+        with pytest.raises(fm.ModelError, match=r"'own' .* needs the property '(k|gap)'"):
+            ends().add(stop, "A", "B", name="own", **given)
+
+
+def test_what_the_deformation_asks_for_is_no_part_of_a_companion():
+    """A belt without a section does not stretch, though its radii are properties of its energy too."""
+    b = ends()
+    b.add(planar.belt_to_point, "A", "B", name="rope", radius_p=0.01)
+    b = ends(3)
+    b.add(spatial.beam, "A", "B", name="rigid", y=(0, 0, 1))
+
+
+WRONG = {
+    "section a number": ({"section": 5e-4}, r"Property 'section' of element 'leaf' must be a Section.*not 0.0005"),
+    "section a word": ({"section": "steel"}, r"Property 'section' of element 'leaf' must be a Section.*not 'steel'"),
+    "section a material": ({"section": STEEL}, r"Property 'section' of element 'leaf' must be a Section.*Material"),
+    "damping a number": ({"section": LEAF, "damping": 0.01}, r"Property 'damping' of element 'leaf' must be a Damping"),
+    "thickness a word": (
+        {"section": fm.Rectangle(0.018, "0.5e-3", STEEL)},
+        r"section of element 'leaf' has thickness = '0.5e-3', but it must be a number",
+    ),
+    "thickness two numbers": (
+        {"section": fm.Rectangle(0.018, [5e-4, 5e-4], STEEL)},
+        r"section of element 'leaf' has thickness = \[0.0005, 0.0005\], but it must be a number",
+    ),
+    "thickness forgotten": (
+        {"section": fm.Rectangle(0.018, None, STEEL)},
+        r"section of element 'leaf' has thickness = None, but it must be a number",
+    ),
+    "material a number": (
+        {"section": fm.Rectangle(0.018, 5e-4, 210e9)},
+        r"section of element 'leaf' has material = 2100000+\.0, but it must be a Material",
+    ),
+    "an unknown rule of torsion": (
+        {"section": fm.Rectangle(0.018, 5e-4, STEEL, torsion="exact")},
+        r"section of element 'leaf' has torsion = 'exact', but it must be one of 'series', 'approximate'",
+    ),
+    "three clamped ends": (
+        {"section": fm.Rectangle(0.018, 5e-4, STEEL, warping_length=0.1, clamped_ends=3)},
+        r"section of element 'leaf' has clamped_ends = 3",
+    ),
+    "shear a word": (
+        {"section": fm.Rectangle(0.018, 5e-4, STEEL, shear="no")},
+        r"section of element 'leaf' has shear = 'no', but it must be True or False",
+    ),
+    "second_order a word": ({"section": LEAF, "second_order": "no"}, r"'second_order' of element 'leaf' must be True"),
+    "too large": ({"section": fm.Rigidity(EA=1e200)}, r"'section' of element 'leaf' has a value .* too large"),
+    "a damping below zero": (
+        {"section": LEAF, "damping": fm.Damping(EA=-1.0)},
+        r"The damping of element 'leaf' has EA = -1.0, but it cannot be negative",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_properties_of_a_beam(case):
+    properties, message = WRONG[case]
+    with pytest.raises(fm.ModelError, match=message):
+        ends().add(planar.beam, "A", "B", name="leaf", **properties)
+
+
+OTHERS = {
+    "axis of two numbers": (
+        lambda b: b.add(spatial.hinge, "A", "B", name="h", axis=(0, 1)),
+        r"Property 'axis' of element 'h' .*must have shape \(3,\), but has shape \(2,\)",
+    ),
+    "axis a word": (lambda b: b.add(spatial.hinge, "A", "B", name="h", axis="z"), r"'axis' of element 'h' must be num"),
+    "ratio a word": (
+        lambda b: b.add(spatial.screw, "A", "B", name="g", axis=(0, 0, 1), pitch="3"),
+        r"Property 'pitch' of element 'g' must be a number, not '3'",
+    ),
+    "stiffness of two": (
+        lambda b: b.add(spatial.hinge, "A", "B", name="h", axis=(0, 0, 1), stiffness=(1.0, 2.0)),
+        r"Element 'h' \(hinge\): its stiffness cannot be computed",
+    ),
+    "stiffness a truth": (
+        lambda b: b.add(spatial.hinge, "A", "B", name="h", axis=(0, 0, 1), stiffness=True),
+        r"Property 'stiffness' of element 'h' must be a number, not True",
+    ),
+    "a hinge of a body with itself": (
+        lambda b: b.add(spatial.hinge, "A", "A", name="h", axis=(0, 0, 1)),
+        r"Element 'h' \(hinge\) joins node 'A.rotation' to itself",
+    ),
+    "a mass below zero": (lambda b: b.add(spatial.mass, "A", name="m", mass=-1.0), r"'m' has a negative mass"),
+    "a mass without mass": (lambda b: b.add(spatial.mass, "A", name="m"), r"'m' .*does nothing without .*'mass'"),
+    "Poisson's ratio in percent": (
+        lambda b: b.add(spatial.beam, "A", "B", name="s", section=fm.Circle(1e-3, fm.Material(1e9, 1e9, nu=30.0))),
+        r"section of element 's' has nu = 30.0, but it must be above -1 and at most 0.5",
+    ),
+    "measured deformations that are not there": (
+        lambda b: b.add(fm.Element(spatial.truss.deformation, measured=(2,)), "A", "B", name="t"),
+        r"'t' \(truss\): its `measured` names deformations \[2\], but it has 1",
+    ),
+    "a ratio of zero": (
+        lambda b: (c := ends(), c.add(planar.gear, "A", "B", name="g", ratio=0.0)),
+        r"Element 'g' has a ratio of zero",
+    ),
+    "no function": (lambda b: b.add("beam", "A", "B"), r"Element type must be .* such as planar.beam, not 'beam'"),
+    "the module": (lambda b: b.add(spatial, "A", "B"), r"Element type must be .* such as planar.beam"),
+    "a factory": (lambda b: b.add(spatial.spectral_beam, "A", "B"), r"'spatial_beam' makes element types: call it"),
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_wrong_properties_of_others(case):
+    act, message = OTHERS[case]
+    with pytest.raises(fm.ModelError, match=message):
+        act(ends(3))
+
+
+# -- elements of one's own ----------------------------------------------------------------------------------------
+
+
+def scalar(p: fm.Point2, q: fm.Point2, *, ref):
+    return beams.truss(p, q, ref=ref)[0]
+
+
+def column(p: fm.Point2, q: fm.Point2, *, ref):
+    return beams.truss(p, q, ref=ref)[:, None]
+
+
+def broken(p: fm.Point2, q: fm.Point2, *, ref):
+    return p + jnp.zeros(3)
+
+
+SHAPES = {
+    "a deformation that is one number": ({"deformation": scalar}, r"'own' \(scalar\): its deformation must .* \(n,\)"),
+    "a deformation that is a matrix": ({"deformation": column}, r"'own' \(column\): its deformation must .* \(1, 1\)"),
+    "a deformation that cannot be computed": (
+        {"deformation": broken},
+        r"'own' \(broken\): its deformation cannot be computed",
+    ),
+    "a stiffness that is a number": (
+        {"deformation": bar, "stiffness": lambda *, ref: 3.0},
+        r"'own' \(bar\): its stiffness must have shape \(1, 1\), but has \(\)",
+    ),
+    "an energy that is a vector": (
+        {"deformation": bar, "energy": lambda e, *, ref: e**2},
+        r"'own' \(bar\): its energy must have shape \(\), but has \(1,\)",
+    ),
+    "a law that is a number": (
+        {"deformation": bar, "law": lambda e, ed, *, ref: e[0]},
+        r"'own' \(bar\): its law must have shape \(1,\), but has \(\)",
+    ),
+    "a force that is short": (
+        {"deformation": bar, "force": lambda p, q, *, ref: jnp.zeros(2)},
+        r"'own' \(bar\): its force must have shape \(4,\), but has \(2,\)",
+    ),
+    "an inertia without its matrix": (
+        {"deformation": bar, "inertia": lambda p, q, *, ref: jnp.stack([p, q])},
+        r"'own' \(bar\): its inertia must be vectors \(k, d\) and a matrix \(k, k\)",
+    ),
+    "an inertia whose matrix is small": (
+        {"deformation": bar, "inertia": lambda p, q, *, ref: (jnp.stack([p, q]), jnp.eye(1))},
+        r"'own' \(bar\): its inertia must be vectors \(k, d\) and a matrix \(k, k\)",
+    ),
+    "nodes that are not annotated": (
+        {"deformation": lambda p, q, *, ref: q - p},
+        r"must be annotated with a node kind",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SHAPES)
+def test_wrong_shapes_of_own_elements(case):
+    parts, message = SHAPES[case]
+    with pytest.raises(fm.ModelError, match=message):
+        ends().add(fm.Element(**parts), "A", "B", name="own")
+
+
+def length_itself(p: fm.Point2, q: fm.Point2, *, ref):
+    return beams.length(q - p)[None]
+
+
+def test_deformations_that_do_not_vanish_undeformed():
+    b = ends()
+    b.add(length_itself, "A", "B", name="bar", released="all")
+    b.fix("A")
+    b.fix("B", "y")
+    with pytest.raises(
+        fm.ModelError, match=r"Deformation 1 of element 'bar' \(length_itself\) is 0.1 where it must be zero"
+    ):
+        b.build()
+
+
+def test_deformations_that_are_no_number_undeformed():
+    def squared(p: fm.Point2, q: fm.Point2, *, ref):
+        return jnp.sqrt((q - p - ref.q + ref.p)[:1])
+
+    b = ends()
+    b.add(squared, "A", "B", name="bar", released="all")
+    b.fix("A")
+    b.fix("B", "y")
+    with pytest.raises(fm.ModelError, match=r"element 'bar' \(squared\).* derivative .*not finite"):
+        b.build()
+
+
+def test_euler_parameters_that_are_no_rotation():
+    b = ends(3)
+    with pytest.raises(fm.ModelError, match=r"Euler parameters of node 'R' must have norm 1, but \(1, 1, 0, 0\) have"):
+        b.rotation("R", (1, 1, 0, 0))
+    with pytest.raises(fm.ModelError, match=r"Node 'R' must have 4 coordinates, but has 3"):
+        b.rotation("R", (1, 0, 0))
+    with pytest.raises(fm.ModelError, match=r"Node 'r' must have 1 coordinate, but has 2"):
+        ends().rotation("r", np.zeros(2))
+
+
+def test_damping_of_what_cannot_deform_is_warned_of():
+    b = ends()
+    b.add(planar.beam, "A", "B", name="leaf", damping=fm.Damping(EA=1.0))
+    b.fix("A")
+    with pytest.warns(fm.FlexmbWarning, match="Damping of element 'leaf'"):
+        b.build()
+
+
+def test_gravity_that_acts_on_nothing_is_warned_of():
+    b = ends()
+    b.add(planar.beam, "A", "B", name="leaf", section=fm.Rectangle(0.018, 5e-4, fm.Material(E=210e9, G=80e9)))
+    b.fix("A")
+    b.gravity((0, -9.81))
+    with pytest.warns(fm.FlexmbWarning, match="Gravity acts on nothing"):
+        b.build()
+    b.mass("B", 1.0)
+    b.build()
