@@ -400,10 +400,10 @@ def test_warnings_of_the_package_are_in_the_answer(monkeypatch):
     assert (result.exit_code, data["warnings"], result.stderr) == (0, ["Not what you may think."], "")
 
 
-def warned_by_the_package(model):
+def warned_by_the_package(model, **given):
     for _ in range(2):
         warn("Not what you may think.")
-    return fm.linearize(model)
+    return fm.linearize(model, **given)
 
 
 @pytest.mark.parametrize("mode", [0, 7, 9])
@@ -566,3 +566,13 @@ def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"]) == (1, "not_valid")
     assert result.stderr.startswith("held.dat: not_valid: Output 'stress 1.1' is the stress of a fixed deformation")
+
+
+@pytest.mark.parametrize("mode", [1, 7, 8, 9])
+def test_a_negative_mass_is_refused_in_every_mode(mode, tmp_path):
+    path = tmp_path / "negative.dat"
+    text = mechanism_path("pf2d3dof").read_text()
+    path.write_text(re.sub("(?m)^XM 4 .*$", "XM 4 -0.01\nTIMESTEP 0.01 2", text))
+    result = call("run", path, "--mode", mode, "--json", "-")
+    assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "singular_mass")
+    assert result.stderr.startswith("negative.dat: singular_mass: The mass matrix is singular")

@@ -176,13 +176,7 @@ def test_functions_with_derivatives_of_their_own_are_told_apart():
     assert captured(jax.nn.relu, time).code == captured(jax.nn.relu, time).code != captured(jax.nn.softplus, time).code
 
 
-@pytest.mark.parametrize("value", [3.0, "sin", None])
+@pytest.mark.parametrize("value", [3.0, "sin", None, lambda t: 1.0 if t > 0.5 else 0.0])
 def test_what_is_no_function_is_refused_by_name(mass, value):
-    with pytest.raises(TypeError, match=r"Load 'm\.x' must be a function of time"):
+    with pytest.raises(fm.ModelError, match=r"Load 'm\.x' (must be|cannot be computed as) a function of time"):
         fm.simulate(mass, TIMES, loads={"m.x": value})
-
-
-def test_a_function_that_cannot_be_traced_is_named(mass):
-    with pytest.raises(jax.errors.TracerBoolConversionError) as raised:
-        fm.simulate(mass, TIMES, loads={"m.x": lambda t: 1.0 if t > 0.5 else 0.0})
-    assert any("Load 'm.x'" in note for note in raised.value.__notes__)

@@ -143,7 +143,10 @@ OTHERS = {
         lambda b: b.add(spatial.hinge, "A", "A", name="h", axis=(0, 0, 1)),
         r"Element 'h' \(hinge\) joins node 'A.rotation' to itself",
     ),
-    "a mass below zero": (lambda b: b.add(spatial.mass, "A", name="m", mass=-1.0), r"'m' has a negative mass"),
+    "a mass below zero": (
+        lambda b: b.add(spatial.mass, "A", name="m", mass=-1.0),
+        r"Element 'm' has a mass of -1.0, but it cannot be negative",
+    ),
     "a mass without mass": (lambda b: b.add(spatial.mass, "A", name="m"), r"'m' .*does nothing without .*'mass'"),
     "Poisson's ratio in percent": (
         lambda b: b.add(spatial.beam, "A", "B", name="s", section=fm.Circle(1e-3, fm.Material(1e9, 1e9, nu=30.0))),

@@ -101,8 +101,9 @@ def spring_of(law):
 
 
 def test_what_a_user_wrote_is_traced(folder):
+    models = [spring_of(law_of(k)) for k in (10.0, 20.0)]
     before = names(folder)
-    moved = [float(fm.equilibrium(spring_of(law_of(k))).at("cart")[0]) - 1 for k in (10.0, 20.0)]
+    moved = [float(fm.equilibrium(model).at("cart")[0]) - 1 for model in models]
     assert moved == pytest.approx([0.1, 0.05], rel=1e-9)  # F/k
     amplitude = {"value": 2.0}.get
     assert float(jit(lambda x: amplitude("value") * x)(jnp.array(1.0))) == 2.0
