@@ -14,6 +14,7 @@ from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.sections import Rigidity
 from ..math.indices import put
+from ..mechanics.blocks import with_meaning
 from ..model.model import Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
 from ..model.roles import Role
@@ -206,7 +207,8 @@ def _block(
             stacked[name] = _stack_trees([p.properties[name] for p in ordered])
     told = "resultants" in companions
     stressed = tuple(p.name if told and "resultants" in p.companions else None for p in ordered)
-    return Block(element, companions, options, x, e, ordered[0].splits), stacked, stressed
+    block = Block(element, companions, options, x, e, ordered[0].splits)
+    return with_meaning(block, stacked), stacked, stressed
 
 
 def _with_section(piece: _Piece) -> _Piece:

@@ -1,6 +1,7 @@
 """Properties of an element: completed by their defaults, of the kind that the element asks for, none forgotten."""
 
 import dataclasses
+import functools
 import inspect
 import types
 import typing
@@ -241,23 +242,19 @@ def number_of_deformations(element: Element, name: str, properties: dict[str, An
     options = {k: v for k, v in properties.items() if is_option(v)}
     leaves, structure = jax.tree.flatten({k: v for k, v in properties.items() if not is_option(v)})
     shapes = tuple(np.shape(leaf) for leaf in leaves)
-    key = (element, tuple(sorted(options.items())), structure, shapes)
-    if key not in _COUNTS:
-        try:
-            _COUNTS[key] = _count(element, options, structure, shapes)
-        except _WrongFunction as fault:
-            raise ModelError(f"Element '{name}' ({element.name}): its {fault}") from fault.__cause__
-    return _COUNTS[key]
-
-
-_COUNTS: dict[Any, int] = {}
+    try:
+        return _count(element, tuple(sorted(options.items())), structure, shapes)
+    except _WrongFunction as fault:
+        raise ModelError(f"Element '{name}' ({element.name}): its {fault}") from fault.__cause__
 
 
 class _WrongFunction(Exception):
     """What is wrong with one of an element's functions."""
 
 
-def _count(element: Element, options: dict[str, Any], structure: Any, shapes: tuple) -> int:
+@functools.lru_cache(1000)
+def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> int:
+    options = dict(chosen)
     nodes = [jax.ShapeDtypeStruct((kind.size,), float) for kind in element.nodes.values()]
     numbers = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(shape, float) for shape in shapes])
 

@@ -33,7 +33,7 @@ def _check_centres(*, ref) -> list[str]:
 
 
 def _check_gear(*, ref, ratio: float) -> list[str]:
-    return _check_centres(ref=ref) + ([] if float(ratio) else ["has a ratio of zero"])
+    return _check_centres(ref=ref) + ([] if np.all(ratio) else ["has a ratio of zero"])
 
 
 def _around(centre, start, turns) -> Float[Array, "2"]:

@@ -1,15 +1,22 @@
 """Call element functions on all elements of a block, and scatter what they return."""
 
+import dataclasses
+import functools
 from typing import Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from ..elements.element import NONLINEAR
+from ..elements.element import NONLINEAR, Element
 from ..elements.sections import Rigidity, Section
+from ..errors import ModelError
 from ..math.compile import as_primitives, traced_once
 from ..math.indices import accumulate
+from ..math.kept import described
+from ..math.program import captured
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 
@@ -69,7 +76,55 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str):
     if companion not in block.companions:
         return None, properties
     properties = with_rigidities(properties)
-    return element_function(block, getattr(block.element, companion), properties), properties
+    function = element_function(block, getattr(block.element, companion), properties)
+    then = dict(block.meaning or ()).get(companion)
+    if then is not None and then != _meaning(block, companion, function, properties):
+        raise ModelError(
+            f"Element type '{block.element.name}': a number that its {companion} refers to has changed since the model"
+            " was built. Build the model again, or make the number a property of the element."
+        )
+    return function, properties
+
+
+def with_meaning(block: Block, properties: dict[str, Any]) -> Block:
+    """A block that knows what functions of a user's own do now, so that none is taken for what it did before.
+
+    Args:
+        block: Block.
+        properties: Its stacked properties.
+    """
+    if _of_package(block.element):
+        return block
+    found = []
+    for companion in block.companions:
+        function, own = companion_of(block, properties, companion)
+        found.append((companion, _meaning(block, companion, function, own)))
+    return dataclasses.replace(block, meaning=tuple(found))
+
+
+@functools.lru_cache(1000)
+def _of_package(element: Element) -> bool:
+    """Whether no function of a user's own takes part in an element."""
+    try:
+        described(element)
+    except (TypeError, ValueError, AttributeError, RecursionError):
+        return False
+    return True
+
+
+def _meaning(block: Block, companion: str, function, properties: dict[str, Any]):
+    """A function of one element as a program and the numbers in it; None where those are traced."""
+    n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
+    e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
+    own = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
+    taken: Any = {"energy": (e,), "dissipation": (e, e), "law": (e, e)}.get(companion, coordinates)
+    extra = {"place": place, "sigma": e} if companion == "resultants" else {}
+    if companion == "deformation" and block.element.tracks_angle:
+        extra["near"] = e
+    found = captured(lambda x, ref, own, extra: function(x, ref, own, **extra), taken, coordinates, own, extra)
+    if any(isinstance(number, jax.core.Tracer) for number in found.numbers):
+        return None
+    return found.code, tuple((np.shape(number), np.asarray(number).tobytes()) for number in found.numbers)
 
 
 def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:

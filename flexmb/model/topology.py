@@ -16,6 +16,7 @@ class Block(Record):
         x: Index of each element's coordinates, (elements, coordinates).
         e: Index of each element's deformations, (elements, deformations).
         splits: Where the coordinates of one node end and the next begin.
+        meaning: What functions of a user's own did when the model was built, by companion; None of the package's.
     """
 
     element: Element = static()
@@ -24,6 +25,7 @@ class Block(Record):
     x: Int[Array, "elements coordinates"]
     e: Int[Array, "elements deformations"]
     splits: tuple[int, ...] = static()
+    meaning: tuple[tuple[str, object], ...] | None = static(default=None)
 
 
 class RoleIndices(Record):
