@@ -574,7 +574,7 @@ class Builder:
                 move or do not determine the rest.
 
         Warns:
-            FlexmbWarning: A prestress, strain or damping of deformations that are held; gravity where nothing has mass.
+            FlexmbWarning: A prestress, strain or damping of deformations that are held.
         """
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed, ModelError)

@@ -2,20 +2,18 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..arguments import is_concrete
 from ..errors import warn
 from ..model.roles import Role
 
 if TYPE_CHECKING:
-    from .builder import Builder, Member
+    from .builder import Builder
 
 HELD = (Role.FIXED, Role.PRESCRIBED)
 
 
 def warn_of_idle(builder: "Builder") -> None:
-    """Warn of what acts on nothing: stress, strain and damping where all is held, gravity where nothing has mass.
+    """Warn of stress, strain and damping that act on deformations which are all held.
 
     Args:
         builder: Builder.
@@ -39,14 +37,3 @@ def warn_of_idle(builder: "Builder") -> None:
         damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
         if damped and member.roles and all(role in HELD for role in member.roles):
             warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
-    if any("gravity" in sets for sets in builder.loads.values()) and not any(map(_may_weigh, builder.members.values())):
-        warn("Gravity acts on nothing: no element has a density and no node a mass.")
-
-
-def _may_weigh(member: "Member") -> bool:
-    """Whether an element has a mass, as far as is known without computing it."""
-    if member.element.arguments(member.element.inertia, member.properties) is None:
-        return False
-    section = member.properties.get("section")
-    mass = section.rigidity().mass if section is not None else member.properties.get("mass", 1.0)
-    return not is_concrete(mass) or bool(np.any(np.asarray(mass) != 0))

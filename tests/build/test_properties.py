@@ -277,17 +277,6 @@ def test_damping_of_what_cannot_deform_is_warned_of():
         b.build()
 
 
-def test_gravity_that_acts_on_nothing_is_warned_of():
-    b = ends()
-    b.add(planar.beam, "A", "B", name="leaf", section=fm.Rectangle(0.018, 5e-4, fm.Material(E=210e9, G=80e9)))
-    b.fix("A")
-    b.gravity((0, -9.81))
-    with pytest.warns(fm.FlexmbWarning, match="Gravity acts on nothing"):
-        b.build()
-    b.mass("B", 1.0)
-    b.build()
-
-
 def test_whatever_is_a_number_may_be_traced():
     """Checks of values pass what is traced: alone, in lists and in arrays."""
 
