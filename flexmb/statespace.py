@@ -1,6 +1,6 @@
 """The linearised mechanism as a state-space model of python-control."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import jax
 import jax.numpy as jnp
@@ -157,17 +157,19 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
 
     Raises:
         ModelError: An output is the stress of a FIXED deformation, or an input moves nothing.
-        AnalysisError: singular_mass where nothing carries mass, or some motion a negative one.
+        AnalysisError: singular_mass where nothing carries mass, or some motion a negative one; what the linearisation
+            failed by.
 
     Source:
         FORMULATION.md 7; tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K, -M0^-1 (C0 + D0)]],
         a stress input adds to sigma: B = -M0^-1 DFe^T.
     """
-    lin = model if isinstance(model, Linearization) else linearized(model, "state_matrices")
+    lin = model if _is_along_motion(model) else linearized(model, "state_matrices")
     labels, m = lin.labels, lin.matrices
     traced = not is_concrete(m)
     condensed: tuple[int, ...] = ()
     if not traced:
+        _check_times(lin)
         _check_outputs(lin)
         refuse_negative_mass(lin)
         condensed = _all_massless(lin)
@@ -177,6 +179,18 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
         raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
     found = _state_matrices(m, inputs=labels.inputs, outputs=labels.outputs, condensed=condensed)
     return found, names + [f"d {name}" for name in names]
+
+
+def _is_along_motion(model: Model | Linearization) -> TypeGuard[Linearization]:
+    return isinstance(model, Linearization) and model.matrices.M0.ndim > 2
+
+
+def _check_times(lin: Linearization) -> None:
+    """Refuse a motion at some time of which the degrees of freedom do not determine the configuration."""
+    wrong = np.flatnonzero(np.asarray(lin.matrices.result) != RESULTS.successful)
+    if len(wrong) and lin.matrices.M0.ndim > 2:
+        code = RESULTS(int(np.asarray(lin.matrices.result)[wrong[0]]))
+        raise AnalysisError(code.name, f"At {len(wrong)} of the times, {wrong[0]} the first: {code.message}")
 
 
 def _check_outputs(lin: Linearization) -> None:
@@ -272,12 +286,12 @@ def to_statespace(model: Model | Linearization) -> "control.StateSpace":
     """
     import control
 
-    lin = model if isinstance(model, Linearization) else linearized(model, "to_statespace")
-    if lin.matrices.M0.ndim > 2:
+    if _is_along_motion(model):
         raise ModelError(
-            f"This linearisation is along a motion, at {len(lin.matrices.M0)} times, and a control.StateSpace is that"
+            f"This linearisation is along a motion, at {len(model.matrices.M0)} times, and a control.StateSpace is that"
             " at one: give lin.at_time(0), or take A, B, C and D at all of them from state_matrices(lin)."
         )
+    lin = linearized(model, "to_statespace")
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
         raise ModelError("A state-space model needs an input and an output: name them with input() and output().")

@@ -16,7 +16,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces
 from ..mechanics.residual import State, linear_response
 from ..mechanics.transfer import multipliers
-from ..model.model import Model, as_model
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -223,7 +223,7 @@ def buckling_loads(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
-    as_model(model, "buckling_loads")
+    as_determined(model, "buckling_loads")
     multiplier, _, result = _buckling(model.topology, model.parameters)
     check(result, throw)
     return multiplier
@@ -245,7 +245,7 @@ def buckling(model: Model, *, throw: bool = True) -> Buckling:
     Source:
         See :func:`buckling_loads`.
     """
-    as_model(model, "buckling")
+    as_determined(model, "buckling")
     multiplier, shapes, result = _buckling(model.topology, model.parameters)
     check(result, throw)
     bounded = int(np.sum(np.isfinite(multiplier)))

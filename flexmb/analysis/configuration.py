@@ -14,7 +14,7 @@ from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
 from ..mechanics.transfer import correction, held_rows, transfer
-from ..model.model import Labels, Model, as_model
+from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -177,7 +177,7 @@ def configuration(
     Source:
         FORMULATION.md 4: Newton's method on D(x) = e, in steps.
     """
-    start = as_model(model, "configuration").parameters.start
+    start = as_determined(model, "configuration").parameters.start
     zero = jnp.zeros(model.topology.n_q)
     given = (zero, zero) if start is None else start
     for name, value in (("q", q), ("qd", qd)):

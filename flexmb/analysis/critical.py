@@ -16,7 +16,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, reduced_response, state
 from ..mechanics.stress import is_nonlinear
-from ..model.model import Model, as_model
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -305,7 +305,7 @@ def limit_load(model: Model, *, step: float = 0.1, max_steps: int = 200, throw: 
     Source:
         At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium holds no displacement.
     """
-    as_model(model, "limit_load")
+    as_determined(model, "limit_load")
     check_number("step", step, above=0)
     first, most = jnp.asarray(step, float), jnp.asarray(check_whole("max_steps", max_steps, 1), jnp.int32)
     load, result = _compiled_limit_load(model.topology, model.parameters, first, most)

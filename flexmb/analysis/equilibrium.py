@@ -19,7 +19,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
-from ..model.model import Labels, Model, as_model
+from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -429,7 +429,8 @@ def equilibrium(
         FORMULATION.md 4, 5 and 7.
     """
     check_flag("sparse", sparse)
-    target = load_factors_of(as_model(model, "equilibrium"), load_factor, increment, "equilibrium")
+    (as_model if sparse else as_determined)(model, "equilibrium")
+    target = load_factors_of(model, load_factor, increment, "equilibrium")
     if sparse:
         from .large import sparse_equilibrium
 

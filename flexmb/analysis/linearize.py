@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_whole
+from ..arguments import check_whole, is_concrete
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
@@ -14,7 +14,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential
 from ..mechanics.residual import State
 from ..mechanics.stress import element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
-from ..model.model import Labels, Model, as_model
+from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -223,15 +223,18 @@ def linearized(given: Model | Linearization, function: str, throw: bool = True) 
     Raises:
         TypeError: It is neither.
         ValueError: It is a linearisation along a motion, at many times.
+        AnalysisError: The equilibrium was not found.
     """
     if not isinstance(given, Linearization):
-        model = as_model(given, function)
+        model = as_determined(given, function)
         return _linearized(model, load_factors_of(model, 1.0, None, function), throw)
     if given.matrices.M0.ndim > 2:
         raise ValueError(
             f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"
             f" {len(given.matrices.M0)} times: give lin.at_time(0)."
         )
+    if is_concrete(given.matrices.result):
+        check(given.matrices.result, throw)
     return given
 
 
@@ -260,7 +263,7 @@ def linearize(
     Source:
         FORMULATION.md 6; K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
     """
-    target = load_factors_of(as_model(model, "linearize"), load_factor, increment, "linearize")
+    target = load_factors_of(as_determined(model, "linearize"), load_factor, increment, "linearize")
     return _linearized(model, target, throw)
 
 

@@ -12,7 +12,7 @@ from ..math.linear import diagonal_of, is_positive_definite, is_positive_semidef
 from ..math.record import Record
 from ..math.threads import one_thread
 from ..mechanics.loads import LoadFactors, lacks_potential
-from ..model.model import Model, as_model
+from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -209,11 +209,11 @@ def frequencies(
         target = load_factors_of(as_model(model, "frequencies"), 1.0, None, "frequencies")
         return to_frequency(sparse_eigenvalues(model, target, count))
     if isinstance(model, Linearization):
-        linearized(model, "frequencies")
+        linearized(model, "frequencies", throw)
         refuse_unsymmetric(model.matrices.symmetric)
         values, result = _frequencies_at(model.matrices, count=count)
     else:
-        warn_of_increment(as_model(model, "frequencies"), "frequencies")
+        warn_of_increment(as_determined(model, "frequencies"), "frequencies")
         refuse_unsymmetric(not lacks_potential(model.topology))
         values, result = _frequencies(model.topology, model.parameters, count=count)
     check_spectrum(result, throw, model)
@@ -305,6 +305,8 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     refuse_negative_mass(lin)
     found = lin.matrices
     n = found.M0.shape[0]
+    if not n:
+        return np.zeros(0, complex)
     eye, zero = np.eye(n), np.zeros((n, n))
     left = np.block([[zero, eye], [-np.asarray(found.K), -np.asarray(found.C0 + found.D0)]])
     right = np.block([[eye, zero], [zero, np.asarray(found.M0)]])

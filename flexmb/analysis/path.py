@@ -14,7 +14,7 @@ from ..math.linear import factorise
 from ..math.record import Record
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
-from ..model.model import Model, as_model
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import check
@@ -166,7 +166,7 @@ def path(
         FORMULATION.md 7. A critical point is where an eigenvalue of K changes sign; from psi^T (K t + r_load t_load)
         = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a bifurcation.
     """
-    as_model(model, "path")
+    as_determined(model, "path")
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")

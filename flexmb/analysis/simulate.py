@@ -445,7 +445,11 @@ def _initial(model: Model, initial):
     if initial.labels.x != model.labels.x:
         raise ModelError("Argument `initial` is a state of another model: its nodes are not those of this one.")
     if isinstance(initial, Motion):
+        if is_concrete(initial.x) and not np.all(np.isfinite(np.asarray(initial.x[-1]))):
+            raise ModelError("Argument `initial` is a motion that did not reach its end: give motion.until(count).")
         return Start(initial.x[-1], initial.xd[-1], initial.near[-1])
+    if is_concrete(initial.result):
+        check(initial.result, True)
     rest = jnp.zeros(model.topology.n_x)
     return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest)
 

@@ -14,7 +14,7 @@ from ..errors import ModelError
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.stress import section_resultants as resultants_of_blocks
-from ..model.model import Labels, Model, as_model
+from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .equilibrium import Equilibrium, equilibrium, warn_of_increment
@@ -189,7 +189,7 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, places, rows):
 
 def _state(model: Model, points: int, at, load_factor: float, increment: float | None, throw: bool, function: str):
     """Names, what both kernels take, and code of the equilibrium."""
-    as_model(model, function)
+    (as_determined if at is None else as_model)(model, function)
     points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
@@ -198,7 +198,7 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float |
         if increment is None:
             warn_of_increment(model, function)
         at = equilibrium(model, load_factor=load_factor, increment=increment or 0.0, throw=throw)
-    if not isinstance(at, Equilibrium | Linearization):
+    if getattr(at, "x", None) is None:
         raise TypeError(
             f"Argument `at` must be an Equilibrium or a Linearization of this model, not a {type(at).__name__}."
         )

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_number, check_numbers, is_concrete, numbers, shown
 from ..math.compile import jit
 from ..mechanics.loads import LoadFactors, lacks_potential
-from ..model.model import Model, as_model
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
@@ -154,7 +154,7 @@ def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = Tr
     Source:
         :func:`mode_assurance`; Rayleigh's quotient, stationary at a mode.
     """
-    warn_of_increment(as_model(model, "frequency_like"), "frequency_like")
+    warn_of_increment(as_determined(model, "frequency_like"), "frequency_like")
     refuse_unsymmetric(not lacks_potential(model.topology))
     check_numbers("Argument `shape`", shape)
     if np.shape(shape) != (model.topology.n_q,):

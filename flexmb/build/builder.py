@@ -11,21 +11,22 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from ..arguments import as_whole, check_choice, check_flag, check_numbers, is_concrete, shown
+from ..arguments import check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
 from ..elements.element import ALL, COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
-from ..errors import ModelError, warn
+from ..errors import ModelError
 from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
 from .dofs import check_inputs, complete
+from .given import listed, named, number_in, released_in, some_of
+from .idle import warn_of_idle
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations
 
 AXES = ("x", "y", "z")
-HELD = (Role.FIXED, Role.PRESCRIBED)
 # Rotations in space about the axes, as inputs and outputs name them.
 TURNS = ("rx", "ry", "rz")
 # Euler parameters off the unit norm by more than this are no rotation.
@@ -114,10 +115,10 @@ class Builder:
         Raises:
             ModelError: The name is taken, or the position has another dimension than the rest or is not finite.
         """
-        name = _named("A node", name)
+        name = named("A node", name)
         if name.endswith(".rotation"):
             raise ModelError(f"Node '{name}' would be taken for the rotation of a node: add one with rotation().")
-        position = _listed(f"Node '{name}'", position)
+        position = listed(f"Node '{name}'", position)
         if len(position) not in (2, 3):
             raise ModelError(f"Node '{name}' must have 2 or 3 coordinates, but has {len(position)}.")
         kind = POINT2 if len(position) == 2 else POINT3
@@ -137,9 +138,9 @@ class Builder:
         Raises:
             ModelError: The name is taken, there is no node with a position yet, or ``start`` is no rotation.
         """
-        name = _named("A rotation", name)
+        name = named("A rotation", name)
         kind = ANGLE if self._dimension_for(name) == 2 else ROTATION3
-        own = list(kind.start) if start is None else _listed(f"Start of rotation '{name}'", start)
+        own = list(kind.start) if start is None else listed(f"Start of rotation '{name}'", start)
         self._new_node(name, kind, own)
         return name
 
@@ -171,7 +172,7 @@ class Builder:
                 deformation out of range, zero length, parallel y vector, functions that do not fit together.
         """
         element = element_type(element)
-        name = self._free_name(element.name) if name is None else _named("An element", name)
+        name = self._free_name(element.name) if name is None else named("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
         properties = complete_properties(element, name, properties)
@@ -182,7 +183,7 @@ class Builder:
             raise ModelError(f"Element '{name}' ({element.name}) does nothing without the property {wanted}.")
         usual = (ALL if element.is_elastic(properties) else ()) if element.released is None else element.released
         roles = [Role.FIXED] * n_e
-        for i in (*_released(name, usual if released is None else released, n_e), *element.measured):
+        for i in (*released_in(name, usual if released is None else released, n_e), *element.measured):
             roles[i - 1] = Role.DEPENDENT
         resolved = self._resolve(element, name, [str(n) for n in nodes])
         kinds = list(element.nodes.values())
@@ -202,7 +203,7 @@ class Builder:
             element: Name of the element.
             deformations: Numbers from 1.
         """
-        given = _some_of("release", element, deformations)
+        given = some_of("release", element, deformations)
         self._set_roles([self._entry(element, i, "element") for i in given], Role.DEPENDENT)
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
@@ -240,7 +241,7 @@ class Builder:
             kind: "node" or "element", where both bear the name.
         """
         keys: list[Key] = []
-        for component in _some_of("dof", of, components):
+        for component in some_of("dof", of, components):
             key = self._entry(of, component, kind)
             if key in (*self.dofs, *keys):
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
@@ -369,7 +370,7 @@ class Builder:
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
         for name, flag in (("increment", increment), ("follower", follower)):
             check_flag(name, flag, ModelError)
-        force, kind = _listed(f"Force on node '{part}'", force), self.nodes[part].kind
+        force, kind = listed(f"Force on node '{part}'", force), self.nodes[part].kind
         size = kind.size
         if len(force) > size or (len(force) < size and kind.part != "internal"):
             raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {size}.")
@@ -419,7 +420,7 @@ class Builder:
             increment: Whether it belongs to the incremental loads.
         """
         check_flag("increment", increment, ModelError)
-        acceleration = _listed("Gravity", acceleration)
+        acceleration = listed("Gravity", acceleration)
         self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
 
@@ -545,7 +546,7 @@ class Builder:
         return entry, None
 
     def _add_signal(self, side: str, name: str, signal: NamedSignal) -> None:
-        name = _named(f"An {side}", name)
+        name = named(f"An {side}", name)
         # Where a control system is made of them, a point becomes a blank.
         if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
             raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
@@ -573,7 +574,7 @@ class Builder:
                 move or do not determine the rest.
 
         Warns:
-            FlexmbWarning: A prestress, strain or damping of deformations that are held; gravity where nothing has mass.
+            FlexmbWarning: A prestress, strain or damping of deformations that are held.
         """
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed, ModelError)
@@ -590,7 +591,7 @@ class Builder:
                 f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
             )
         if check:
-            self._warn_of_idle()
+            warn_of_idle(self)
         model, before = assemble(self), next_carried()
         if not is_concrete(model.parameters.reference):
             if before is not None and (twin := as_in(self, before)) is not self:
@@ -698,34 +699,10 @@ class Builder:
     def _values(self, what: str, element: str, values: tuple) -> list[tuple[Key, Any]]:
         """Numbers of an element's deformations, from the first on, with the keys of these."""
         found = []
-        for i, value in enumerate(_some_of(what.lower(), element, values), 1):
+        for i, value in enumerate(some_of(what.lower(), element, values), 1):
             check_numbers(f"{what} of element '{element}'", value, (), ModelError)
             found.append((self._entry(element, i, "element"), value))
         return found
-
-    def _warn_of_idle(self) -> None:
-        """Say what acts on deformations that are all held, where it does nothing."""
-        for what in ("prestress", "strain"):
-            for sets in self.loads.values():
-                acting: dict[str, list[int]] = {}
-                for (_, of, number), value in sets.get(what, {}).items():
-                    if not is_concrete(value) or value != 0:
-                        acting.setdefault(of, []).append(number)
-                for of, numbers in acting.items():
-                    roles = [self.members[of].roles[n - 1] for n in numbers]
-                    if all(role in HELD for role in roles):
-                        told = ", ".join(f"deformation {n} is {r.value}" for n, r in zip(numbers, roles, strict=True))
-                        warn(
-                            f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
-                            " deformation, or leave it out."
-                        )
-        for of, member in self.members.items():
-            dampers = [getattr(member.element, kind) for kind in ("damping", "dissipation")]
-            damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
-            if damped and member.roles and all(role in HELD for role in member.roles):
-                warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
-        if any("gravity" in sets for sets in self.loads.values()) and not any(map(_may_weigh, self.members.values())):
-            warn("Gravity acts on nothing: no element has a density and no node a mass.")
 
     def _check_gravity(self, acceleration: list | None) -> None:
         """Refuse gravity of another dimension than the nodes."""
@@ -853,7 +830,7 @@ class Builder:
 
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
         """Node, which may be a rotation that is not there yet, and number of a coordinate named by letter or number."""
-        part, number = node, _number(component)
+        part, number = node, number_in(component)
         letter = isinstance(component, str) and number is None
         if node not in self.nodes:
             part = (
@@ -887,7 +864,7 @@ class Builder:
                 f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
             )
         if kind == "element" or (kind is None and is_element):
-            count, number = len(self._member(of).roles), _number(component)
+            count, number = len(self._member(of).roles), number_in(component)
             if number is None or not 1 <= number <= count:
                 raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
             return "element", of, number
@@ -912,64 +889,3 @@ class Builder:
                 )
         for key in keys:
             self._owner(key).roles[key[2] - 1] = role
-
-
-def _may_weigh(member: Member) -> bool:
-    """Whether an element has a mass, as far as is known without computing it."""
-    if member.element.arguments(member.element.inertia, member.properties) is None:
-        return False
-    section = member.properties.get("section")
-    mass = section.rigidity().mass if section is not None else member.properties.get("mass", 1.0)
-    return not is_concrete(mass) or bool(np.any(np.asarray(mass) != 0))
-
-
-def _named(what: str, name: Any) -> str:
-    """A name as it is kept; a number is a name too."""
-    if not isinstance(name, str) and as_whole(name) is None:
-        raise ModelError(f"{what} is named by a string, such as 'foot', not by {shown(name)}.")
-    if not str(name).strip() or not str(name).isprintable():
-        raise ModelError(f"{what} needs a name of printable characters, not {shown(name)}.")
-    return str(name)
-
-
-def _listed(what: str, values: Any) -> list:
-    """Several numbers as a list of one each."""
-    if isinstance(values, str | dict | set):
-        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
-    try:
-        found = list(values)
-    except TypeError:
-        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.") from None
-    for value in found:
-        check_numbers(what, value, (), ModelError)
-    return found
-
-
-def _number(component: Any) -> int | None:
-    """Number of a coordinate or deformation, None where it is none."""
-    if isinstance(component, str):
-        return int(component) if component.isascii() and component.isdecimal() else None
-    return as_whole(component)
-
-
-def _some_of(what: str, of: Any, given: tuple) -> tuple:
-    """What is given, which must be something."""
-    if not given:
-        raise ModelError(f"{what.capitalize()} of '{of}': say of what; nothing is named.")
-    return given
-
-
-def _released(name: str, wanted: Any, count: int) -> list[int]:
-    """Numbers of the deformations that may change."""
-    if isinstance(wanted, str) and wanted == ALL:
-        return list(range(1, count + 1))
-    found = None if isinstance(wanted, str | bytes | dict) or not hasattr(wanted, "__iter__") else list(wanted)
-    if found is None or any(as_whole(i) is None for i in found):
-        raise ModelError(
-            f"Argument `released` of element '{name}' must be \"all\" or numbers from 1, such as (2, 3); () for none."
-            f" It is {shown(wanted)}."
-        )
-    for i in found:
-        if not 1 <= i <= count:
-            raise ModelError(f"Element '{name}' has deformations 1 to {count}, not {i}.")
-    return [int(i) for i in found]

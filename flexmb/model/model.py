@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import ModelError
 from ..math.record import Record, static
 from .parameters import Parameters
 from .roles import Role
@@ -203,6 +204,28 @@ def as_model(given: Any, function: str) -> Model:
     kind = type(given).__name__
     instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "a Builder makes one by build()")
     raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not a {kind}: {instead}.")
+
+
+def as_determined(given: Any, function: str) -> Model:
+    """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it.
+
+    Args:
+        given: What is given as model.
+        function: Name of the public function that it is given to.
+
+    Raises:
+        TypeError: It is no Model.
+        ModelError: It has more or fewer degrees of freedom, since it was not checked.
+    """
+    model = as_model(given, function)
+    x, e = model.topology.x, model.topology.e
+    missing = x.dependent.shape[0] - sum(of.shape[0] for of in (e.fixed, e.prescribed, e.dof))
+    if missing:
+        raise ModelError(
+            f"fm.{function}: the {model.topology.n_q} degrees of freedom of this model do not determine it, which was"
+            f" built with check=False: {abs(missing)} {'more' if missing > 0 else 'fewer'} would. Build it with checks."
+        )
+    return model
 
 
 def _list(indices) -> list[int]:

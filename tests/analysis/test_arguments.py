@@ -400,3 +400,68 @@ def test_other_arguments(case):
 def test_the_sides_of_a_rectangle_are_exchanged_by_either_torsion_constant():
     for function in (fm.torsion_series, fm.torsion_approximate):
         assert function(0.018, 5e-4) == pytest.approx(float(function(5e-4, 0.018)), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(
+            "equilibrium",
+            "linearize",
+            "frequencies",
+            "modes",
+            "poles",
+            "buckling",
+            "buckling_loads",
+            "path",
+            "limit_load",
+        ),
+        *("configuration", "section_resultants", "compliance", "frequency_like", "state_matrices", "stiffness"),
+    ],
+)
+def test_a_model_that_was_not_checked_is_refused_where_its_freedoms_do_not_determine_it(name):
+    model = cart().build(check=False)
+    with pytest.raises(fm.ModelError, match=rf"fm\.{name}: .*check=False.* 2 more"):
+        ASKS[name](model)
+
+
+def beyond_reach():
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (0.1, 0))
+    leaf = fm.Rectangle(0.018, 5e-4, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    b.add(planar.beam, "A", "B", name="leaf", section=leaf)
+    b.fix("A")
+    b.force("B", (1e12, 1e12))
+    b.input("B", "x")
+    b.output("B", "x")
+    return b.build()
+
+
+def test_what_was_not_found_is_not_gone_on_with():
+    model = beyond_reach()
+    lin = fm.linearize(model, throw=False)
+    for name in ("frequencies", "modes", "poles", "directional_compliance", "state_matrices", "to_statespace"):
+        with pytest.raises(fm.AnalysisError, match="equilibrium was not found"):
+            ASKS[name](lin)
+    with pytest.raises(fm.AnalysisError, match="equilibrium was not found"):
+        fm.compliance(lin, "B")
+    with pytest.raises(fm.AnalysisError, match="equilibrium was not found"):
+        fm.simulate(model, TIMES, initial=fm.equilibrium(model, throw=False))
+    # Unless one asks for it, with its code.
+    assert fm.modes(lin, throw=False).lin.result == lin.result
+
+
+def test_a_motion_that_ended_early_is_no_start():
+    found = fm.simulate(MODEL, np.linspace(0, 1, 5), loads={"1.x": jnp.sin}, max_steps=2, throw=False)
+    with pytest.raises(fm.ModelError, match=r"`initial` .* did not reach its end"):
+        fm.simulate(MODEL, TIMES, initial=found)
+
+
+def test_a_mechanism_that_cannot_move_has_no_poles():
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (0.1, 0))
+    b.add(planar.beam, "A", "B", name="leaf")
+    b.fix("A")
+    assert fm.poles(b.build()).shape == (0,)

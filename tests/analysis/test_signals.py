@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax.tree_util import Partial
-from motions import body, shaft, turned
+from motions import body, turned
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -376,29 +376,34 @@ def test_an_input_at_a_dead_point_of_a_motion_is_none_that_does_nothing():
 
 
 def test_velocities_about_a_steady_motion_are_rates_of_positions():
-    """On a shaft that spins, rates of what is measured: y_dot = C (A z + B u), the coordinates turning along."""
-    b = shaft(order=2)
+    """Of a body on springs on a shaft that spins: rates of what is measured, the coordinates turning along."""
+    b = fm.Builder()
+    b.node("o", (0, 0, 0))
+    b.node("rim", (0.1, 0.2, 0.3))
+    b.rotation("shaft")
+    b.rotation("c")
+    b.fix("o", "position")
+    b.prescribe("shaft", "rotation", 0.0, axis=(1, 0, 0))
+    b.add(spatial.hinge, "shaft", "c", name="springs", axis=(1, 2, 2), stiffness=(10.0, 20.0, 30.0), released="all")
+    b.add(spatial.rigid_beam, "o", "c", "rim", name="arm")
+    b.inertia("c", (2e-3, 1e-4, 2e-4, 3e-3, 0, 4e-3))
     for quantity in ("position", "velocity", "acceleration"):
-        b.output("right", "x", quantity)
-        b.output("right", "ry", quantity)
-        b.output("right", "rz", quantity)
-    b.input("right", "x")
-    model = b.build()
-    lin = fm.steady_motion(model, {"turn of left.e1": Partial(turned, speed=300.0)})
-    a, b, c, _ = fm.state_matrices(lin)[0]
+        b.output("rim", "x", quantity)
+        b.output("c", "ry", quantity)
+        b.output("c", "rz", quantity)
+    b.input("c", "rx")
+    model, spin, step = b.build(), 30.0, 1e-6
+    drive = {"shaft": Partial(turned, speed=spin)}
+    here, ahead, behind = (fm.steady_motion(model, drive, time=t) for t in (0.0, step, -step))
+    a, _, c, _ = fm.state_matrices(here)[0]
     position, velocity, acceleration = (np.asarray(c[3 * i : 3 * i + 3]) for i in range(3))
-    # The matrices are those at one instant; along the motion C turns. Rates in global axes of a body at rest in axes
-    # that spin with it: differences of C at two instants.
-    step = 1e-7
-    drive = {"turn of left.e1": Partial(turned, speed=300.0)}
-    at = [fm.steady_motion(model, drive, time=sign * step) for sign in (1, -1)]
-    ahead, behind = (np.asarray(fm.state_matrices(lin)[0].C) for lin in at)
-    rate = (ahead - behind) / (2 * step)
-    scale = np.max(np.abs(velocity))
+    # Along the motion C turns: a difference of C at two instants.
+    rate = np.asarray(fm.state_matrices(ahead)[0].C - fm.state_matrices(behind)[0].C) / (2 * step)
     # The angular velocity is no rate of the infinitesimal rotation, but that less omega x rotation.
-    carried = 300.0 * np.stack([np.zeros(len(a)), position[2], -position[1]])
-    np.testing.assert_allclose(velocity, position @ a + rate[:3] + carried, atol=1e-6 * scale)
-    np.testing.assert_allclose(acceleration, velocity @ a + rate[3:6], atol=1e-6 * np.max(np.abs(acceleration)))
+    carried = spin * np.stack([np.zeros(len(a)), position[2], -position[1]])
+    # Truncation (30 * 1e-6)^2, and what is left of the iterations of a steady motion, 1e-12 over the step.
+    for found, expected in ((velocity, position @ a + rate[:3] + carried), (acceleration, velocity @ a + rate[3:6])):
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.max(np.abs(found)))
 
 
 def test_matrices_along_a_motion():

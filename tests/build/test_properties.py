@@ -1,11 +1,13 @@
 """Properties of elements: forgotten, of the wrong kind, or of the wrong shape, each answered by name."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.build.assemble import assemble
 from flexmb.elements import beams
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
@@ -278,12 +280,37 @@ def test_damping_of_what_cannot_deform_is_warned_of():
         b.build()
 
 
-def test_gravity_that_acts_on_nothing_is_warned_of():
-    b = ends()
-    b.add(planar.beam, "A", "B", name="leaf", section=fm.Rectangle(0.018, 5e-4, fm.Material(E=210e9, G=80e9)))
-    b.fix("A")
-    b.gravity((0, -9.81))
-    with pytest.warns(fm.FlexmbWarning, match="Gravity acts on nothing"):
-        b.build()
-    b.mass("B", 1.0)
-    b.build()
+def test_whatever_is_a_number_may_be_traced():
+    """Checks of values pass what is traced: alone, in lists and in arrays."""
+
+    def built(t):
+        b = fm.Builder()
+        b.node("A", (0, 0, 0))
+        b.node("B", (0.1 * t, 0, 0))
+        b.node("C", jnp.array([0.2, 0.0, 0.1]) * t)
+        b.rotation("R", [t, 0.0, 0.0, 0.0])
+        section = fm.Rectangle(0.018, 5e-4 * t, fm.Material(210e9 * t, 80e9, 7850.0))
+        b.add(spatial.beam, "A", "B", name="leaf", section=section, y=[0.0, t, 0.0], damping=fm.Damping(EA=t))
+        b.add(spatial.hinge, "B", "R", name="hinge", axis=(0.0, 0.0, t), stiffness=[t, 1.0, 1.0])
+        b.add(spatial.truss, "B", "C", name="bar", section=fm.Rigidity(EA=t))
+        b.fix("A")
+        b.mass("B", t, inertia=[t, 0.0, 0.0, t, 0.0, t])
+        b.inertia("R", t * jnp.eye(3))
+        b.inertia("R", [[t, 0.0, 0.0], [0.0, t, 0.0], [0.0, 0.0, t]])
+        b.force("B", (t, 0.0, 0.0))
+        b.force("B", t * jnp.ones(3), increment=True, follower=True)
+        b.moment("B", [0.0, t, 0.0])
+        b.moment("B", t * jnp.ones(3), follower=True)
+        b.gravity([0.0, 0.0, -9.81 * t])
+        b.prestress("bar", t)
+        b.strain("leaf", t)
+        b.prescribe("C", "x", t)
+        b.prescribe("R", "rotation", t, axis=(0, 0, 1), tilt="free")
+        b.start("C", "y", t, velocity=t)
+        b.dof("C", "y")
+        return assemble(b).parameters
+
+    from_traced = jax.jit(built)(1.0)
+    alone = built(1.0)
+    for one, other in zip(jax.tree.leaves(from_traced), jax.tree.leaves(alone), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-15, atol=1e-15)

@@ -1,0 +1,39 @@
+"""What a Builder describes that does nothing."""
+
+from typing import TYPE_CHECKING
+
+from ..arguments import is_concrete
+from ..errors import warn
+from ..model.roles import Role
+
+if TYPE_CHECKING:
+    from .builder import Builder
+
+HELD = (Role.FIXED, Role.PRESCRIBED)
+
+
+def warn_of_idle(builder: "Builder") -> None:
+    """Warn of stress, strain and damping that act on deformations which are all held.
+
+    Args:
+        builder: Builder.
+    """
+    for what in ("prestress", "strain"):
+        for sets in builder.loads.values():
+            acting: dict[str, list[int]] = {}
+            for (_, of, number), value in sets.get(what, {}).items():
+                if not is_concrete(value) or value != 0:
+                    acting.setdefault(of, []).append(number)
+            for of, numbers in acting.items():
+                roles = [builder.members[of].roles[n - 1] for n in numbers]
+                if all(role in HELD for role in roles):
+                    told = ", ".join(f"deformation {n} is {r.value}" for n, r in zip(numbers, roles, strict=True))
+                    warn(
+                        f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
+                        " deformation, or leave it out."
+                    )
+    for of, member in builder.members.items():
+        dampers = [getattr(member.element, kind) for kind in ("damping", "dissipation")]
+        damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
+        if damped and member.roles and all(role in HELD for role in member.roles):
+            warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
