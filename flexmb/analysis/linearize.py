@@ -8,7 +8,7 @@ from jaxtyping import Array, Float, Int
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.inertia import mass_matrix
+from ..mechanics.inertia import Felt, mass_matrix
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.residual import State
 from ..mechanics.stress import element_damping, stress_tangents
@@ -37,6 +37,7 @@ class Matrices(Record):
         x: Nodal coordinates at the equilibrium, (n_x,).
         e: Deformations there, (n_e,).
         sigma: Stress resultants there, (n_e,).
+        felt: Gravity and motion there, which act along the elements.
         reactions: Forces of the supports there, (n_x,).
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
@@ -56,6 +57,7 @@ class Matrices(Record):
     x: Float[Array, "n_x"]
     e: Float[Array, "n_e"]
     sigma: Float[Array, "n_e"]
+    felt: Felt
     reactions: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
@@ -162,6 +164,7 @@ def matrices_at(
         x=at.x,
         e=at.e,
         sigma=at.sigma,
+        felt=Felt(at.gravity),
         reactions=reactions_of(topology, at),
         iterations=iterations,
         result=result.astype(jnp.int32),

@@ -39,6 +39,7 @@ def _as_matrices(at: MovingMatrices, x, e, result) -> Matrices:
         x=x,
         e=e,
         sigma=at.sigma,
+        felt=at.felt,
         reactions=at.reactions,
         iterations=jnp.zeros((), jnp.int32),
         result=result.astype(jnp.int32),

@@ -163,13 +163,13 @@ def without_shape(model: Model) -> list[str]:
 
 
 @jit
-def _resultants(topology: Topology, parameters: Parameters, x, sigma, places, rows):
-    return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, places))[rows]
+def _resultants(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
+    return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, felt, places))[rows]
 
 
 @jit
-def _stress(topology: Topology, parameters: Parameters, x, sigma, places, rows):
-    found = resultants_of_blocks(topology, parameters, x, sigma, places)
+def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
+    found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
     told = [p for b, p in zip(topology.blocks, parameters.properties, strict=True) if "resultants" in b.companions]
     pieces = []
     for values, properties in zip(found, told, strict=True):
@@ -187,7 +187,7 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, places, rows):
 
 
 def _state(model: Model, points: int, at, load_factor: float, increment: float, throw: bool):
-    """Names, what both kernels take, and code of the equilibrium."""
+    """Names, places, what both kernels take, and code of the equilibrium."""
     if points < 2:
         raise ValueError(f"Argument `points` must be at least 2, both ends, but is {points}.")
     names, rows = _rows(model.labels)
@@ -201,7 +201,7 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float, 
             " a path, give path.linearization(step)."
         )
     places = np.linspace(0.0, 1.0, points)
-    return names, (model.topology, model.parameters, at.x, at.sigma, places, rows), at.result
+    return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at.result
 
 
 def section_resultants(
@@ -215,8 +215,10 @@ def section_resultants(
 ) -> SectionResultants:
     """Normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    They are exact statics of the forces at the ends of an element. In between, a spectral beam's are so too, own
-    weight included; a beam's are linear, and its own weight acts on its ends by halves.
+    They are exact statics of the forces at the ends of an element. In between, a spectral beam's are so too; a beam's
+    are linear, plus what its own weight adds on its straight chord between them. So is, about a state of motion, the
+    inertia of its mass; its rotary inertia acts on its ends. A truss has a normal force alone: what acts across it is
+    taken to act on its ends by halves.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
@@ -238,8 +240,8 @@ def section_resultants(
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; FORMULATION.md 7.
     """
-    names, inputs, result = _state(model, points, at, load_factor, increment, throw)
-    return SectionResultants(_resultants(*inputs), jnp.asarray(inputs[4]), result, names)
+    names, places, inputs, result = _state(model, points, at, load_factor, increment, throw)
+    return SectionResultants(_resultants(*inputs), jnp.asarray(places), result, names)
 
 
 def stress(
@@ -277,6 +279,6 @@ def stress(
             f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
-    names, inputs, result = _state(model, points, at, load_factor, increment, throw)
+    names, places, inputs, result = _state(model, points, at, load_factor, increment, throw)
     values, sigma_x, tau, equivalent = _stress(*inputs)
-    return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(inputs[4]), result, names))
+    return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names))
