@@ -1,5 +1,7 @@
 """What flexmb raises. Every message names the culprit and says what is right."""
 
+from typing import Any
+
 
 class ModelError(ValueError):
     """A model is described wrongly: a node, element, property or number."""
@@ -22,7 +24,10 @@ class AnalysisError(RuntimeError):
 
     Attributes:
         code: Name of the member of RESULTS, such as "not_converged".
+        path: Of a path that did not reach its end, the :class:`flexmb.Path` up to there; otherwise None.
     """
+
+    path: Any = None
 
     def __init__(self, code: str, message: str):
         super().__init__(message)

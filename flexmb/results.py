@@ -97,6 +97,11 @@ class RESULTS(enum.IntEnum):
         13,
         "The simulation was stopped from the keyboard; the results up to there are kept.",
     )
+    closed_path = (
+        14,
+        "The path came back to a state that it had passed before: it is closed and does not reach its end. Follow"
+        " another branch (switch), start from other loads, or look at the path so far.",
+    )
     not_valid = (
         20,
         "No model could be built from these dimensions: build it from them alone to see what is wrong.",

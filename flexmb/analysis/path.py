@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..errors import AnalysisError
 from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.record import Record
@@ -37,7 +38,8 @@ class Path(Record):
         multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite where
             unbounded, (steps, n_q) [-]: of all loads at that step, or with incremental loads, of what more of those.
         stable: Whether all eigenvalues are positive, (steps,).
-        critical_points: Limit and bifurcation points in the order of the path.
+        critical_points: Limit and bifurcation points in the order of the path, with the uncertainty of those whose
+            state could not be found itself.
         result: Code of RESULTS.
         model: The mechanism.
     """
@@ -154,7 +156,8 @@ def path(
         load multipliers at each step, and the critical points.
 
     Raises:
-        AnalysisError: max_steps; not_converged or singular_configuration, with what to try.
+        AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or
+            singular_configuration. Each says what to try, and has the path so far as ``error.path``.
         ValueError: max_steps or step is not positive.
 
     Source:
@@ -167,12 +170,11 @@ def path(
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     walker = Walker(model, step)
     code = walker.walk(max_steps, float(switch))
-    check(int(code), throw)
     found = [_look(model.topology, model.parameters, walker.ramp, s) for s in walker.steps]
     # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
     found = jax.tree.map(lambda *a: np.stack(a), *found)
     massive = np.any(np.isfinite(found.eigenvalues), axis=0)
-    return Path(
+    whole = Path(
         load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
         matrices=jax.device_put(found.matrices),
         eigenvalues=jax.device_put(found.eigenvalues[:, massive]),
@@ -182,3 +184,9 @@ def path(
         result=jnp.asarray(int(code), jnp.int32),
         model=model,
     )
+    try:
+        check(int(code), throw)
+    except AnalysisError as error:
+        error.path = whole
+        raise
+    return whole
