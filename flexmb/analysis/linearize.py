@@ -106,6 +106,14 @@ class Linearization(Record):
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
+    def instant(self, number: int) -> "Linearization":
+        """The equations at one of the times of ``fm.linearize_motion``.
+
+        Args:
+            number: Which, from 0; -1 is the last.
+        """
+        return Linearization(jax.tree.map(lambda a: a[number], self.matrices), self.model)
+
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook."""
         from ..viewer.notebook import card

@@ -198,7 +198,7 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float, 
     if at.x.shape != model.parameters.reference.shape:
         raise ValueError(
             f"Argument `at` must be one state with {model.topology.n_x} coordinates, but x has shape {at.x.shape}. Of"
-            " a path, give path.linearization(step)."
+            " a path, give path.linearization(step); of a motion, fm.linearize_motion(motion).instant(number)."
         )
     places = np.linspace(0.0, 1.0, points)
     return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at.result
@@ -223,8 +223,8 @@ def section_resultants(
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         points: Places along each element, both ends among them.
-        at: Equilibrium or linearisation of this model, such as ``path.linearization(step)``; by default the
-            equilibrium under the loads is solved.
+        at: Equilibrium or linearisation of this model, such as ``path.linearization(step)`` or
+            ``linearize_motion(motion).instant(number)``; by default the equilibrium under the loads is solved.
         load_factor: Factor of the loads of that equilibrium, () [-].
         increment: Factor of its incremental loads, () [-].
         throw: Raise where it fails; otherwise the code is in ``result``.

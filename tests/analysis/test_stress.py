@@ -462,8 +462,7 @@ def test_bar_that_falls_about_a_hinge(element, released):
     b.gravity((0, -LIGHT, 0) if space else (0, -LIGHT))
     model = b.build()
     along = fm.linearize_motion(fm.simulate(model, np.array([0.0, 1e-3])))
-    start = fm.Linearization(jax.tree.map(lambda a: a[0], along.matrices), model)
-    found = fm.section_resultants(model, at=start)
+    found = fm.section_resultants(model, at=along.instant(0))
     s, scale = np.asarray(found.places), WEIGHT * L
     # Local z is the global y, and local y points into the plane, in space too.
     np.testing.assert_allclose(found.values[0, :, 2] / scale, -(1 - s) * (1 - 3 * s) / 4, rtol=0, atol=1e-5)
