@@ -1,5 +1,7 @@
 """What pictures show, by the numbers in them: coordinates, colours, labels, titles."""
 
+import dataclasses
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -400,8 +402,16 @@ def test_path_is_dashed_where_it_is_unstable(snapping):
     assert "supported" in shown
     assert "clamped" not in shown
     along = plot.frequencies(snapping, "top.y")
+    assert along.get_legend().get_title().get_text() == ""
     np.testing.assert_allclose(along.lines[0].get_ydata(), snapping.frequencies[:, 0])
     assert np.min(along.lines[0].get_ydata()) < 0
+    # Of many the lowest, and said so: a legend of all of them would leave no room for the curves.
+    many = dataclasses.replace(snapping, eigenvalues=snapping.eigenvalues + np.arange(30) ** 2 * 1e3)
+    few = plot.frequencies(many)
+    assert len(few.lines) == 6
+    np.testing.assert_allclose(few.lines[5].get_ydata(), many.frequencies[:, 5])
+    assert few.get_legend().get_title().get_text() == "and 24 higher"
+    assert len(plot.frequencies(many, count=30).lines) == 30
 
 
 @pytest.fixture(scope="module")
