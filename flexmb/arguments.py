@@ -109,26 +109,29 @@ def check_number(
         raise ValueError(f"Argument `{name}` must be {wanted}, but is {shown(value)}.")
 
 
-def check_whole(name: str, value: Any, least: int | None = None) -> int:
-    """Refuse an argument that is no whole number, or too small a one.
+def check_whole(name: str, value: Any, least: int | None = None, most: int | None = None) -> int:
+    """Refuse an argument that is no whole number, or one beyond its range.
 
     Args:
         name: Name of the argument.
         value: What is given.
         least: It must be this at least.
+        most: It must be this at most.
 
     Returns:
         The number.
 
     Raises:
         TypeError: It is no whole number.
-        ValueError: It is too small.
+        ValueError: It is beyond its range.
     """
     found = as_whole(value)
     if found is None:
         raise TypeError(f"Argument `{name}` must be a whole number, not {shown(value)}.")
     if least is not None and found < least:
         raise ValueError(f"Argument `{name}` must be at least {least}, but is {found}.")
+    if most is not None and found > most:
+        raise ValueError(f"Argument `{name}` must be at most {most:g}, but is {shown(found)}.")
     return found
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-# Files of the package, which a warning does not point at.
+# Files of the package, which a warning does not point at, nor at what calls its decorated functions.
 _OWN = str(Path(__file__).parent)
 # A name longer than this says nothing more to a reader; a file may hold a word of megabytes.
 LONGEST = 80
@@ -52,7 +52,10 @@ class AnalysisError(RuntimeError):
 
     Attributes:
         code: Name of the member of RESULTS, such as "not_converged".
+        path: Of a path that did not reach its end, the :class:`flexmb.Path` up to there; otherwise None.
     """
+
+    path: Any = None
 
     def __init__(self, code: str, message: str):
         super().__init__(message)
@@ -78,7 +81,7 @@ def warn(text: str) -> None:
         text: What is unusual, and what to do if it is not meant.
     """
     level, frame = 1, sys._getframe(0)
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(_OWN):
+    while frame.f_back is not None and frame.f_code.co_filename.startswith((_OWN, contextlib.__file__)):
         frame, level = frame.f_back, level + 1
     warnings.warn(text, FlexmbWarning, stacklevel=level)
 

@@ -97,6 +97,11 @@ class RESULTS(enum.IntEnum):
         13,
         "The simulation was stopped from the keyboard; the results up to there are kept.",
     )
+    closed_path = (
+        14,
+        "The path came back to a state that it had passed before: it is closed and does not reach its end. Follow"
+        " another branch (switch), start from other loads, or look at the path so far.",
+    )
     impossible_design = (
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"

@@ -54,12 +54,15 @@ class CriticalPoint(NamedTuple):
         kind: "limit": the load turns back; "bifurcation": another branch crosses.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         phi: Motion that meets no stiffness, in the coordinates, its largest entry 1 (extents, radians), (n_x,).
+        uncertainty: By how much the load factor may be off at most, () [-]: zero where the state itself was found;
+            otherwise half of what it changes between the states on either side, the nearest that were found.
     """
 
     load_factor: float
     kind: str
     x: Float[np.ndarray, "n_x"]
     phi: Float[np.ndarray, "n_x"]
+    uncertainty: float = 0.0
 
 
 def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -> Float[Array, "n_q"]:
@@ -101,7 +104,11 @@ def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -
 
 
 def null_vectors(
-    topology: Topology, at: State, sizes: Float[Array, "n_x"], shift: Float[Array, ""]
+    topology: Topology,
+    at: State,
+    sizes: Float[Array, "n_x"],
+    shift: Float[Array, ""],
+    beside: Float[Array, "n_q"] | None = None,
 ) -> tuple[Float[Array, "n_q"], Float[Array, "n_q"]]:
     """Right and left null vector of a nearly singular stiffness, by inverse iteration.
 
@@ -110,6 +117,7 @@ def null_vectors(
         at: State near a critical point.
         sizes: What changes of x are measured against, (n_x,) [m, rad].
         shift: Small beside the other eigenvalues of (K, Z^T Z), so that an exact zero does no harm, () [N m].
+        beside: Another null vector, to which these are normal, or zero, (n_q,) [m, rad].
 
     Returns:
         phi and psi, (n_q,) [m, rad], the largest entry of DFx phi 1 in extents and radians, positive if first.
@@ -124,6 +132,9 @@ def null_vectors(
     start = z.T @ jnp.cos(jnp.arange(1.0, topology.n_x + 1) ** 2)
 
     def normalised(v):
+        if beside is not None:
+            square = beside @ metric @ beside
+            v = v - beside * (beside @ metric @ v) / jnp.where(square > 0, square, 1.0)
         motion = z @ v
         largest = jnp.max(jnp.abs(motion), initial=0.0)
         first = jnp.argmax(jnp.abs(motion) > (1 - 1e-6) * largest)

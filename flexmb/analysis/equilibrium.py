@@ -16,6 +16,7 @@ from ..math.linear import diagonal_of, factorise
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.extent import sizes_of
+from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, has_loads, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress import element_stiffness, is_nonlinear, stress_resultants
@@ -52,6 +53,7 @@ class Equilibrium(Record):
         x: Nodal coordinates, (n_x,) [m, rad, -].
         e: Deformations, (n_e,) [m, rad].
         sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
+        felt: Gravity, which acts along the elements.
         reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
         result: Code of RESULTS; critical_state is no failure: the state is right, its derivative is not.
@@ -61,6 +63,7 @@ class Equilibrium(Record):
     x: Float[Array, "n_x"]
     e: Float[Array, "n_e"]
     sigma: Float[Array, "n_e"]
+    felt: Felt
     reactions: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
@@ -352,7 +355,7 @@ def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
 @jit
 def _equilibrium(topology, parameters, target):
     at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
-    return at.x, at.e, at.sigma, reactions_of(topology, at), iterations, result
+    return at.x, at.e, at.sigma, Felt(at.gravity), reactions_of(topology, at), iterations, result
 
 
 def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
@@ -435,7 +438,7 @@ def equilibrium(
         from .large import sparse_equilibrium
 
         return sparse_equilibrium(model, target)
-    x, e, sigma, reactions, iterations, result = _equilibrium(model.topology, model.parameters, target)
-    solved = Equilibrium(x, e, sigma, reactions, iterations, result, model.labels)
+    x, e, sigma, felt, reactions, iterations, result = _equilibrium(model.topology, model.parameters, target)
+    solved = Equilibrium(x, e, sigma, felt, reactions, iterations, result, model.labels)
     check(solved.result, throw)
     return solved

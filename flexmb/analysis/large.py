@@ -21,7 +21,7 @@ from ..math.threads import one_thread
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import kinetic_energy, mass_pieces, weight_pieces, work_of_weight
+from ..mechanics.inertia import Felt, kinetic_energy, mass_pieces, weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress import is_nonlinear, stiffness_pieces, strain_of, stress_of_strain
 from ..model.model import Model
@@ -357,8 +357,8 @@ def sparse_equilibrium(model: Model, target: LoadFactors) -> Equilibrium:
     refuse_what_is_not_sparse(model)
     topology, parameters = model.topology, model.parameters
     at = _balance(topology, parameters, target)
-    e, sigma, reactions = _quantities(topology, parameters, target, at)
-    return Equilibrium(at.x, e, sigma, reactions, at.iterations, jnp.zeros((), jnp.int32), model.labels)
+    e, sigma, felt, reactions = _quantities(topology, parameters, target, at)
+    return Equilibrium(at.x, e, sigma, felt, reactions, at.iterations, jnp.zeros((), jnp.int32), model.labels)
 
 
 @jit
@@ -368,7 +368,8 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
     sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
-    return e, sigma, put(jnp.zeros(topology.n_x), fast, force[fast])
+    felt = Felt(scaled_loads(parameters, factors).gravity)
+    return e, sigma, felt, put(jnp.zeros(topology.n_x), fast, force[fast])
 
 
 @one_thread()

@@ -9,7 +9,7 @@ from ..arguments import check_whole, is_concrete
 from ..math.compile import jit
 from ..math.record import Record, static
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.inertia import mass_matrix
+from ..mechanics.inertia import Felt, mass_matrix
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..mechanics.residual import State
 from ..mechanics.stress import element_damping, stress_tangents
@@ -58,6 +58,7 @@ class Matrices(Record):
         x: Nodal coordinates at the equilibrium, (n_x,).
         e: Deformations there, (n_e,).
         sigma: Stress resultants there, (n_e,).
+        felt: Gravity and motion there, which act along the elements.
         reactions: Forces of the supports there, (n_x,).
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
@@ -78,6 +79,7 @@ class Matrices(Record):
     x: Float[Array, "n_x"]
     e: Float[Array, "n_e"]
     sigma: Float[Array, "n_e"]
+    felt: Felt
     reactions: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
@@ -144,6 +146,14 @@ class Linearization(Record):
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
+    def instant(self, number: int) -> "Linearization":
+        """The equations at one of the times of ``fm.linearize_motion``.
+
+        Args:
+            number: Which, from 0; -1 is the last.
+        """
+        return Linearization(jax.tree.map(lambda a: a[number], self.matrices), self.model)
+
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook."""
         from ..viewer.notebook import card
@@ -202,6 +212,7 @@ def matrices_at(
         x=at.x,
         e=at.e,
         sigma=at.sigma,
+        felt=Felt(at.gravity),
         reactions=reactions_of(topology, at),
         iterations=iterations,
         result=result.astype(jnp.int32),

@@ -40,6 +40,7 @@ def _as_matrices(at: MovingMatrices, x, xd, xdd, e, result) -> Matrices:
         x=x,
         e=e,
         sigma=at.sigma,
+        felt=at.felt,
         reactions=at.reactions,
         iterations=jnp.zeros((), jnp.int32),
         result=result.astype(jnp.int32),

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_number, check_whole, shown
+from ..errors import AnalysisError
 from ..math.compile import jit
 from ..math.linear import factorise
 from ..math.record import Record
@@ -39,7 +40,8 @@ class Path(Record):
         multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite where
             unbounded, (steps, n_q) [-]: of all loads at that step, or with incremental loads, of what more of those.
         stable: Whether all eigenvalues are positive, (steps,).
-        critical_points: Limit and bifurcation points in the order of the path.
+        critical_points: Limit and bifurcation points in the order of the path, with the uncertainty of those whose
+            state could not be found itself.
         result: Code of RESULTS.
         model: The mechanism.
     """
@@ -158,8 +160,9 @@ def path(
         load multipliers at each step, and the critical points.
 
     Raises:
-        AnalysisError: max_steps; not_converged or singular_configuration, with what to try; singular_mass where a
-            motion has a negative mass.
+        AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or
+            singular_configuration; singular_mass where a motion has a negative mass. Each says what to try, and has
+            the path so far as ``error.path``, but for the last.
         ValueError: max_steps or step is not positive.
 
     Source:
@@ -176,13 +179,12 @@ def path(
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     walker = Walker(model, step)
     code = walker.walk(max_steps, float(switch))
-    check(int(code), throw)
     found = [_look(model.topology, model.parameters, walker.ramp, s) for s in walker.steps]
     # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
     found = jax.tree.map(lambda *a: np.stack(a), *found)
     massive = np.any(np.isfinite(found.eigenvalues), axis=0)
     refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], found.matrices), model))
-    return Path(
+    whole = Path(
         load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
         matrices=jax.device_put(found.matrices),
         eigenvalues=jax.device_put(found.eigenvalues[:, massive]),
@@ -192,3 +194,9 @@ def path(
         result=jnp.asarray(int(code), jnp.int32),
         model=model,
     )
+    try:
+        check(int(code), throw)
+    except AnalysisError as error:
+        error.path = whole
+        raise
+    return whole

@@ -164,13 +164,13 @@ def without_shape(model: Model) -> list[str]:
 
 
 @jit
-def _resultants(topology: Topology, parameters: Parameters, x, sigma, places, rows):
-    return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, places))[rows]
+def _resultants(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
+    return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, felt, places))[rows]
 
 
 @jit
-def _stress(topology: Topology, parameters: Parameters, x, sigma, places, rows):
-    found = resultants_of_blocks(topology, parameters, x, sigma, places)
+def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
+    found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
     told = [p for b, p in zip(topology.blocks, parameters.properties, strict=True) if "resultants" in b.companions]
     pieces = []
     for values, properties in zip(found, told, strict=True):
@@ -188,7 +188,7 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, places, rows):
 
 
 def _state(model: Model, points: int, at, load_factor: float, increment: float | None, throw: bool, function: str):
-    """Names, what both kernels take, and code of the equilibrium."""
+    """Names, places, what both kernels take, and code of the equilibrium."""
     (as_determined if at is None else as_model)(model, function)
     points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
@@ -205,10 +205,10 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float |
     if at.x.shape != model.parameters.reference.shape:
         raise ValueError(
             f"Argument `at` must be one state with {model.topology.n_x} coordinates, but x has shape {at.x.shape}. Of"
-            " a path, give path.linearization(step)."
+            " a path, give path.linearization(step); of a motion, fm.linearize_motion(motion).instant(number)."
         )
     places = np.linspace(0.0, 1.0, points)
-    return names, (model.topology, model.parameters, at.x, at.sigma, places, rows), at.result
+    return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at.result
 
 
 def section_resultants(
@@ -222,14 +222,16 @@ def section_resultants(
 ) -> SectionResultants:
     """Normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    They are exact statics of the forces at the ends of an element. In between, a spectral beam's are so too, own
-    weight included; a beam's are linear, and its own weight acts on its ends by halves.
+    They are exact statics of the forces at the ends of an element. In between, a spectral beam's are so too; a beam's
+    are linear, plus what its own weight adds on its straight chord between them. So is, about a state of motion, the
+    inertia of its mass; its rotary inertia acts on its ends. A truss has a normal force alone: what acts across it is
+    taken to act on its ends by halves.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         points: Places along each element, both ends among them.
-        at: Equilibrium or linearisation of this model, such as ``path.linearization(step)``; by default the
-            equilibrium under the loads is solved.
+        at: Equilibrium or linearisation of this model, such as ``path.linearization(step)`` or
+            ``linearize_motion(motion).instant(number)``; by default the equilibrium under the loads is solved.
         load_factor: Factor of the loads of that equilibrium, () [-].
         increment: Factor of its incremental loads, () [-]; zero unless given.
         throw: Raise where it fails; otherwise the code is in ``result``.
@@ -245,8 +247,8 @@ def section_resultants(
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; FORMULATION.md 7.
     """
-    names, inputs, result = _state(model, points, at, load_factor, increment, throw, "section_resultants")
-    return SectionResultants(_resultants(*inputs), jnp.asarray(inputs[4]), result, names)
+    names, places, inputs, result = _state(model, points, at, load_factor, increment, throw, "section_resultants")
+    return SectionResultants(_resultants(*inputs), jnp.asarray(places), result, names)
 
 
 def stress(
@@ -284,6 +286,6 @@ def stress(
             f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
-    names, inputs, result = _state(model, points, at, load_factor, increment, throw, "stress")
+    names, places, inputs, result = _state(model, points, at, load_factor, increment, throw, "stress")
     values, sigma_x, tau, equivalent = _stress(*inputs)
-    return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(inputs[4]), result, names))
+    return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names))

@@ -1,12 +1,12 @@
 """Sets of designs: grid, Latin hypercube, Monte Carlo."""
 
 import math
-import operator
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ..arguments import check_whole
 from ..errors import shown
 
 # Designs are held in memory, 8 bytes for each number of each; a thousand a second take three hours.
@@ -69,7 +69,7 @@ def grid(**axes: Any) -> Designs:
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
             raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
-    whole("count", math.prod(len(v) for v in values.values()), most=MOST)
+    check_whole("count", math.prod(len(v) for v in values.values()), most=MOST)
     crossed = np.meshgrid(*values.values(), indexing="ij")
     return Designs({name: c.ravel() for name, c in zip(values, crossed, strict=True)}, values)
 
@@ -121,7 +121,7 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
         if lower.shape or upper.shape:
             raise ValueError(f"Bounds of '{name}' must be two numbers here: an array is drawn entry by entry.")
     lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
-    rng, count = np.random.default_rng(whole("seed", seed, 0)), whole("count", count, most=MOST)
+    rng, count = np.random.default_rng(check_whole("seed", seed, 0)), check_whole("count", count, 1, MOST)
     unit = qmc.LatinHypercube(len(checked), rng=rng).random(count)
     return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
 
@@ -144,13 +144,13 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
     Source:
         Independent samples.
     """
-    rng, drawn = np.random.default_rng(whole("seed", seed, 0)), {}
+    rng, drawn = np.random.default_rng(check_whole("seed", seed, 0)), {}
     for name, given in distributions.items():
         if hasattr(given, "rvs"):
-            drawn[name] = given.rvs(size=whole("count", count, most=MOST), random_state=rng)
+            drawn[name] = given.rvs(size=check_whole("count", count, 1, MOST), random_state=rng)
         else:
             lower, upper = checked_bounds(name, given)
-            drawn[name] = rng.uniform(lower, upper, (whole("count", count, most=MOST), *lower.shape))
+            drawn[name] = rng.uniform(lower, upper, (check_whole("count", count, 1, MOST), *lower.shape))
     return Designs(drawn)
 
 
@@ -172,45 +172,3 @@ def numbers(what: str, value: Any) -> np.ndarray:
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{what} must be numbers, but got {shown(repr(value))}.")
     return array.astype(float)
-
-
-def positive(name: str, value: Any) -> float:
-    """A finite number above zero that an argument gives.
-
-    Args:
-        name: Of the argument, for the message.
-        value: What is given.
-
-    Raises:
-        ValueError: It is something else.
-    """
-    try:
-        number = numbers(name, value)
-    except ValueError:
-        number = np.array(np.nan)
-    if number.shape != () or not 0 < number < np.inf:
-        raise ValueError(f"Argument `{name}` must be positive and finite, but is {shown(repr(value))}.")
-    return float(number)
-
-
-def whole(name: str, value: Any, least: int = 1, most: float = math.inf) -> int:
-    """A number of things that an argument gives.
-
-    Args:
-        name: Of the argument, for the message.
-        value: What is given.
-        least: The least it may be.
-        most: The most it may be.
-
-    Raises:
-        ValueError: It is not whole, less or more.
-    """
-    try:
-        # True is a number to Python and a mistake here.
-        number = None if isinstance(value, bool | np.bool_) else operator.index(value)
-    except TypeError:
-        number = int(value) if isinstance(value, float) and value.is_integer() else None
-    if number is None or not least <= number <= most:
-        limits = f"at least {least}" + (f" and at most {most:g}" if most < math.inf else "")
-        raise ValueError(f"Argument `{name}` must be {limits} and whole, but is {shown(repr(value))}.")
-    return number

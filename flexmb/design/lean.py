@@ -9,12 +9,12 @@ import numpy as np
 
 from ..analysis.linearize import Linearization, linearize
 from ..analysis.modal import modes
+from ..arguments import check_number, check_whole
 from ..build.restrict import Restriction, can_be_tied, restrict
 from ..errors import AnalysisError, ModelError, shown
 from ..math.threads import one_thread
 from ..model.model import Model
-from .designs import numbers, positive
-from .designs import whole as whole_number
+from .designs import numbers
 from .deviation import Deviation, Response, deviation, in_band, largest_of, response
 
 # Beams of a leaf spring in the model that others are measured by, unless given.
@@ -160,7 +160,7 @@ def lean(
     check_question(model if isinstance(model, Model) else None, bandwidth, tolerance, nodes)
     try:
         increments = numbers("Argument `increments`", list(increments)).ravel().tolist()
-        finest = whole_number("finest", finest, 2)
+        finest = check_whole("finest", finest, 2)
     except (TypeError, ValueError) as fault:
         raise ModelError(f"{fault} Fewer beams are measured by `finest`.") from None
     if not increments or not np.all(np.isfinite(increments)):
@@ -220,8 +220,8 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
     """
     for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
         try:
-            positive(name, value)
-        except ValueError as fault:
+            check_number(name, value, above=0)
+        except (TypeError, ValueError) as fault:
             raise ModelError(str(fault)) from None
     if isinstance(nodes, str):
         raise ModelError(f"Argument `nodes` must be a list of names, such as ['{shown(nodes)}'].")

@@ -99,15 +99,10 @@ def settling_time(
     """
     check_number("level", level, above=0)
     check_number("horizon", horizon, above=0)
-    samples, n = check_whole("samples", samples, 2), np.shape(start)[:1]
+    samples, n = check_whole("samples", samples, 2), (np.size(start),)
     for name, value, shape in (("matrix", matrix, n * 2), ("start", start, n), ("output", output, n)):
         check_numbers(f"Argument `{name}`", value, shape)
     a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
-    if a.ndim != 2 or not a.shape[0] == a.shape[1] == z0.size == c.size or z0.ndim != 1 or c.ndim != 1:
-        raise ValueError(
-            "Arguments `matrix`, `start` and `output` must have shapes (n, n), (n,) and (n,), not"
-            f" {a.shape}, {z0.shape} and {c.shape}."
-        )
     times = horizon * np.arange(samples + 1) / samples
     onward = jax.scipy.linalg.expm(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)

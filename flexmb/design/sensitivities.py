@@ -7,10 +7,11 @@ from typing import Any, Literal
 import jax
 import numpy as np
 
+from ..arguments import check_whole
 from ..errors import shown
 from ..math.compile import jit
 from ..results import RESULTS, check
-from .designs import MOST, numbers, whole
+from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .sweep import Sweep, sweep
 
@@ -218,7 +219,7 @@ def tolerances(
             raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
         if not np.all((own := numbers(f"Deviation of '{name}'", deviation)) >= 0) or not np.all(np.isfinite(own)):
             raise ValueError(f"Deviation of '{name}' must not be negative, but finite; it is {deviation}.")
-    samples = whole("samples", samples, 0, MOST)
+    samples = check_whole("samples", samples, 0, MOST)
     found = sensitivities(build, answers, dimensions)
     layout = layout_of(dimensions)
     spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
@@ -228,7 +229,7 @@ def tolerances(
     first_order = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
     if not samples:
         return first_order
-    drawn = np.random.default_rng(whole("seed", seed, 0)).standard_normal((samples, len(spread)))
+    drawn = np.random.default_rng(check_whole("seed", seed, 0)).standard_normal((samples, len(spread)))
     ran = sweep(build, answers, layout.stacked(layout.join(dimensions) + spread * drawn))
     good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[ran.codes == 0]
     if len(good) < 2:

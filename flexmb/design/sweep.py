@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
+from ..arguments import check_whole
 from ..errors import shown
 from ..io.files import save_arrays
 from ..model.model import Model
@@ -18,7 +19,7 @@ from ..progress import reporting
 from ..results import RESULTS
 from .checkpoint import Checkpoint
 from .chunks import Task, Values, Worker, one_shape, part_of
-from .designs import Designs, whole
+from .designs import Designs
 from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
 from .identity import identity
 from .labelled import pandas, xarray
@@ -188,7 +189,7 @@ def sweep(
     for name in units or {}:
         if name not in designs and name not in functions:
             raise ValueError(f"Unit of '{name}': there is no such dimension or answer.")
-    chunk = min(whole("chunk", chunk), designs.count)
+    chunk = min(check_whole("chunk", chunk, 1), designs.count)
     example, models = None, []
     if compiled or checkpoint is not None:
         try:
@@ -196,7 +197,7 @@ def sweep(
         except REFUSED:
             if compiled:
                 raise
-    task = Task(build, functions, bool(compiled), whole("together", together), example)
+    task = Task(build, functions, bool(compiled), check_whole("together", together, 1), example)
     parts: list[tuple[np.ndarray, Values]] = []
     with contextlib.ExitStack() as stack:
         worker, kept = Worker(task, executor), None

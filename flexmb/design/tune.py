@@ -8,11 +8,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..arguments import check_number, check_whole
 from ..errors import AnalysisError, shown
 from ..math.compile import jit
 from ..progress import reporting
 from ..results import RESULTS
-from .designs import checked_bounds, numbers, positive, whole
+from .designs import checked_bounds, numbers
 from .evaluate import (
     Answers,
     Build,
@@ -221,9 +222,9 @@ def tune(
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
-    starts, together = whole("starts", starts), whole("together", together)
-    max_evaluations, seed = whole("max_evaluations", max_evaluations), whole("seed", seed, 0)
-    tolerance = positive("tolerance", tolerance)
+    starts, together = check_whole("starts", starts, 1), check_whole("together", together, 1)
+    max_evaluations, seed = check_whole("max_evaluations", max_evaluations, 1), check_whole("seed", seed, 0)
+    check_number("tolerance", tolerance, above=0)
     models = build_once(build, dimensions)
     function, of_answers = flat_function(build, functions, layout, models)
     of_designs = refusal(build, models, layout.split(first))

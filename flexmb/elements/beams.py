@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
+from numpy.polynomial import polynomial
 
 from .nodes import length
 
@@ -105,23 +106,61 @@ def line_inertia(p, q, *, ref, section):
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
-def truss_resultants(p, q, *, ref, place, sigma):
+def truss_resultants(p, q, *, ref, place, sigma, section, fall=None):
     """Normal force alone, (6,) [N, N m]."""
-    return jnp.concatenate([sigma, jnp.zeros(5)])
+    normal = sigma[0]
+    if fall is not None:
+        mass = section.rigidity().mass * beam_length(ref)
+        ends = (LINEAR_MASS @ fall) @ ((q - p) / length(q - p)) * np.array([1.0, -1.0])
+        between, _ = distributed(LINEAR_SHAPES, fall, place)
+        normal = normal + mass * (along(ends, place) + between @ ((q - p) / length(q - p)))
+    return jnp.concatenate([normal[None], jnp.zeros(5)])
 
 
-def along(ends, place) -> Float[Array, "6"]:
+# Shape functions as polynomials in the place, one a row, lowest power first: of the positions p and q, and of the
+# position and slope at p, then at q.
+LINEAR_SHAPES = np.array([[1.0, -1.0], [0.0, 1.0]])
+CUBIC_SHAPES = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+
+
+def distributed(shapes: np.ndarray, fall, place) -> tuple[Float[Array, "d"], Float[Array, "d"]]:
+    """What a distributed load adds between the ends of a straight beam to what is linear between them.
+
+    Args:
+        shapes: Shape functions of the vectors, (k, powers).
+        fall: Load at them, over the mass per length, (k, d) [m/s^2].
+        place: From 0 to 1, () [-].
+
+    Returns:
+        The force in the section, (d,), and the vector whose cross product with the chord q - p, from the left, is the
+        moment, (d,) [m/s^2]; both over the mass, and zero at both ends.
+
+    Source:
+        Balance of a piece: n' = -w, m'' = (q - p) x w for the place as variable. A uniform load on a bar of mass m
+        gives the parabola of its fixed-end moments, place (place - 1)/2 m (q - p) x fall.
+    """
+
+    def inside(integrals):
+        """Polynomials less the straight lines between their ends, all of which begin at zero."""
+        integrals[:, 1] -= np.sum(integrals, axis=1)
+        return polynomial.polyval(place, integrals.T)
+
+    once, twice = (polynomial.polyint(shapes, m, axis=1) for m in (1, 2))
+    return -inside(once) @ fall, inside(twice) @ fall
+
+
+def along(ends, place) -> Float[Array, "..."]:
     """Section resultants between the two ends of a beam that carries no load in between.
 
     To first order in the deflection within one element this is its equilibrium: bending moments linear, the other
     resultants constant. The ends are exact, so that what joins them balances.
 
     Args:
-        ends: Resultants at the two ends, in axes of the section there, (2, 6) [N, N m].
+        ends: Resultants at the two ends, in axes of the section there, (2, ...) [N, N m].
         place: From 0 to 1, () [-].
 
     Returns:
-        (6,) [N, N m].
+        (...) [N, N m].
     """
     return (1 - place) * ends[0] + place * ends[1]
 

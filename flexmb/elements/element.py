@@ -16,7 +16,7 @@ ELASTIC = ("stiffness", "energy", "law")
 NONLINEAR = ("energy", "dissipation", "law")
 COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", "resultants")
 # Keyword-only parameters that are handed to an element's functions and are no properties of it.
-GIVEN = ("ref", "near", "place", "sigma")
+GIVEN = ("ref", "near", "place", "sigma", "fall")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,7 +44,9 @@ class Element:
             place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,): normal
             force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
             there. They are what the part beyond the place does to the part before it (the face whose normal is +x),
-            so that a positive normal force pulls. Asked of flexible elements with a section.
+            so that a positive normal force pulls. Asked of flexible elements with a section. One that names ``fall``
+            is also given what acts on its mass: the acceleration of free fall less its own of each vector s, (k, d)
+            [m/s^2], or None where nothing acts. Without it distributed loads are taken to act on the ends.
         shape: ``f(*nodes, ref, place, **properties) -> (d,)``, where a point of the element is, 0 at its first end and
             1 at its last, for pictures; its properties are among those of the deformation. Without it an element with
             two points and two rotations is drawn as a cubic, another as a line between its points.
@@ -104,6 +106,11 @@ class Element:
     def tracks_angle(self) -> bool:
         """Whether the deformation asks for ``near``: its value at the last accepted state (angles past a turn)."""
         return "near" in inspect.signature(self.deformation).parameters
+
+    @property
+    def feels_fall(self) -> bool:
+        """Whether the section resultants ask for ``fall``: what acts on the mass along the element."""
+        return self.resultants is not None and "fall" in inspect.signature(self.resultants).parameters
 
     def is_elastic(self, properties: dict[str, Any]) -> bool:
         """Whether deformations are stressed at rest.

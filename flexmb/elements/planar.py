@@ -25,8 +25,8 @@ def _truss_inertia(p: Point2, q: Point2, *, ref, section: Section):
     return beams.line_inertia(p, q, ref=ref, section=section)
 
 
-def _truss_resultants(p: Point2, q: Point2, *, ref, place, sigma) -> Float[Array, "6"]:
-    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma)
+def _truss_resultants(p: Point2, q: Point2, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
+    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma, section=section, fall=fall)
 
 
 truss = Element(
@@ -98,9 +98,19 @@ def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, sect
 
 
 def _beam_resultants(
-    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place, sigma, second_order: bool = True
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    *,
+    ref,
+    place,
+    sigma,
+    section: Section,
+    fall=None,
+    second_order: bool = True,
 ) -> Float[Array, "6"]:
-    """Nodal forces of the stress resultants, in axes of the end sections.
+    """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
     Local z of the section is the beam's local y, across it in the plane, and local y points into the plane: a bending
     moment about it turns clockwise.
@@ -109,10 +119,25 @@ def _beam_resultants(
     def deformations(*nodes):
         return _beam(*nodes, ref=ref, second_order=second_order)
 
-    _, moment_p, force, moment_q = jax.vjp(deformations, p, rot_p, q, rot_q)[1](sigma)
-    normal, across = (_axes(rot_p, rot_q, ref) @ force).T
-    zero, bending = jnp.zeros(2), jnp.concatenate([moment_p, -moment_q])
-    return beams.along(jnp.stack([normal, zero, across, zero, bending, zero], axis=1), place)
+    nodes, axes, chord = (p, rot_p, q, rot_q), _axes(rot_p, rot_q, ref), q - p
+    pulls = jax.vjp(deformations, *nodes)[1](sigma)
+    if fall is not None:
+
+        def inertia(*nodes):
+            return _beam_inertia(*nodes, ref=ref, section=section)
+
+        _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
+        pulls = jax.tree.map(jnp.subtract, pulls, weight(h @ fall))
+    force_p, moment_p, force_q, moment_q = pulls
+    normal, across = jnp.einsum("eax,ex->ae", axes, jnp.stack([-force_p, force_q]))
+    resultants = beams.along(jnp.stack([normal, across, jnp.concatenate([moment_p, -moment_q])], axis=1), place)
+    if fall is not None:
+        force, lever = beams.distributed(beams.CUBIC_SHAPES, fall[np.array([0, 2, 1, 3])], place)
+        moment = chord[1] * lever[0] - chord[0] * lever[1]
+        mass = section.rigidity().mass * beams.beam_length(ref)
+        resultants = resultants + mass * jnp.append(beams.along(axes, place) @ force, moment)
+    zero = jnp.array(0.0)
+    return jnp.stack([resultants[0], zero, resultants[1], zero, resultants[2], zero])
 
 
 beam = Element(

@@ -120,9 +120,9 @@ def _faults(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
             continue
         if isinstance(value, Record):
             found += _faults(value, at_least_zero)
-            nu = np.asarray(value.nu) if isinstance(value, Material) and value.nu is not None else np.zeros(())
-            if not np.all((nu > -1) & (nu <= 0.5)):
-                found.append(f"nu = {value.nu}, but it must be above -1 and at most 0.5")
+            nu = value.nu if isinstance(value, Material) else None
+            if nu is not None and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)):
+                found.append(f"nu = {nu}, but it must be above -1 and at most 0.5")
         elif field.name in at_least_zero:
             found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
         elif not np.all(np.asarray(value) > 0):

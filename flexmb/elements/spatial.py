@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.rotation import initial_frame, lbar, turned
+from ..math.rotation import CROSS, initial_frame, lbar, turned
 from . import beams, joints, spectral
 from .element import Element
 from .laws import spring_damper_of
@@ -25,8 +25,8 @@ def _truss_inertia(p: Point3, q: Point3, *, ref, section: Section):
     return beams.line_inertia(p, q, ref=ref, section=section)
 
 
-def _truss_resultants(p: Point3, q: Point3, *, ref, place, sigma) -> Float[Array, "6"]:
-    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma)
+def _truss_resultants(p: Point3, q: Point3, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
+    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma, section=section, fall=fall)
 
 
 truss = Element(
@@ -144,19 +144,40 @@ def _beam_resultants(
     ref,
     place,
     sigma,
+    section: Section,
+    fall=None,
     y: Float[Array, "3"] | None = None,
     second_order: bool = True,
 ) -> Float[Array, "6"]:
-    """Nodal forces of the stress resultants, in axes of the end sections; M = Lbar f / 2 of the dual of a rotation."""
+    """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
+
+    The moment of the dual f of a rotation is Lbar f / 2.
+    """
 
     def deformations(*nodes):
         return _beam(*nodes, ref=ref, y=y, second_order=second_order)
 
-    _, dual_p, force, dual_q = jax.vjp(deformations, p, rot_p, q, rot_q)[1](sigma)
-    triads = _triads(rot_p, rot_q, ref, y)
+    nodes, triads = (p, rot_p, q, rot_q), _triads(rot_p, rot_q, ref, y)
+    pulls = jax.vjp(deformations, *nodes)[1](sigma)
+    if fall is not None:
+
+        def inertia(*nodes):
+            return _beam_inertia(*nodes, ref=ref, section=section, y=y)
+
+        _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
+        pulls = jax.tree.map(jnp.subtract, pulls, weight(h @ fall))
+    force_p, dual_p, force_q, dual_q = pulls
     moments = jnp.stack([-lbar(rot_p) @ dual_p, lbar(rot_q) @ dual_q]) / 2
-    vectors = jnp.stack([jnp.broadcast_to(force, (2, 3)), moments], axis=1)
-    return beams.along((vectors @ triads).reshape(2, 6), place)
+    vectors = jnp.stack([jnp.stack([-force_p, force_q]), moments], axis=1)
+    resultants = beams.along(vectors @ triads, place)
+    if fall is not None:
+        l0 = beams.beam_length(ref)
+        # Slopes by place are axes times length.
+        at_ends = fall[_PLACES] * jnp.stack([jnp.ones_like(l0), l0, jnp.ones_like(l0), l0])[:, None]
+        force, lever = beams.distributed(beams.CUBIC_SHAPES, at_ends, place)
+        inside = jnp.stack([force, (CROSS @ lever) @ (q - p)])
+        resultants = resultants + section.rigidity().mass * l0 * inside @ beams.along(triads, place)
+    return resultants.ravel()
 
 
 def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:

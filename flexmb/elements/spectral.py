@@ -5,9 +5,7 @@ pose of end q follows from that of end p by quadrature of the kinematics, and it
 is the part of the deformations that stays FIXED; the closure comes first, then one strain field after the other. The
 error falls exponentially with the order (benchmarks/large_deflection.py).
 
-Section resultants at a place are those of statics, from force and moment at q, plus what distributed loads add: the
-force out of balance on the coefficient of P_k is the integral of P_k times that addition, which gives its series. A
-shear force that has no field follows from the moments, m' = -r' x n.
+Section resultants at a place are those of statics: force and moment at q and what acts on the mass beyond the place.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
@@ -15,7 +13,6 @@ Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coef
 import dataclasses
 import functools
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -25,6 +22,7 @@ from ..math.linear import multiplied
 from ..math.quadrature import (
     gauss,
     integration_matrix,
+    legendre_coefficients,
     legendre_integrals,
     legendre_integrals_at,
     legendre_values,
@@ -89,15 +87,16 @@ def _closure_of(sigma, count: int):
     return sigma[:count]
 
 
-def _of_distributed_loads(deformations, c, sigma, place, order: int):
-    """What distributed loads add to the resultant of each field, in the order of the fields, and its rate by place."""
-    (out_of_balance,) = jax.vjp(deformations, c)[1](sigma)
-    series = out_of_balance.reshape(-1, order) * (2.0 * np.arange(order) + 1)
+def _beyond(coefficients: np.ndarray, loads, place):
+    """Integral from a place to the end of loads per length that are known at nodes, by their Legendre coefficients."""
+    n = coefficients.shape[0]
+    to_the_end = np.eye(n)[0] - legendre_integrals_at(n, place)
+    return to_the_end @ (coefficients @ loads)
 
-    def at(place):
-        return series @ legendre_values_at(order, place)
 
-    return jax.jvp(at, (place,), (jnp.ones_like(place),))
+def _turn(lever, force):
+    """Moment of forces in the plane, counter-clockwise."""
+    return lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0]
 
 
 # Fields of the planar beam, in the order of its coefficients.
@@ -147,7 +146,7 @@ def _planar_beam(order: int) -> Element:
     layout = _Layout(closure=3, fields=2, order=order)
     nodes, weights = gauss(2 * order + 8)
     values, angles = legendre_values(order, nodes), legendre_integrals(order, nodes)
-    along = integration_matrix(nodes, weights)
+    along, coefficients = integration_matrix(nodes), legendre_coefficients(nodes)
 
     def line(rot_p, c, ref, curvature):
         """Length, axes of end p as columns, directions and stretched directions at the nodes in those axes."""
@@ -225,24 +224,28 @@ def _planar_beam(order: int) -> Element:
         ref,
         place,
         sigma,
+        section: Section,
+        fall=None,
         curvature: float | None = None,
     ) -> Float[Array, "6"]:
         length, axes, _, _ = line(rot_p, c, ref, curvature)
         directions, stretched = to_place(c, length, curvature, place)
-        lever = axes.T @ (q - p) - place * (weights * stretched[:-1]) @ directions[:-1]
-        x, y, moment = _closure_of(sigma, 3)
-
-        def deformations(c):
-            return _spectral_beam(p, rot_p, q, rot_q, c, ref=ref, curvature=curvature)
-
-        more, rate = _of_distributed_loads(deformations, c, sigma, place, order)
+        reached = place * (weights * stretched[:-1]) @ directions[:-1]
+        # Force, and moment about p, of all that is beyond the place; counter-clockwise, in axes of end p.
+        force, moment = jnp.split(_closure_of(sigma, 3), (2,))
+        wrench = jnp.append(force, moment + _turn(axes.T @ (q - p), force))
+        if fall is not None:
+            vectors, h = _inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, curvature=curvature)
+            pulls, turning = jnp.split(h @ fall @ axes, 2)
+            positions, normals = jnp.split(vectors @ axes, 2)
+            moments = _turn(positions - axes.T @ p, pulls) + _turn(normals, turning)
+            loads = jnp.concatenate([pulls, moments[:, None]], axis=1) / weights[:, None]
+            wrench = wrench + _beyond(coefficients, loads, place)
+        (x, y), bending = wrench[:2], wrench[2] - _turn(reached, wrench[:2])
         cosine, sine = directions[-1]
-        normal = cosine * x + sine * y + more[ELONGATION]
-        across = cosine * y - sine * x - rate[CURVATURE] / stretched[-1]
-        bending = moment + lever[0] * y - lever[1] * x + more[CURVATURE]
         # The section's own y axis points into the plane: a moment about it turns clockwise.
-        zero = jnp.zeros_like(normal)
-        return jnp.stack([normal, zero, across, zero, -bending, zero])
+        zero = jnp.zeros_like(x)
+        return jnp.stack([cosine * x + sine * y, zero, cosine * y - sine * x, zero, -bending, zero])
 
     def _shape(
         p: Point2,
@@ -307,6 +310,7 @@ def _spatial_beam(order: int, shear: bool) -> Element:
     layout = _Layout(closure=6, fields=6 if shear else 4, order=order)
     steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
     ends, weights = lobatto(steps + 1)
+    coefficients = legendre_coefficients(ends)
     lengths = np.diff(ends)
     inner = ends[:-1, None] + lengths[:, None] * gauss(3)[0]
     # Six-vectors (twist, curvatures, stretch, shears) of the fields, and the rigidity that each works against.
@@ -402,27 +406,27 @@ def _spatial_beam(order: int, shear: bool) -> Element:
         ref,
         place,
         sigma,
+        section: Section,
+        fall=None,
         y: Float[Array, "3"] | None = None,
         curvature: Float[Array, "3"] | None = None,
     ) -> Float[Array, "6"]:
         length = _length(ref, curvature)
         at_p, at_q = frames(rot_p, rot_q, ref, y, curvature, length)
         pose = product(strains(c, length, curvature, place, on_the_way(place)))
+        # Force, and moment about p, of all that is beyond the place, in axes of end p.
         force, moment = jnp.split(_closure_of(sigma, 6), 2)
-        lever = at_p.T @ (q - p) - pose[:3, 3]
-        moment = at_p.T @ (at_q @ moment) + (CROSS @ force) @ lever
-
-        def deformations(c):
-            return _spectral_beam(p, rot_p, q, rot_q, c, ref=ref, y=y, curvature=curvature)
-
-        more, rate = _of_distributed_loads(deformations, c, sigma, place, order)
-        if not shear:
-            strain = legendre_values_at(order, place) @ c.reshape(layout.fields, order).T / length
-            bent = strain[1:] if curvature is None else strain[1:] + curvature
-            slope = rate[1:] / length + (CROSS @ more[1:]) @ bent
-            more = jnp.concatenate([more, jnp.stack([-slope[2], slope[1]]) / (1 + strain[0])])
-        static = (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
-        return static + more[np.array([0, 4, 5, 1, 2, 3])]
+        moment = at_p.T @ (at_q @ moment) + jnp.cross(at_p.T @ (q - p), force)
+        if fall is not None:
+            vectors, h = _inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, y=y, curvature=curvature)
+            pulls = h @ fall @ at_p
+            levers = jnp.concatenate([vectors[: steps + 1] - p, vectors[steps + 1 :]]) @ at_p
+            moments = jnp.cross(levers, pulls)
+            moments = moments[: steps + 1] + jnp.sum(moments[steps + 1 :].reshape(-1, 3, 3), axis=1)
+            loads = jnp.concatenate([pulls[: steps + 1], moments], axis=1) / weights[:, None]
+            force, moment = jnp.stack([force, moment]) + _beyond(coefficients, loads, place).reshape(2, 3)
+        moment = moment - jnp.cross(pose[:3, 3], force)
+        return (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
 
     def _shape(
         p: Point3,

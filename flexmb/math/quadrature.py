@@ -75,6 +75,18 @@ def legendre_integrals_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n
     return (values[..., 1:] - below) / (4.0 * np.arange(order) + 2)
 
 
+def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
+    """Coefficients of P_k(2 s - 1), k < n, of the polynomial through what is known at the nodes.
+
+    Args:
+        nodes: Gauss or Lobatto nodes on [0, 1], (n,).
+
+    Returns:
+        (n, n), to be multiplied with the values at the nodes.
+    """
+    return np.linalg.inv(legendre_values(len(nodes), nodes))
+
+
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
 
@@ -106,19 +118,16 @@ def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
     return (x + 1) / 2, 1 / (n * (n - 1) * legendre.legval(x, last) ** 2)
 
 
-def integration_matrix(nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def integration_matrix(nodes: np.ndarray) -> np.ndarray:
     """Integrals from 0 to each node of what is known at all of them.
 
     Args:
         nodes: Gauss nodes on [0, 1], (n,).
-        weights: Their weights, (n,).
 
     Returns:
         (n, n), exact for polynomials of degree n - 1.
 
     Source:
-        Expansion in Legendre polynomials by the quadrature, then :func:`legendre_integrals`.
+        :func:`legendre_coefficients`, then :func:`legendre_integrals`.
     """
-    n = len(nodes)
-    coefficients = (2 * np.arange(n) + 1)[:, None] * legendre_values(n, nodes).T * weights
-    return legendre_integrals(n, nodes) @ coefficients
+    return legendre_integrals(len(nodes), nodes) @ legendre_coefficients(nodes)

@@ -1,5 +1,7 @@
 """Mass matrix and weight from each element's vectors s(x) and constant matrix H: T = 1/2 s_dot^T H s_dot."""
 
+from typing import Any, NamedTuple
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -7,8 +9,22 @@ from jaxtyping import Array, Float
 from ..math.compile import traced_once
 from ..math.indices import put
 from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Block, Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
+
+
+class Felt(NamedTuple):
+    """What mass feels in a state: gravity, and the motion of the nodes.
+
+    Attributes:
+        gravity: Acceleration of free fall, (axes,) [m/s^2]; None without gravity.
+        v: Nodal velocities, (n_x,) [1/s]; None at rest.
+        a: Nodal accelerations, (n_x,) [1/s^2]; None at rest.
+    """
+
+    gravity: Float[Array, "axes"] | None = None
+    v: Float[Array, "n_x"] | None = None
+    a: Float[Array, "n_x"] | None = None
 
 
 def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> list[tuple[Array, Array, Array]]:
@@ -88,6 +104,41 @@ def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Fl
     """
     columns = jnp.broadcast_to(acceleration[:, None], topology.axes.shape)
     return put(jnp.zeros(topology.n_x), topology.axes, columns)
+
+
+def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, function, ref, properties) -> Any:
+    """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
+
+    Args:
+        topology: Structure.
+        felt: Gravity and motion.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        block: Block of the elements.
+        function: Inertia companion of one of them, as :func:`each_block` gives it.
+        ref: Its stacked reference coordinates.
+        properties: Its stacked properties.
+
+    Returns:
+        (elements, k, d) [m/s^2], or None where there is neither gravity nor motion.
+
+    Source:
+        Equivalence of gravity and uniform acceleration; s_ddot = J a + (dJ/dt) v.
+    """
+    falling = None if felt.gravity is None else uniform_motion(topology, felt.gravity)
+    along = [None if of is None else of[block.x] for of in (falling, felt.v, felt.a)]
+    if all(of is None for of in along):
+        return None
+
+    def one(x, along, ref, own):
+        falling, v, a = along
+
+        def rate(x, v):
+            return jax.jvp(lambda x: function(x, ref, own)[0], (x,), (v,))[1]
+
+        found: Any = 0.0 if falling is None else rate(x, falling)
+        return found if v is None else found - jax.jvp(rate, (x, v), (v, a))[1]
+
+    return jax.vmap(one)(x[block.x], along, ref, properties)
 
 
 def _weight_potential(topology, parameters, gravity):

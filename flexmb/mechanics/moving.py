@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float
 from ..math.indices import put
 from .coordinates_form import CoordinatesForm
 from .deformation import deformation_curvature
-from .inertia import weight_stiffness
+from .inertia import Felt, weight_stiffness
 from .loads import LoadFactors, load_stiffness
 from .motion import acting_forces, deformed, force_derivatives
 from .transfer import Transfer, correction, held_rows, multipliers, transfer
@@ -31,6 +31,7 @@ class MovingMatrices(NamedTuple):
         S_d: Damping of the elements likewise, (n_e, n_e).
         reactions: Forces of the supports on the mechanism, (n_x,).
         sigma: Stress resultants, multipliers included, (n_e,).
+        felt: Gravity and motion, which act along the elements.
         regular: Whether the degrees of freedom determine the configuration here.
         DFx_d: Rate of DFx along the motion, (n_x, n_q).
         DFx_dd: Its second rate, (n_x, n_q).
@@ -51,6 +52,7 @@ class MovingMatrices(NamedTuple):
     S_d: Float[Array, "n_e n_e"]
     reactions: Float[Array, "n_x"]
     sigma: Float[Array, "n_e"]
+    felt: Felt
     regular: Bool[Array, ""]
     DFx_d: Float[Array, "n_x n_q"]
     DFx_dd: Float[Array, "n_x n_q"]
@@ -186,6 +188,7 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         S_d=damping,
         reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
         sigma=sigma,
+        felt=Felt(form.gravity, v, a),
         regular=at.regular,
         DFx_d=turning,
         DFx_dd=by_q,

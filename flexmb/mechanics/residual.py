@@ -27,6 +27,7 @@ class State(NamedTuple):
         transfer: DFx, DFe and the factors behind them.
         S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e) [N/m, N m/rad].
         curvature: Stiffness of stress resultants and loads in the coordinates, (n_x, n_x), or None without loads.
+        gravity: Acceleration of free fall, (axes,) [m/s^2], or None.
     """
 
     x: Float[Array, "n_x"]
@@ -37,6 +38,7 @@ class State(NamedTuple):
     transfer: Transfer
     S: Float[Array, "n_e n_e"]
     curvature: Float[Array, "n_x n_x"] | None
+    gravity: Float[Array, "axes"] | None
 
     @property
     def K0(self) -> Float[Array, "n_q n_q"]:
@@ -87,15 +89,16 @@ def state(
     stiffness = element_stiffness(topology, parameters)
     if not loaded:
         nothing = jnp.zeros(topology.n_e)
-        return State(x, e, nothing, jnp.zeros(topology.n_x), jacobian, tangent, stiffness, None)
+        return State(x, e, nothing, jnp.zeros(topology.n_x), jacobian, tangent, stiffness, None, None)
     force = nodal_forces(topology, parameters, factors, x)
     stressed = e if strained is None else strained
-    elastic = stress_resultants(topology, parameters, scaled_loads(parameters, factors), stiffness, stressed)
+    loads = scaled_loads(parameters, factors)
+    elastic = stress_resultants(topology, parameters, loads, stiffness, stressed)
     stiffness, _ = stress_tangents(topology, parameters, stiffness, None, stressed)
     sigma = multipliers(topology, tangent, jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, factors, x)
-    return State(x, e, sigma, force, jacobian, tangent, stiffness, curvature)
+    return State(x, e, sigma, force, jacobian, tangent, stiffness, curvature, loads.gravity)
 
 
 def iterate(

@@ -11,6 +11,7 @@ from ..math.compile import traced_once
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
+from .inertia import Felt, fall
 
 
 def stiffness_pieces(
@@ -268,6 +269,7 @@ def section_resultants(
     parameters: Parameters,
     x: Float[Array, "n_x"],
     sigma: Float[Array, "n_e"],
+    felt: Felt,
     places: Float[Array, "places"],
 ) -> list[Float[Array, "elements places 6"]]:
     """Forces and moments in the cross-sections of the elements, block by block.
@@ -277,6 +279,7 @@ def section_resultants(
         parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         sigma: Stress resultants, multipliers of FIXED deformations included, (n_e,) [N, N m].
+        felt: Gravity and motion, which act along the elements.
         places: From 0 at the first end of an element to 1 at its last, (places,) [-].
 
     Returns:
@@ -286,11 +289,16 @@ def section_resultants(
         Each element's resultants companion.
     """
     found = []
+    inertias = {id(block): rest for block, *rest in each_block(topology, parameters, "inertia")}
     for block, function, ref, properties in each_block(topology, parameters, "resultants"):
+        extra: dict[str, Any] = {"sigma": sigma[block.e]}
+        if block.element.feels_fall:
+            acts = id(block) in inertias
+            extra["fall"] = fall(topology, felt, x, block, *inertias[id(block)]) if acts else None
 
-        def one(x, ref, own, sigma, place, function=function):
-            return function(x, ref, own, sigma=sigma, place=place)
+        def one(x, ref, own, extra, place, function=function):
+            return function(x, ref, own, place=place, **extra)
 
         everywhere = jax.vmap(jax.vmap(one, (None, None, None, None, 0)), (0, 0, 0, 0, None))
-        found.append(everywhere(x[block.x], ref, properties, sigma[block.e], places))
+        found.append(everywhere(x[block.x], ref, properties, extra, places))
     return found

@@ -188,14 +188,13 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
     """
     around = margin * extent_of(points)
     low, high = np.min(points, axis=0) - around, np.max(points, axis=0) + around
-    for name, a, b in zip("xyz", low, high, strict=False):
-        getattr(ax, f"set_{name}lim")(a, b)
+    # A flat direction keeps some thickness, so that its axis can be read.
+    size = np.maximum(high - low, 0.25 * np.max(high - low))
+    for name, a, b, s in zip("xyz", low, high, size, strict=False):
+        getattr(ax, f"set_{name}lim")((a + b - s) / 2, (a + b + s) / 2)
         getattr(ax, f"set_{name}label")(f"{name} [m]")
     if ax.name == "3d":
-        # A flat direction keeps some thickness, so that its axis can be read.
-        size = np.maximum(high - low, 0.25 * np.max(high - low))
-        for name, a, b, s in zip("xyz", low, high, size, strict=True):
-            getattr(ax, f"set_{name}lim")((a + b - s) / 2, (a + b + s) / 2)
+        for name, s in zip("xyz", size, strict=True):
             getattr(ax, f"{name}axis").set_major_locator(_ticks(4 * s / np.max(size)))
         ax.set_box_aspect(size, zoom=0.88)
         # A flat mechanism is seen from the side that shows it.

@@ -9,10 +9,11 @@ from ..analysis.path import Path
 from ..analysis.simulate import Motion
 from ..results import RESULTS
 from .canvas import plain_axes
+from .modes import AT_MOST
 from .path import index_of, with_unit
 
 
-def frequencies(found: Path | Motion, of: str | None = None, *, count: int | None = None, ax: Any = None) -> Any:
+def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_MOST, ax: Any = None) -> Any:
     """Natural frequencies along a path or a motion; below zero where the motion grows.
 
     Along a motion they are those of K0 + N0 + G0 and M0 at every time, without C0 and D0; where an eigenvalue is
@@ -21,7 +22,7 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int | Non
     Args:
         found: Path or Motion.
         of: Coordinate to draw them over, such as "tip.x"; load factor or time unless given.
-        count: How many, the lowest; all unless given.
+        count: How many at most, the lowest of them.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:
@@ -45,12 +46,14 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int | Non
         index = index_of(found.labels, of)
         along, label = x[:, index], with_unit(found.labels, index)
     ax = plain_axes(ax)
-    for i, row in enumerate(hertz.T[:count]):
+    drawn = hertz.T[:count]
+    for i, row in enumerate(drawn):
         ax.plot(along, np.where(np.isfinite(row), row, np.nan), label=f"f{i + 1}")
     ax.set_xlabel(label)
     ax.set_ylabel("frequency [Hz]")
     ax.grid(visible=True, alpha=0.3)
-    ax.legend()
+    left_out = hertz.shape[1] - len(drawn)
+    ax.legend(title=f"and {left_out} higher" if left_out > 0 else None)
     return ax
 
 

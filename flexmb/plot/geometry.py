@@ -123,6 +123,32 @@ def lines(
     return [found[name] for name, *_ in model.labels.elements if name in found]
 
 
+def scaled_lines(
+    model: Model, base: Float[np.ndarray, "n_x"], x: Float[np.ndarray, "n_x"], factor: float
+) -> list[Line]:
+    """Every element as a line, its displacement from one state to another multiplied.
+
+    The points are scaled, not the coordinates: a beam that bends is no linear function of its curvature, and would end
+    beside the nodes that it joins.
+
+    Args:
+        model: Mechanism.
+        base: Nodal coordinates of the one state, (n_x,) [m, rad, -].
+        x: Those of the other, (n_x,) [m, rad, -].
+        factor: Of the displacement.
+
+    Returns:
+        Lines in the order of the model.
+    """
+    if factor == 1:
+        return lines(model, x)
+    found = []
+    for still, moved in zip(lines(model, base, straight=True), lines(model, x, straight=True), strict=True):
+        points = still.points + factor * (moved.points - still.points)
+        found.append(moved._replace(points=zigzag(points[0], points[-1]) if moved.kind == "spring" else points))
+    return found
+
+
 def masses(model: Model) -> list[np.ndarray]:
     """Indices in x of every point that carries a lumped mass.
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..model.model import Model
 from . import marks as marked
 from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, write
-from .geometry import extent_of, lines, masses, nodes_of
+from .geometry import extent_of, lines, masses, nodes_of, scaled_lines
 from .sections import strips
 from .state import displaced, state_of
 
@@ -56,8 +56,8 @@ def mechanism(
         TypeError: ``shown`` or ``at`` cannot be drawn.
         ValueError: ``at``, ``step``, ``time``, ``scale`` or ``ax`` does not fit.
     """
-    model, x = state_of(shown, at, step, time)
-    x = displaced(model, x, scale)
+    model, state = state_of(shown, at, step, time)
+    x = displaced(model, state, scale)
     reference = np.asarray(model.parameters.reference)
     ax = new_axes(model.labels.dimension, ax)
     seen = []
@@ -66,7 +66,7 @@ def mechanism(
         still = lines(model, reference)
         mechanism_lines(ax, still, ghost=True)
         seen += [line.points for line in still]
-    drawn = lines(model, x)
+    drawn = scaled_lines(model, reference, state, scale)
     mechanism_lines(ax, drawn)
     quads = strips(model, x, drawn) if sections else []
     faces(ax, quads, "section", BLUE)

@@ -8,15 +8,20 @@ import numpy as np
 from ..analysis.buckling import Buckling
 from ..analysis.modal import Modes
 from ..model.model import Model
-from .canvas import frame, grid, mechanism_lines
-from .geometry import extent_of, lines, nodes_of
+from .canvas import BLUE, faces, frame, grid, mechanism_lines
+from .geometry import extent_of, lines, nodes_of, scaled_lines
 from .mechanism import draw_supports
+from .sections import across_of, shapes_of, strips
 from .state import displaced
 
 # Modes are drawn by this share of the mechanism's extent.
 AMPLITUDE = 0.15
 # Step of the difference that finds how far a shape moves its lines; their displacement is linear in it but for 1e-6.
 STEP = 1e-6
+# Largest turn of a section at that amplitude [rad], and what counts as none, per unit of the largest coordinate: the
+# round-off of the difference.
+LARGEST_TURN = 1.0
+STILL = 1e-6
 AT_MOST = 6
 
 
@@ -69,24 +74,22 @@ def title_of(found: Modes | Buckling, mode: int) -> str:
 def _draw(ax: Any, model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float) -> None:
     still = lines(model, x)
     mechanism_lines(ax, still, ghost=True)
-    moved = x + factor_of(model, x, shape, amplitude) * shape
-    moved = displaced(model, moved, 1.0) if model.labels.dimension == 2 else _unit(model, moved)
-    drawn = lines(model, moved)
+    factor = factor_of(model, x, shape, amplitude)
+    step = STEP / (np.max(np.abs(shape), initial=0.0) or 1.0)
+    after, scale = x + step * shape, factor / step
+    drawn = scaled_lines(model, x, after, scale)
     mechanism_lines(ax, drawn)
+    moved = displaced(model, after, scale, base=x)
+    if model.labels.dimension == 3:
+        faces(ax, strips(model, moved, drawn), "section", BLUE)
     draw_supports(ax, model, {name: moved[indices] for name, indices in nodes_of(model).items()})
     frame(ax, np.concatenate([line.points for line in (*still, *drawn)]))
 
 
-def _unit(model: Model, x: np.ndarray) -> np.ndarray:
-    """Euler parameters brought to unit norm."""
-    x = x.copy()
-    for index in nodes_of(model, "rotation").values():
-        x[index] /= np.linalg.norm(x[index])
-    return x
-
-
 def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float = AMPLITUDE) -> float:
     """What a shape is multiplied by so that the largest displacement of a drawn point is a share of the extent.
+
+    Where the sections turn by more than a radian beside that, as in torsion, it is less.
 
     Args:
         model: Mechanism.
@@ -95,10 +98,16 @@ def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float =
         amplitude: The share.
     """
     size = np.max(np.abs(shape), initial=0.0) or 1.0
-    before, after = (lines(model, at, straight=True) for at in (x, x + STEP / size * shape))
+    states = (x, x + STEP / size * shape)
+    before, after = (lines(model, at, straight=True) for at in states)
     points = np.concatenate([line.points for line in before])
     moved = np.concatenate([line.points for line in after]) - points
-    # A mode that only turns what has no length: a tenth of a radian.
-    largest = np.max(np.linalg.norm(moved, axis=1)) / STEP * size
+    shapes = shapes_of(model)
+    sides = [across_of(model, at, own, shapes) for at, own in zip(states, (before, after), strict=True)]
+    turned = [np.linalg.norm(sides[1][name] - own, axis=1) for name, own in sides[0].items()]
+    rate = size / STEP
     extent = extent_of(points)
-    return amplitude * extent / largest if largest > 1e-9 * size * extent else 0.1 / size
+    largest = rate * np.max(np.linalg.norm(moved, axis=1)) / extent
+    twist = rate * AMPLITUDE / LARGEST_TURN * np.max(turned, initial=0.0)
+    # A mode that only turns what has no length: a tenth of a radian.
+    return amplitude / max(largest, twist) if max(largest, twist) > STILL * size else 0.1 / size

@@ -79,23 +79,38 @@ def _one(shown: Any, x: np.ndarray, step: int | None, time: float | None) -> Flo
     return x[step]
 
 
-def displaced(model: Model, x: Float[np.ndarray, "n_x"], scale: float = 1.0) -> Float[np.ndarray, "n_x"]:
-    """Coordinates with displacements from the undeformed mechanism multiplied.
+def checked(scale: float) -> float:
+    """A factor of displacements.
+
+    Args:
+        scale: The factor.
+
+    Raises:
+        ValueError: It is not finite.
+    """
+    if not np.isfinite(scale):
+        raise ValueError(f"Argument `scale` must be a finite number, but is {scale}.")
+    return scale
+
+
+def displaced(
+    model: Model, x: Float[np.ndarray, "n_x"], scale: float = 1.0, base: Float[np.ndarray, "n_x"] | None = None
+) -> Float[np.ndarray, "n_x"]:
+    """Coordinates with displacements multiplied.
 
     Args:
         model: Mechanism.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         scale: Factor; Euler parameters are brought back to unit norm.
+        base: Coordinates that displacements are counted from, (n_x,); by default those of the undeformed mechanism.
 
     Returns:
         (n_x,) [m, rad, -].
     """
-    if not np.isfinite(scale):
-        raise ValueError(f"Argument `scale` must be a finite number, but is {scale}.")
-    reference = np.asarray(model.parameters.reference)
-    if scale == 1:
+    if checked(scale) == 1:
         return x
-    moved = reference + scale * (x - reference)
+    base = np.asarray(model.parameters.reference) if base is None else base
+    moved = base + scale * (x - base)
     for indices in nodes_of(model, "rotation").values():
         if len(indices) == 4:
             moved[indices] /= np.linalg.norm(moved[indices])

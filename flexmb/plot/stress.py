@@ -6,8 +6,8 @@ import numpy as np
 
 from ..analysis.stress import SectionResultants, Stress
 from .canvas import frame, mechanism_lines, new_axes, polylines
-from .geometry import PLACES, lines
-from .state import displaced, state_of
+from .geometry import PLACES, lines, scaled_lines
+from .state import checked, state_of
 
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 SURFACE = {"von Mises": "von_mises", "sigma_x": "sigma_x", "tau": "tau"}
@@ -45,12 +45,12 @@ def stress(
     """
     values, label = values_of(found, quantity)
     model, x = state_of(shown, step=step)
-    x = displaced(model, x, scale)
-    drawn, still = lines(model, x), lines(model, np.asarray(model.parameters.reference))
+    reference = np.asarray(model.parameters.reference)
+    drawn, still = scaled_lines(model, reference, x, checked(scale)), lines(model, reference)
     if missing := set(found.names) - {line.element for line in drawn}:
         raise ValueError(f"The stress is not of this model, which has no element '{min(missing)}'.")
     ax = new_axes(model.labels.dimension, ax)
-    if not np.allclose(x, model.parameters.reference, rtol=0, atol=1e-12):
+    if not np.allclose(x, reference, rtol=0, atol=1e-12):
         mechanism_lines(ax, still, ghost=True)
     mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
     rows = {name: row for row, name in enumerate(found.names)}

@@ -1,5 +1,6 @@
 """Wrong calls of the design functions: one error that names the argument; nothing is cut, wrapped or taken for true."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -43,14 +44,14 @@ WRONG = [
     (lambda: fm.grid(**{n: np.ones(1000) for n in "abcdef"}), "`count` must be .*at most 1e.07"),
     (lambda: fm.Designs({"a": [True]}), "Dimension 'a' must be numbers"),
     (lambda: fm.Designs({"a": [[1, 2], [3]]}), "Dimension 'a' must be numbers"),
-    (lambda: fm.latin_hypercube(2.5, a=(0, 1)), "`count` must be at least 1 .*whole, but is 2.5"),
-    (lambda: fm.latin_hypercube(True, a=(0, 1)), "`count` must be at least 1 .*whole, but is True"),
+    (lambda: fm.latin_hypercube(2.5, a=(0, 1)), "`count` must be a whole number, not 2.5"),
+    (lambda: fm.latin_hypercube(True, a=(0, 1)), "`count` must be a whole number, not True"),
     (lambda: fm.latin_hypercube(10**11, a=(0, 1)), "at most 1e.07"),
     (lambda: fm.monte_carlo(10**11, a=(0, 1)), "at most 1e.07"),
     (lambda: fm.latin_hypercube(3, a=(np.zeros(2), np.ones(2))), "Bounds of 'a' must be two numbers"),
     (lambda: fm.monte_carlo(3, seed=-1, a=(0, 1)), "`seed` must be at least 0"),
-    (lambda: sweep(chunk=True), "`chunk` must be at least 1"),
-    (lambda: sweep(chunk=2.5), "`chunk` must be at least 1"),
+    (lambda: sweep(chunk=True), "`chunk` must be a whole number"),
+    (lambda: sweep(chunk=2.5), "`chunk` must be a whole number"),
     (lambda: sweep(together=0), "`together` must be at least 1"),
     (lambda: sweep(units={"z": "m"}), "Unit of 'z': there is no such"),
     (lambda: sweep()["z"], "no answer or dimension 'z'; there are a, y"),
@@ -67,53 +68,57 @@ WRONG = [
     (lambda: scattered(np.nan), "Deviation of 'a'"),
     (lambda: scattered("x"), "Deviation of 'a' must be numbers"),
     (lambda: scattered([0.1, 0.2]), "'a' has shape"),
-    (lambda: scattered(samples=2.5), "`samples` must be at least 0"),
+    (lambda: scattered(samples=2.5), "`samples` must be a whole number"),
     (lambda: scattered(samples=-3), "`samples` must be at least 0"),
-    (lambda: scattered(samples=True), "`samples` must be at least 0"),
+    (lambda: scattered(samples=True), "`samples` must be a whole number"),
     (lambda: tune({"a": "x"}), "Dimension 'a' must be numbers"),
     (lambda: tune(bounds={"a": ("0", "2")}), "Bounds of 'a' must be two numbers"),
     (lambda: tune(bounds={"a": (np.zeros(2), np.ones(2))}), "'a' has shape"),
-    (lambda: tune(starts=True), "`starts` must be at least 1"),
-    (lambda: tune(starts=1.5), "`starts` must be at least 1"),
-    (lambda: tune(max_evaluations=2.5), "`max_evaluations` must be at least 1"),
+    (lambda: tune(starts=True), "`starts` must be a whole number"),
+    (lambda: tune(starts=1.5), "`starts` must be a whole number"),
+    (lambda: tune(max_evaluations=2.5), "`max_evaluations` must be a whole number"),
     (lambda: tune(together=0), "`together` must be at least 1"),
-    (lambda: tune(tolerance=True), "`tolerance` must be positive"),
-    (lambda: tune(tolerance="x"), "`tolerance` must be positive"),
+    (lambda: tune(tolerance=True), "`tolerance` must be one number"),
+    (lambda: tune(tolerance="x"), "`tolerance` must be one number"),
     (lambda: tune(tolerance=np.inf), "`tolerance` must be positive"),
     (lambda: tune(minimize=["y"]), "must be names of answers"),
     (lambda: tune(targets={"y": True}), "The target of 'y'"),
     (lambda: tune(equal={"y": None}), "The value of 'y'"),
     (lambda: tune(limits={"y": "12"}), "Limits of 'y' must be two values"),
     (lambda: fm.tune(same, {"objective": double}, START, BOUNDS, minimize="objective"), "must have another name"),
-    (lambda: settle(samples=2.5), "`samples` must be at least 2"),
+    (lambda: settle(samples=2.5), "`samples` must be a whole number"),
     (lambda: settle(horizon=np.inf), "`horizon` must be positive"),
-    (lambda: settle(start=np.ones(3)), r"must have shapes \(n, n\)"),
+    (lambda: settle(start=np.ones(3)), r"`matrix` must have shape \(3, 3\), but has shape \(2, 2\)"),
 ]
 
 
 @pytest.mark.parametrize(("call", "words"), WRONG, ids=[f"{i}" for i in range(len(WRONG))])
 def test_wrong_calls_name_the_argument(call, words):
-    with pytest.raises((ValueError, KeyError), match=words):
+    with pytest.raises((ValueError, TypeError, KeyError), match=words):
         call()
 
 
 @pytest.mark.parametrize("changed", [{"level": np.nan}, {"matrix": A * np.nan}, {"output": np.array([1.0, np.nan])}])
 def test_nothing_settles_that_is_no_number(changed):
-    assert np.isnan(settle(**changed))
+    with pytest.raises(ValueError, match=r"finite|positive"):
+        settle(**changed)
+    # Of many designs at once only that one has no answer.
+    name, value = next(iter(changed.items()))
+    assert np.isnan(jax.jit(lambda value: settle(**{name: value}))(value))
 
 
 WRONG_QUESTIONS = [
     ({"bandwidth": np.nan}, "`bandwidth` must be positive"),
     ({"bandwidth": np.inf}, "`bandwidth` must be positive"),
-    ({"bandwidth": True}, "`bandwidth` must be positive"),
-    ({"bandwidth": "100"}, "`bandwidth` must be positive"),
+    ({"bandwidth": True}, "`bandwidth` must be one number"),
+    ({"bandwidth": "100"}, "`bandwidth` must be one number"),
     ({"tolerance": np.nan}, "`tolerance` must be positive"),
     ({"nodes": ["Z"]}, "no node 'Z'"),
     ({"nodes": "3"}, "`nodes` must be a list of names"),
     ({"increments": ()}, "`increments` must be finite numbers"),
     ({"increments": [np.nan]}, "`increments` must be finite numbers"),
     ({"increments": ["0"]}, "`increments` must be numbers"),
-    ({"finest": 2.5}, "`finest` must be at least 2"),
+    ({"finest": 2.5}, "`finest` must be a whole number"),
 ]
 
 

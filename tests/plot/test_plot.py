@@ -1,5 +1,7 @@
 """What pictures show, by the numbers in them: coordinates, colours, labels, titles."""
 
+import dataclasses
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from flexmb.io.answers import Answer
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.answer import image
 from flexmb.plot.geometry import lines
+from flexmb.plot.modes import factor_of
 from flexmb.plot.sections import strips
 
 mpl.use("Agg")
@@ -264,6 +267,77 @@ def test_buckling_and_unstable_modes_say_so(guide):
     assert plot.modes(fm.modes(pressed)).axes[0].get_title().startswith("mode 1: unstable, ω² = -")
 
 
+@pytest.fixture(scope="module", params=[planar.spectral_beam(4), spatial.spectral_beam(3)], ids=["plane", "space"])
+def tailed(request):
+    """A leaf spring, one spectral beam, with a rigid tail, pushed; and its modes."""
+    space = len(request.param.nodes["p"].start) == 3
+    b = fm.Builder()
+    for i, name in enumerate(("foot", "tip", "end")):
+        b.node(name, (i * LENGTH, 0, 0) if space else (i * LENGTH, 0))
+    axes = {"y": (0, 1, 0)} if space else {}
+    b.add(request.param, "foot", "tip", name="leaf", section=leaf(), **axes)
+    b.add(spatial.beam if space else planar.beam, "tip", "end", name="tail", **axes)
+    b.fix("foot")
+    b.mass("end", 0.01)
+    b.force("end", (-0.1, 0, 0.1) if space else (-0.1, 0.1))
+    return fm.modes(b.build())
+
+
+def ends_of(ax, label):
+    """First and last point of the one line of a kind."""
+    found = collection(ax, label)
+    (points,) = found._segments3d if ax.name == "3d" else found.get_segments()
+    return np.asarray(points)[[0, -1]]
+
+
+@pytest.mark.parametrize("amplitude", [plot.modes.__kwdefaults__["amplitude"], 0.5])
+def test_spectral_beams_stay_on_their_bodies_in_a_mode(tailed, amplitude):
+    """Displacements are as many times those of the mode at the end of a beam as at its node."""
+    lin, shapes = tailed.lin, np.asarray(tailed.shapes)
+    nodes = [lin.labels.known(name) for name in ("foot", "tip", "end")]
+    for mode, ax in enumerate(plot.modes(tailed, amplitude=amplitude).axes):
+        x = np.asarray(lin.x) + factor_of(lin.model, np.asarray(lin.x), shapes[:, mode], amplitude) * shapes[:, mode]
+        foot, tip, end = (x[index] for index in nodes)
+        # The difference that the displacements are taken by is 1e-6 of a coordinate.
+        np.testing.assert_allclose(ends_of(ax, "beam"), [foot, tip], atol=1e-6 * LENGTH)
+        np.testing.assert_allclose(ends_of(ax, "rigid"), [tip, end], atol=1e-6 * LENGTH)
+
+
+def test_a_mode_moves_every_point_in_proportion(tailed):
+    small, large = (plot.modes(tailed, which=3, amplitude=share).axes[0] for share in (0.1, 0.4))
+    still, little, much = (
+        np.asarray(own._segments3d[0] if ax.name == "3d" else own.get_segments()[0])
+        for ax, own in (
+            (ax, collection(ax, label)) for ax, label in ((small, "undeformed"), (small, "beam"), (large, "beam"))
+        )
+    )
+    np.testing.assert_allclose(much - still, 4 * (little - still), atol=1e-6 * LENGTH)
+
+
+def test_a_mode_of_torsion_is_not_blown_up(tailed):
+    """The axis of a beam that twists stays where it is: what turns limits the amplitude, to a radian at the default."""
+    view = fm.view(tailed)
+    for displacement, turn in zip(view.lines.states, view.lines.across_states, strict=True):
+        moved, turned = (view.amplitude * np.max(np.linalg.norm(of, axis=1), initial=0) for of in (displacement, turn))
+        # By one-sided differences of 1e-6, and not too little either.
+        assert moved <= view.amplitude * 2 * LENGTH * (1 + 1e-4)
+        assert turned <= 1 + 1e-4
+        assert moved > 0.999 * view.amplitude * 2 * LENGTH or turned > 0.999
+
+
+def test_spectral_beams_stay_on_their_bodies_in_a_scaled_state(tailed):
+    lin = tailed.lin
+    model, reference = lin.model, np.asarray(lin.model.parameters.reference)
+    x = reference + 5 * (np.asarray(lin.x) - reference)
+    foot, tip, end = (x[lin.labels.known(name)] for name in ("foot", "tip", "end"))
+    for ax in (plot.mechanism(lin, scale=5.0), plot.stress(fm.stress(model, at=lin), lin, scale=5.0)):
+        np.testing.assert_allclose(ends_of(ax, "rigid"), [tip, end], atol=1e-9 * LENGTH)
+    np.testing.assert_allclose(ends_of(plot.mechanism(lin, scale=5.0), "beam"), [foot, tip], atol=1e-9 * LENGTH)
+    coloured = collection(ax, "von Mises stress [MPa]")
+    pieces = np.asarray(coloured._segments3d if ax.name == "3d" else coloured.get_segments())
+    np.testing.assert_allclose([pieces[0, 0], pieces[-1, -1]], [foot, tip], atol=1e-9 * LENGTH)
+
+
 def test_stress_has_the_colours_of_a_cantilever():
     model = cantilever(planar.beam, force=(0, 0.01))
     lin = fm.linearize(model)
@@ -328,8 +402,16 @@ def test_path_is_dashed_where_it_is_unstable(snapping):
     assert "supported" in shown
     assert "clamped" not in shown
     along = plot.frequencies(snapping, "top.y")
+    assert along.get_legend().get_title().get_text() == ""
     np.testing.assert_allclose(along.lines[0].get_ydata(), snapping.frequencies[:, 0])
     assert np.min(along.lines[0].get_ydata()) < 0
+    # Of many the lowest, and said so: a legend of all of them would leave no room for the curves.
+    many = dataclasses.replace(snapping, eigenvalues=snapping.eigenvalues + np.arange(30) ** 2 * 1e3)
+    few = plot.frequencies(many)
+    assert len(few.lines) == 6
+    np.testing.assert_allclose(few.lines[5].get_ydata(), many.frequencies[:, 5])
+    assert few.get_legend().get_title().get_text() == "and 24 higher"
+    assert len(plot.frequencies(many, count=30).lines) == 30
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import time
 
 import numpy as np
 import pytest
-from mechanisms import LENGTH, leaf, planar_guide
+from mechanisms import LENGTH, leaf, planar_guide, spatial_guide
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import planar, spatial
 
 BROWSER, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
 MISSING = [name for name, found in (("chromium", BROWSER), ("chromium-driver", DRIVER)) if not found]
@@ -126,6 +126,104 @@ def test_the_page_loads_without_a_network_and_without_a_fault(page):
     # The page itself, and the picture that was saved from it.
     assert "file" in asked
     assert asked <= {"file", "data", "blob"}
+
+
+def hinged():
+    """A leaf spring in space, a rigid arm on a hinge, a wire to its end and a mass."""
+    b = fm.Builder()
+    for name, place in {"wall": (0, 0, 0), "tip": (0.1, 0, 0), "far": (0.2, 0, 0.05), "anchor": (0.2, 0.1, 0)}.items():
+        b.node(name, place)
+    b.rotation("turning")
+    b.add(spatial.beam, "wall", "tip", name="leaf", section=leaf(), y=(0, 1, 0))
+    b.add(spatial.hinge, "tip", "turning", axis=(0, 1, 0), stiffness=1.0)
+    b.add(spatial.rigid_beam, "tip", "turning", "far", name="arm")
+    b.add(spatial.truss, "far", "anchor", name="wire", section=fm.Rigidity(EA=1e3))
+    b.fix("wall")
+    b.fix("anchor")
+    b.mass("far", 0.1)
+    return b.build()
+
+
+PAGES = (
+    "model",
+    "equilibrium",
+    "linearization",
+    "linearization with stress",
+    "modes",
+    "modes with resultants",
+    "modes in space",
+    "buckling",
+    "path",
+    "path with stress",
+    "motion",
+    "motion with stress",
+    "mobility",
+    "mobility without fault",
+)
+
+
+@pytest.fixture(scope="module")
+def pages(modes):
+    """One of each kind that README names; the bar of the guide and the mast on the cart have no stress."""
+    model, lin = modes.lin.model, modes.lin
+    b = cart()
+    b.node("mast", (1, 0.5))
+    b.rotation("top")
+    b.add(planar.rigid_beam, "cart", "top", "mast", name="pole")
+    b.fix("top")
+    moved = b.build()
+    path, motion = fm.path(moved, step=0.5), fm.simulate(moved, np.array([0.0, 0.1, 0.3]))
+    along = fm.linearize_motion(motion)
+    free = hinged()
+    return {
+        "model": fm.view(model),
+        "equilibrium": fm.view(model, at=fm.equilibrium(model)),
+        "linearization": fm.view(lin),
+        "linearization with stress": fm.view(lin, fm.stress(model, at=lin)),
+        "modes": fm.view(modes),
+        "modes with resultants": fm.view(modes, fm.section_resultants(model, at=lin)),
+        "modes in space": fm.view(fm.modes(free)),
+        "buckling": fm.view(fm.buckling(model)),
+        "path": fm.view(path),
+        "path with stress": fm.view(
+            path, [fm.section_resultants(moved, at=path.linearization(i)) for i in range(len(path.load_factor))]
+        ),
+        "motion": fm.view(motion),
+        "motion with stress": fm.view(motion, [fm.section_resultants(moved, at=along.instant(i)) for i in range(3)]),
+        "mobility": fm.view(fm.mobility(spatial_guide().build(check=False))),
+        "mobility without fault": fm.view(fm.mobility(model)),
+    }
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_kind_of_page_is_drawn(browser, pages, name, tmp_path):
+    page = opened(browser, pages[name], tmp_path)
+    until(page, "Boolean(v && v.project)")
+    if ask(page, "v.plays"):
+        page.find_element("id", "play").click()
+        until(page, "v.framesPerSecond > 0")
+        page.execute_script("window.flexmb.seek(0.3)")
+    # The elements in the scene without what is drawn over them, and all of it in the picture that is saved.
+    colours, saved = page.execute_async_script(
+        """
+        const [done] = arguments, v = window.flexmb, picture = new Image();
+        const distinct = (image) => {
+          const canvas = new OffscreenCanvas(image.width, image.height), pen = canvas.getContext("2d");
+          pen.drawImage(image, 0, 0);
+          return new Set(new Uint32Array(pen.getImageData(0, 0, image.width, image.height).data.buffer)).size;
+        };
+        v.draw();
+        const scene = distinct(document.getElementById("scene"));
+        picture.onload = () => done([scene, distinct(picture)]);
+        picture.src = v.save();
+        """
+    )
+    assert colours > 1
+    assert saved >= colours
+    assert not [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
+    assert ask(page, "document.getElementById('fault').hidden")
+    coloured = pages[name].colours is not None
+    assert ask(page, "document.getElementById('legend').hidden") == (not coloured)
 
 
 def test_a_mode_swings_as_computed(page, view):
@@ -261,7 +359,7 @@ def test_every_control_has_a_name_for_a_screen_reader(page):
     assert any(name.startswith("Modes: 3 elements, 4 nodes") for name in names)
 
 
-def test_a_motion_plays_its_states(browser, tmp_path):
+def cart():
     b = fm.Builder()
     b.node("wall", (0, 0))
     b.node("cart", (1, 0))
@@ -271,7 +369,11 @@ def test_a_motion_plays_its_states(browser, tmp_path):
     b.mass("cart", 4.0)
     b.force("cart", (1.0, 0))
     b.start("cart", "x", 0.1)
-    model = b.build()
+    return b
+
+
+def test_a_motion_plays_its_states(browser, tmp_path):
+    model = cart().build()
     motion = fm.simulate(model, np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
     forces = [fm.section_resultants(model, load_factor=factor) for factor in (0.0, 1.0, 3.0, -4.0)]
     page = opened(browser, fm.view(motion, forces, "normal force"), tmp_path)

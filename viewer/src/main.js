@@ -42,10 +42,11 @@ class Viewer {
     this.shown.colours = Boolean(data.colours);
     this.hidden = new Set();
     this.chosen = null;
-    fill(this);
-    listen(this);
+    // What is drawn comes before the panel, which sets amplitude and speed and so asks for it.
     this.recolour();
     this.visibility();
+    fill(this);
+    listen(this);
     this.stage.look(this.stage.best());
     this.overlaySize();
     this.update();
