@@ -1,7 +1,7 @@
 """Random cases in numbers, far more than the tests run: which answers and refusals, and whether anything else left.
 
 ``python benchmarks/fuzz.py`` lists the kinds; ``python benchmarks/fuzz.py studies 10000`` runs so many of one, of seed
-0 unless given as a third argument, and adds the counts to results/fuzz.json. A kind is a module of tests/fuzz with
+0 unless given as a third argument, and adds the counts to results/fuzz.json, by seed. A kind is a module of tests/fuzz with
 ``cases(seed)``, which yields cases without end, and ``run(case)``, which says in a word what happened or raises.
 """
 
@@ -14,9 +14,13 @@ import time
 import traceback
 from pathlib import Path
 
+import record
+
 KINDS = Path(__file__).parents[1] / "tests" / "fuzz"
 # A process has 65530 memory maps, of which each compiled program takes a dozen.
-AT_A_TIME = 500
+MOST_MAPS = 40_000
+AT_A_TIME = 100
+MAPS = Path("/proc/self/maps")
 MOST_FAULTS = 10
 
 
@@ -28,6 +32,23 @@ def kinds() -> dict[str, str]:
         if "\ndef cases(" in text and "\ndef run(" in text:
             found[path.stem] = text.split('"""')[1].strip().splitlines()[0]
     return found
+
+
+def keep(kind: str, seed: int, happened: collections.Counter, faults: int) -> None:
+    """Write what has happened so far.
+
+    Args:
+        kind: Of the cases.
+        seed: Of the random numbers.
+        happened: How often what happened.
+        faults: Number of cases in which something left that must not.
+    """
+    path = record.RESULTS / "fuzz.json"
+    data = json.loads(path.read_text()) if path.exists() else {}
+    data.pop("about", None)
+    found = {"cases": sum(happened.values()) + faults, "happened": happened, "faults": faults}
+    data.setdefault(kind, {})[f"seed {seed}"] = found
+    record.save("fuzz", data)
 
 
 def main(arguments: list[str]) -> int:
@@ -45,7 +66,6 @@ def main(arguments: list[str]) -> int:
     # For what such a module takes from the tests beside it.
     sys.path.append(str(KINDS.parent))
     import jax
-    import record
 
     import flexmb as fm
 
@@ -65,17 +85,14 @@ def main(arguments: list[str]) -> int:
             traceback.print_exc()
             if faults >= MOST_FAULTS:
                 break
-        if number % AT_A_TIME == AT_A_TIME - 1:
+        if number % AT_A_TIME == AT_A_TIME - 1 and len(MAPS.read_text().splitlines()) > MOST_MAPS:
             jax.clear_caches()
-        if number % max(count // 10, 1) == 0:
+        if number % max(count // 100, 1) == 0:
             print(f"{number + 1} of {count}: {dict(happened)}, {faults} faults", flush=True)
+            keep(kind, seed, happened, faults)
     seconds = time.perf_counter() - begin
     print(f"{kind}: {sum(happened.values()) + faults} cases in {seconds:.0f} s, {dict(happened)}, {faults} faults")
-    path = record.RESULTS / "fuzz.json"
-    data = json.loads(path.read_text()) if path.exists() else {}
-    data.pop("about", None)
-    data[kind] = {"seed": seed, "cases": sum(happened.values()) + faults, "happened": happened, "faults": faults}
-    record.save("fuzz", data)
+    keep(kind, seed, happened, faults)
     return 1 if faults else 0
 
 
