@@ -1,8 +1,8 @@
 """Random cases in numbers, far more than the tests run: which answers and refusals, and whether anything else left.
 
 ``python benchmarks/fuzz.py`` lists the kinds; ``python benchmarks/fuzz.py studies 10000`` runs so many of one, of seed
-0 unless given as a third argument, and adds the counts to results/fuzz.json, by seed. A kind is a module of tests/fuzz with
-``cases(seed)``, which yields cases without end, and ``run(case)``, which says in a word what happened or raises.
+0 unless given as a third argument, and adds the counts to results/fuzz.json, by seed. A kind is a module of tests/fuzz
+with ``cases(seed)``, which yields cases without end, and ``run(case)``, which says in a word what happened or raises.
 """
 
 import collections

@@ -147,7 +147,7 @@ def lean(
         Lean. Its ``model`` is an ordinary model, whose new deformations are named "tie".
 
     Raises:
-        ModelError: bandwidth or tolerance is not positive and finite, a node is not there, increments are no numbers,
+        ModelError: bandwidth or tolerance is not positive, a node is not there, increments are no numbers,
             finest is below two, or the function has no arguments.
         AnalysisError: An equilibrium fails or is not stable, or no smaller model was found to be good enough.
 
