@@ -318,10 +318,11 @@ def _draw(found: Any, number: int, path: Path) -> None:
         write_whole(path, image(found, number, path.suffix[1:]))
 
 
-def _guarded(debug: bool, *arguments: Any) -> None:
+@contextlib.contextmanager
+def _foreseen(debug: bool) -> Iterator[None]:
     """Turn a fault nobody foresaw into one line, unless a traceback is asked for."""
     try:
-        _run(*arguments)
+        yield
     except typer.Exit:
         raise
     except Exception as fault:
@@ -366,7 +367,8 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
-    _guarded(debug, model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
+    with _foreseen(debug):
+        _run(model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
 
 
 @app.command(cls=Once)
@@ -380,7 +382,8 @@ def check(
     debug: Debug = False,
 ) -> None:
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
-    _guarded(debug, model, 0, json_path, save, log, "none", 200, plot, numbers)
+    with _foreseen(debug):
+        _run(model, 0, json_path, save, log, "none", 200, plot, numbers)
 
 
 @app.command(cls=Once)
@@ -408,7 +411,8 @@ def demo(
         return
     picture = _demo_picture(name)
     for number in (0, 7, 9):
-        _guarded(debug, path, number, None, None, None, "none", 200, picture if number == 7 else None)
+        with _foreseen(debug):
+            _run(path, number, None, None, None, "none", 200, picture if number == 7 else None)
         _tell("")
     _tell(f"picture: {picture}")
 
@@ -488,23 +492,6 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
     if data["status"] != "ok":
         _complain(f"{name}: {data['status']}: {data['message']}")
         raise typer.Exit(EXIT_FAILED)
-
-
-@contextlib.contextmanager
-def _foreseen(debug: bool) -> Iterator[None]:
-    """Turn a fault nobody foresaw into one line, unless a traceback is asked for."""
-    try:
-        yield
-    except typer.Exit:
-        raise
-    except Exception as fault:
-        if debug:
-            raise
-        from .errors import shown
-
-        first = shown((str(fault).splitlines() or [""])[0])
-        _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
-        raise typer.Exit(EXIT_FAILED) from None
 
 
 @app.command(cls=Once)
