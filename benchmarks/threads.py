@@ -73,7 +73,7 @@ def main() -> None:
             a, b = (run(model, analysis, limited) for limited in (True, False))
             # Sums in another order: round-off, times the condition of the stiffness.
             np.testing.assert_allclose(a, b, rtol=1e-6, atol=1e-9 * np.max(np.abs(a)))
-            for others in (0, 1):
+            for others, where in ((0, "alone"), (1, "beside a busy process")):
                 with busy(others):
                     variants = {
                         "one thread": functools.partial(run, model, analysis, True),

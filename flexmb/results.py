@@ -75,8 +75,8 @@ class RESULTS(enum.IntEnum):
     )
     out_of_reach = (
         9,
-        "There is no configuration with these degrees of freedom: the mechanism cannot be assembled there. Check their"
-        " values, or name others.",
+        "There is no configuration with these degrees of freedom: the mechanism cannot be assembled there, or they are"
+        " beyond 20 000 radians or times its size. Check their values, or name others.",
     )
     step_too_small = (
         10,

@@ -22,6 +22,8 @@ from .equilibrium import held_values
 
 # Degrees of freedom go from their start values in steps of this share of the mechanism's extent, or radians.
 STEP = 0.2
+# 20 000 radians or extents; what is further away is out of reach, and no step is made.
+MOST_STEPS = 1e5
 CORRECTIONS = 8
 TOLERANCE = 1e-12
 
@@ -123,7 +125,9 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     sizes = sizes_of(topology, parameters)
     n = topology.x.dof.shape[0]
     relative = jnp.concatenate([q[:n] / sizes[topology.x.dof], q[n:]])
-    steps = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / STEP).astype(jnp.int32) + 1
+    needed = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / STEP) + 1
+    within = needed <= MOST_STEPS
+    steps = jnp.where(within, needed, 0).astype(jnp.int32)
     settled = jax.lax.stop_gradient((parameters, q))
 
     def turn(walk: _Walk) -> _Walk:
@@ -147,8 +151,9 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     e, jacobian = deformation_jacobian(topology, parameters, x, end.near)
     tangent = transfer(topology, jacobian)
     off = jnp.max(jnp.abs((e - wanted_e)[held_rows(topology)]), initial=0.0) / jnp.max(sizes)
-    result = jnp.where(off < TOLERANCE**0.5, RESULTS.successful, RESULTS.out_of_reach)
-    result = jnp.where(tangent.regular & jnp.isfinite(off), result, RESULTS.singular_configuration)
+    result = jnp.where(within & (off < TOLERANCE**0.5), RESULTS.successful, RESULTS.out_of_reach)
+    astray = within & ~(tangent.regular & jnp.isfinite(off))
+    result = jnp.where(astray, RESULTS.singular_configuration, result)
     return x, tangent.DFx @ qd, e, result.astype(jnp.int32)
 
 
