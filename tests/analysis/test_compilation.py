@@ -3,11 +3,13 @@
 import collections
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.math.compile import jit
 
 
 @pytest.fixture
@@ -127,6 +129,17 @@ def test_each_kernel_is_compiled_once(analysis, compilations):
     compilations.clear()
     ANALYSES[analysis](model)
     assert compilations == []
+
+
+@jit
+def doubled(number):
+    return 2 * number
+
+
+def test_however_a_number_is_given_the_kernel_is_the_same(compilations):
+    for number in (1.5, np.float64(0.3), jnp.asarray(0.3), jnp.asarray(0.3, float), doubled(0.2)):
+        assert float(doubled(number)) == 2 * float(number)
+    assert len([name for name in compilations if "doubled" in name]) == 1
 
 
 def test_names_compile_nothing(compilations):
