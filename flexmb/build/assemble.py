@@ -208,7 +208,7 @@ def _block(
     told = "resultants" in companions
     stressed = tuple(p.name if told and "resultants" in p.companions else None for p in ordered)
     block = Block(element, companions, options, x, e, ordered[0].splits)
-    return with_meaning(block, stacked), stacked, stressed
+    return *with_meaning(block, stacked), stressed
 
 
 def _with_section(piece: _Piece) -> _Piece:

@@ -1,5 +1,6 @@
 """Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
 
+import hashlib
 from collections.abc import Callable
 from typing import Any
 
@@ -92,6 +93,40 @@ def captured(function: Callable[..., Any], *like: Any) -> Captured:
     named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
     jaxpr = jaxpr.replace(constvars=[*jaxpr.constvars, *places], eqns=equations, outvars=results_of, debug_info=named)
     return Captured(Code(jaxpr, results), tuple(numbers))
+
+
+def digest(found: Captured) -> str:
+    """What a function does, as a word: changes with every number in it, and with its operations.
+
+    Options of operations are left out: among them are settings of JAX, and functions that each trace makes anew.
+
+    Args:
+        found: Function, of concrete numbers.
+    """
+    text = hashlib.sha256()
+
+    def add(number):
+        text.update(repr(jax.typeof(number)).encode())
+        text.update(np.asarray(number).tobytes())
+
+    def walk(jaxpr: Jaxpr, constants):
+        for number in constants:
+            add(number)
+        for equation in jaxpr.eqns:
+            text.update(equation.primitive.name.encode())
+            for atom in equation.invars:
+                if isinstance(atom, Literal):
+                    add(atom.val)
+            for parameter in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_program):
+                if _is_program(parameter):
+                    walk(getattr(parameter, "jaxpr", parameter), getattr(parameter, "consts", ()))
+
+    walk(found.code.jaxpr, found.numbers)
+    return text.hexdigest()
+
+
+def _is_program(thing: Any) -> bool:
+    return isinstance(thing, ClosedJaxpr | Jaxpr)
 
 
 def split(

@@ -5,20 +5,23 @@ import functools
 from typing import Any
 
 import jax
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import is_concrete
 from ..elements.element import NONLINEAR, Element
 from ..elements.sections import Rigidity, Section
 from ..errors import ModelError
 from ..math.compile import as_primitives, traced_once
 from ..math.indices import accumulate
 from ..math.kept import described
-from ..math.program import captured
+from ..math.program import Captured, Code, captured, digest
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
+
+# Before the name of a companion: traced numbers that it refers to, among the properties.
+NUMBERS = "numbers of "
 
 
 def element_function(block: Block, companion, properties):
@@ -65,7 +68,7 @@ def each_block(topology: Topology, parameters: Parameters, companion: str):
             yield block, function, parameters.reference[block.x], properties
 
 
-def companion_of(block: Block, properties: dict[str, Any], companion: str):
+def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tuple[Any, dict[str, Any]]:
     """Function of one element of a block, or None if it has none, and the stacked properties to map it over.
 
     Args:
@@ -78,7 +81,9 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str):
     properties = with_rigidities(properties)
     function = element_function(block, getattr(block.element, companion), properties)
     then = dict(block.meaning or ()).get(companion)
-    if then is not None and then != _meaning(block, companion, function, properties):
+    if isinstance(then, Code):
+        return _with_numbers(then, companion), properties
+    if then is not None and _compiles() and then != digest(_taken(block, companion, function, properties)):
         raise ModelError(
             f"Element type '{block.element.name}': a number that its {companion} refers to has changed since the model"
             " was built. Build the model again, or make the number a property of the element."
@@ -86,20 +91,41 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str):
     return function, properties
 
 
-def with_meaning(block: Block, properties: dict[str, Any]) -> Block:
+def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[str, Any]]:
     """A block that knows what functions of a user's own do now, so that none is taken for what it did before.
+
+    Traced numbers that such a function refers to become properties, so that derivatives and batches go through them.
 
     Args:
         block: Block.
         properties: Its stacked properties.
+
+    Returns:
+        Both, with what was found.
     """
-    if _of_package(block.element):
-        return block
-    found = []
+    if _of_package(block.element) or not _compiles():
+        return block, properties
+    found: list[tuple[str, Any]] = []
+    numbers = {}
     for companion in block.companions:
         function, own = companion_of(block, properties, companion)
-        found.append((companion, _meaning(block, companion, function, own)))
-    return dataclasses.replace(block, meaning=tuple(found))
+        taken = _taken(block, companion, function, own)
+        traced = not is_concrete(taken.numbers)
+        found.append((companion, taken.code if traced else digest(taken)))
+        if traced:
+            count = block.e.shape[0]
+            numbers[NUMBERS + companion] = [jnp.broadcast_to(n, (count, *jnp.shape(n))) for n in taken.numbers]
+    return dataclasses.replace(block, meaning=tuple(found)), {**properties, **numbers}
+
+
+def _with_numbers(code: Code, companion: str):
+    """A function of one element whose numbers from outside are among its properties."""
+
+    def function(x, ref, own, **extra):
+        known = {name: value for name, value in own.items() if not name.startswith(NUMBERS)}
+        return Captured(code, tuple(own[NUMBERS + companion]))(x, ref, known, extra)
+
+    return function
 
 
 @functools.lru_cache(1000)
@@ -112,8 +138,14 @@ def _of_package(element: Element) -> bool:
     return True
 
 
-def _meaning(block: Block, companion: str, function, properties: dict[str, Any]):
-    """A function of one element as a program and the numbers in it; None where those are traced."""
+def _compiles() -> bool:
+    """False under ``jax.disable_jit``, where a program has other parts."""
+    config: Any = jax.config
+    return not config.jax_disable_jit
+
+
+def _taken(block: Block, companion: str, function, properties: dict[str, Any]) -> Captured:
+    """A function of one element as a program and the numbers in it."""
     n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
     e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
     own = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
@@ -121,10 +153,7 @@ def _meaning(block: Block, companion: str, function, properties: dict[str, Any])
     extra = {"place": place, "sigma": e} if companion == "resultants" else {}
     if companion == "deformation" and block.element.tracks_angle:
         extra["near"] = e
-    found = captured(lambda x, ref, own, extra: function(x, ref, own, **extra), taken, coordinates, own, extra)
-    if any(isinstance(number, jax.core.Tracer) for number in found.numbers):
-        return None
-    return found.code, tuple((np.shape(number), np.asarray(number).tobytes()) for number in found.numbers)
+    return captured(lambda x, ref, own, extra: function(x, ref, own, **extra), taken, coordinates, own, extra)
 
 
 def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from ..elements.element import Element
 from ..math.compile import jit, traced_once
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
-from .blocks import each_block, element_function, scatter_matrix, scatter_vector, with_rigidities
+from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
 
 
 def deformation_functions(topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]):
@@ -108,7 +108,7 @@ def deformation_jacobian(
 
 @jit
 def _jacobians(block: Block, properties: dict[str, Any], ref: Float[Array, "elements c"]):
-    function: Any = element_function(block, block.element.deformation, properties)
+    function: Any = companion_of(block, properties, "deformation")[0]
     near = {"near": jnp.zeros(block.e.shape[1])} if block.element.tracks_angle else {}
 
     def with_value(x, ref, own):
@@ -136,12 +136,14 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
             wanted: Any = block.element.arguments(block.element.deformation, {**dict(block.options), **properties})
             chosen = with_rigidities({name: value for name, value in properties.items() if name in wanted})
             fixed = tuple((name, value) for name, value in block.options if name in wanted)
-            key = (block.element.deformation, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
+            told = block.element.deformation, dict(block.meaning or ()).get("deformation")
+            key = (told, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
     found, jacobian = np.zeros(topology.n_e), np.zeros((topology.n_e, topology.n_x))
-    for (function, fixed, _, splits, _), members in alike.items():
+    for ((function, meaning), fixed, _, splits, _), members in alike.items():
         x, e, chosen = jax.tree.map(lambda *rows: np.concatenate(rows), *members)
-        block = Block(Element(function), ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits)
+        then = (("deformation", meaning),)
+        block = Block(Element(function), ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
         matrices, found[e] = map(np.asarray, _jacobians(block, chosen, np.asarray(parameters.reference)[x]))
         np.add.at(jacobian, (e[:, :, None], x[:, None, :]), matrices)
     return found, jacobian

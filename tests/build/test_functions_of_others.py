@@ -1,5 +1,9 @@
 """Functions of a user's own element that refer to numbers outside: no answer mixes numbers of before and after."""
 
+import copy
+import pickle
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -21,20 +25,21 @@ def law(e, e_dot, *, ref):
 SPRING = fm.Element(elongation, law=law)
 
 
-def built():
+def built(spring=SPRING):
     b = fm.Builder()
     b.node("wall", (0, 0))
     b.node("mass", (1, 0))
-    b.add(SPRING, "wall", "mass", name="spring")
+    b.add(spring, "wall", "mass", name="spring")
     b.fix("wall")
     b.fix("mass", "y")
     b.mass("mass", MASS)
     b.force("mass", (FORCE, 0))
+    b.dof("mass", "x")
     return b.build()
 
 
 def displacement(model):
-    return float(fm.equilibrium(model).at("mass")[0]) - 1
+    return float(displacement_of(model))
 
 
 def frequency(model):
@@ -60,3 +65,59 @@ def test_a_model_answers_for_what_its_elements_meant_when_it_was_built(monkeypat
         stretched(before)
     monkeypatch.setitem(globals(), "STIFFNESS", 100.0)
     assert stretched(before) == pytest.approx(FORCE / 100.0 * (1 - np.cos((100.0 / MASS) ** 0.5 * 0.1)), rel=1e-4)
+
+
+def braked(e, e_dot, *, ref):
+    """An inner compiled function and a product of matrices, whose precision is a setting of JAX."""
+    return (jnp.array([[STIFFNESS]]) @ jnp.atleast_1d(jax.nn.relu(e + 1.0) - 1.0)).reshape(e.shape)
+
+
+def test_settings_are_no_numbers():
+    spring = fm.Element(elongation, law=braked)
+    model = built(spring)
+    with jax.default_matmul_precision("highest"):
+        assert displacement(model) == pytest.approx(FORCE / STIFFNESS)
+    with jax.disable_jit(), jax.numpy_dtype_promotion("standard"):
+        assert displacement(model) == pytest.approx(FORCE / STIFFNESS)
+        assert displacement(built(spring)) == pytest.approx(FORCE / STIFFNESS)
+
+
+def test_a_model_with_functions_of_others_can_be_copied():
+    model = built()
+    for again in (copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
+        assert displacement(again) == pytest.approx(FORCE / STIFFNESS)
+
+
+def by_stiffness(k):
+    return displacement_of(built(fm.Element(elongation, law=lambda e, e_dot, *, ref: k * e)))
+
+
+def displacement_of(model):
+    return fm.equilibrium(model).at("mass")[0] - 1
+
+
+def frequency_by_stiffness(k):
+    return fm.frequencies(built(fm.Element(elongation, law=lambda e, e_dot, *, ref: k * e)))[0]
+
+
+def grad_of_two(function):
+    return jax.grad(lambda k: jnp.sum(jax.vmap(function)(k * jnp.ones(2))) / 2)
+
+
+@pytest.mark.parametrize(
+    "transformed",
+    [jax.grad, jax.jacfwd, lambda f: jax.jit(jax.grad(f)), lambda f: jax.jit(jax.grad(jax.jit(f))), grad_of_two],
+    ids=["grad", "jacfwd", "jit grad", "jit grad jit", "grad vmap"],
+)
+def test_derivatives_by_numbers_outside(transformed):
+    """u = F/k, f = (k/m)^(1/2)/(2 pi)."""
+    k = 100.0
+    assert transformed(by_stiffness)(k) == pytest.approx(-FORCE / k**2, rel=1e-9)
+    expected = (k / MASS) ** 0.5 / (2 * np.pi) / (2 * k)
+    assert transformed(frequency_by_stiffness)(k) == pytest.approx(expected, rel=1e-9)
+
+
+def test_numbers_of_a_batch_are_taken_as_they_are():
+    found = jax.vmap(by_stiffness)(jnp.array([100.0, 200.0]))
+    np.testing.assert_allclose(found, FORCE / np.array([100.0, 200.0]), rtol=1e-10)
+    assert jax.jit(by_stiffness)(100.0) == pytest.approx(FORCE / 100.0)
