@@ -164,6 +164,8 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
             z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0), lambda: solver_state)
         tangent = equations.tangent(t0, y0, z0)
         hg = h * tab.gamma
+        # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.
+        rate = 1.0 / jnp.where(h == 0, 1.0, h)
         factors = factorise(tangent.by_z.at[:, :n].add(hg * tangent.by_w + hg**2 * tangent.by_u))
         by_both = jnp.concatenate([tangent.by_w, tangent.by_u], axis=1)
         a, c, alpha, gammas = (jnp.asarray(of) for of in (tab.a, tab.c, tab.alpha, tab.gammas))
@@ -179,7 +181,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
             if tangent.by_t is not None:
                 r = r + gammas[i] * h * tangent.by_t
             # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
-            right_u, right_w = w + cu / h, z[:n] + cw / h
+            right_u, right_w = w + cu * rate, z[:n] + cw * rate
             right = r + by_both @ jnp.concatenate([hg * right_w, hg * (right_u + hg * right_w)])
             own_z = -factors.solve(right)
             own_w = hg * (own_z[:n] + right_w)

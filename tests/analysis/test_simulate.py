@@ -382,3 +382,26 @@ def test_batch_of_simulations(pendulum):
     assert not np.any(results)
     # Each has steps of its own; the error of one simulation is some hundred tolerances of a step.
     np.testing.assert_allclose(places, [end(g)[0] for g in many], atol=1e-6)
+
+
+def test_derivatives_of_a_batch_whose_motions_take_different_numbers_of_steps():
+    """A mass on a spring under a sudden force: x = F/k (1 - cos wt), w^2 = k/m, with the derivative by k."""
+    force, mass, t = 5.0, 2.0, 0.5
+
+    def moved(k):
+        b = fm.Builder()
+        b.node("wall", (0, 0))
+        b.node("mass", (1, 0))
+        b.add(planar.truss, "wall", "mass", section=fm.Rigidity(EA=k))
+        b.fix("wall")
+        b.fix("mass", "y")
+        b.mass("mass", mass)
+        b.dof("mass", "x")
+        b.force("mass", (force, 0))
+        return fm.simulate(b.build(), [0.0, t], rtol=1e-8).at("mass")[-1, 0] - 1
+
+    k = np.array([10.0, 1000.0])
+    w = np.sqrt(k / mass)
+    expected = -force / k**2 * (1 - np.cos(w * t)) + force / k * np.sin(w * t) * t / (2 * np.sqrt(k * mass))
+    # The tolerance of a step, over some tens of steps, and times t w for the phase.
+    np.testing.assert_allclose(jax.vmap(jax.grad(moved))(k), expected, rtol=1e-5)
