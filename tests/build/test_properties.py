@@ -70,8 +70,10 @@ def test_what_the_deformation_asks_for_is_no_part_of_a_companion():
     """A belt without a section does not stretch, though its radii are properties of its energy too."""
     b = ends()
     b.add(planar.belt_to_point, "A", "B", name="rope", radius_p=0.01)
+    assert list(b.members) == ["rope"]
     b = ends(3)
     b.add(spatial.beam, "A", "B", name="rigid", y=(0, 0, 1))
+    assert list(b.members) == ["rigid"]
 
 
 WRONG = {
