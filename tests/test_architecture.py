@@ -1,6 +1,7 @@
 """The rooms of the package: imports point one way, and nothing heavy is loaded before it is needed."""
 
 import ast
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -34,6 +35,7 @@ OPEN = {"results", "errors", "arguments", "setup", "progress", ""}
 # What notebooks ask a result for; it alone may look upwards, when it is called.
 DISPLAY = "_repr_html_"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+TOP_LEVEL = "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE .ci .gitignore".split()
 
 
 def room_of(module: Path) -> str:
@@ -115,3 +117,11 @@ def test_public_names_are_those_of_the_stub():
     stub = ast.parse((PACKAGE / "__init__.pyi").read_text())
     names = {a.asname or a.name for n in stub.body if isinstance(n, ast.ImportFrom) for a in n.names}
     assert names == set(flexmb._WHERE)
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git alone knows which files are tracked")
+def test_the_top_level_holds_nothing_else():
+    listed = subprocess.run(["git", "ls-files"], cwd=Path(__file__).parent.parent, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("this is no git repository")
+    assert {name.split("/")[0] for name in listed.stdout.splitlines()} == set(TOP_LEVEL)
