@@ -70,7 +70,9 @@ def wrong_sections(name: str, text: str):
 
 def wrong_keys(name: str, text: str):
     """Keys after "REFERENCES.md", and those whose word stands with them, as D5-pendulum."""
-    for match in re.finditer(rf"REFERENCES(?:\.md)?{CLOSE}({KEYS})|\b[A-Z]\d+[a-z]?(?:-[a-z]\w*)+", text):
+    for match in re.finditer(
+        rf"(?:REFERENCES(?:\.md)?|[Rr]eference problems?){CLOSE}({KEYS})|\b[A-Z]\d+[a-z]?(?:-[a-z]\w*)+", text
+    ):
         if not keys().issuperset(re.findall(KEY, match[1] or match[0])):
             yield match
     for match in re.finditer(r"REFERENCES\.md#([\w-]+)", text):
