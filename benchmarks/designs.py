@@ -82,9 +82,9 @@ def ours(beams: int, found: dict, run: dict) -> None:
 
     import flexmb as fm
     from flexmb.build.carry import carried
+    from flexmb.compilation.threads import cores
     from flexmb.design.chunks import Part, Task, kernel_of
     from flexmb.design.evaluate import build_once
-    from flexmb.math.threads import cores
 
     build, at = guide(beams), jnp.array(list(POINT.values()))
     models = build_once(build, POINT)

@@ -42,7 +42,7 @@ def main() -> None:
     from scenes import guide
 
     import flexmb as fm
-    from flexmb.math.compile import QUICK, THOROUGH, compile_thoroughly
+    from flexmb.compilation.compile import QUICK, THOROUGH, compile_thoroughly
 
     fm.enable_x64()
     with tempfile.TemporaryDirectory() as folder:

@@ -91,8 +91,8 @@ def general(model, beams):
     import numpy as np
     import scipy.optimize
 
-    from flexmb.mechanics.coordinates_form import coordinates_form
-    from flexmb.mechanics.second_order import MotionState
+    from flexmb.motion.coordinates_form import coordinates_form
+    from flexmb.motion.protocol import MotionState
 
     form = coordinates_form(model.topology, model.parameters)
     n, m, memory = form.size, form.held.shape[0], form.state_of(model.parameters.reference, 0 * form.sizes, None).memory

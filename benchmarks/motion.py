@@ -171,9 +171,9 @@ def general(model, bent, times, rtol: float):
     import numpy as np
     import scipy.integrate
 
-    from flexmb.mechanics.coordinates_form import coordinates_form
-    from flexmb.mechanics.reduced_form import reduced_form
-    from flexmb.mechanics.second_order import MotionState
+    from flexmb.motion.coordinates_form import coordinates_form
+    from flexmb.motion.protocol import MotionState
+    from flexmb.motion.reduced_form import reduced_form
 
     form = reduced_form(coordinates_form(model.topology, model.parameters))
     start = form.state_of(bent.x, jnp.zeros(model.topology.n_x), None)

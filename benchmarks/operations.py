@@ -47,10 +47,10 @@ def main() -> None:
 
     import flexmb as fm
     from flexmb import planar, spatial
-    from flexmb.analysis.linearize import matrices
-    from flexmb.analysis.modal import _frequencies
-    from flexmb.mechanics.coordinates_form import coordinates_form
+    from flexmb.linear.linearize import matrices
+    from flexmb.linear.modes import _frequencies
     from flexmb.mechanics.loads import load_factors
+    from flexmb.motion.coordinates_form import coordinates_form
 
     fm.enable_x64()
 

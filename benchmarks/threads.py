@@ -55,7 +55,7 @@ def main() -> None:
     from record import interleaved, save, show
 
     import flexmb as fm
-    from flexmb.math import compile as kernels
+    from flexmb.compilation import compile as kernels
 
     fm.enable_x64()
     fm.enable_cache()

@@ -155,8 +155,8 @@ def _writing(path: Any) -> Iterator[None]:
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
+    from .answers.answers import MODES, RESERVED
     from .errors import shown
-    from .io.answers import MODES, RESERVED
 
     names = {name: number for number, (name, _) in MODES.items()}
     wanted = analysis if analysis is not None else mode
@@ -185,7 +185,7 @@ def _check_call(
 ) -> None:
     """Refuse wrong options, and files that cannot be written, before anything is computed."""
     from .errors import shown
-    from .io.files import check_writable
+    from .files import check_writable
 
     if release not in ("none", "auto"):
         _refuse(f"flexmb: --release takes auto or none, not '{shown(release)}'.")
@@ -210,7 +210,7 @@ def _check_call(
 def _numbers(given: list[str] | None) -> dict[str, float]:
     """Values of parameters by name, of texts such as "t=0.5e-3"."""
     from .errors import shown
-    from .io.spacar_lines import Fault, parse
+    from .spacar.lines import Fault, parse
 
     found: dict[str, float] = {}
     for text in given or ():
@@ -257,11 +257,12 @@ def _run(
     given: list[str] | None = None,
 ) -> None:
     from . import ModelError, SpacarError, enable_cache, enable_x64
-    from .io.answers import answer
-    from .io.files import save as save_answer
-    from .io.files import to_json, write_whole
-    from .io.tables import log as log_text
-    from .io.tables import table
+    from .answers.answers import answer
+    from .answers.files import save as save_answer
+    from .answers.files import to_json
+    from .answers.tables import log as log_text
+    from .answers.tables import table
+    from .files import write_whole
 
     _check_call(release, json_path, save, log, plot, model)
     enable_x64()
@@ -306,7 +307,7 @@ def _run(
 
 def _draw(found: Any, number: int, path: Path) -> None:
     """Draw an answer in a file; where there is none, the mechanism."""
-    from .io.files import write_whole
+    from .files import write_whole
 
     if path.suffix == ".html":
         from .viewer.answer import page
@@ -420,7 +421,7 @@ def demo(
 def _copy(path: Path, to: Path) -> None:
     """Copy a shipped mechanism to a folder, but over no file that is another."""
     from .errors import shown
-    from .io.files import write_whole
+    from .files import write_whole
 
     if not to.is_dir():
         _refuse(f"flexmb demo: the folder '{shown(to)}' does not exist.")
@@ -436,7 +437,7 @@ def _demo_picture(name: str) -> Path:
     """Where the demo leaves its picture: here, or among temporary files where this folder takes none."""
     import tempfile
 
-    from .io.files import check_writable
+    from .files import check_writable
 
     path = Path.cwd() / f"{name}.png"
     try:
@@ -453,9 +454,10 @@ StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer 
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
     """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
     from . import __version__, enable_cache, enable_x64
+    from .answers.files import to_json
     from .design.study_file import read_study
     from .errors import AnalysisError, ModelError, SpacarError, StudyError, shown
-    from .io.files import to_json, write_whole
+    from .files import write_whole
 
     if plot is not None and plot.suffix not in (".png", ".svg"):
         _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{shown(plot)}'.")
@@ -534,7 +536,7 @@ def tune(
     def work(read):
         from . import __version__
         from .design.study import tune_answer
-        from .io.files import save_arrays
+        from .files import save_arrays
 
         names = [*read.values, *read.answers]
         for name in {"about", *_named("history_", [*names, "objective", "violation"])}.intersection(names):

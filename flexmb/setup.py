@@ -61,7 +61,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     """
     import jax
 
-    from .math.compile import compile_thoroughly
+    from .compilation.compile import compile_thoroughly
 
     path = Path(folder) if folder is not None else cache_folder()
     _prepared(path)

@@ -12,16 +12,21 @@ import flexmb
 PACKAGE = Path(flexmb.__file__).parent
 # Lowest first; rooms of one row do not see each other. Modules beside the rooms are named by themselves.
 ROWS = [
+    ("compilation",),
     ("math",),
     ("elements",),
     ("model",),
     ("mechanics",),
-    ("solvers",),
-    ("analysis",),
+    ("checks",),
     ("build",),
-    ("statespace", "iosystem", "mechanisms"),
-    ("io",),
+    ("statics",),
+    ("linear",),
+    ("paths",),
+    ("motion",),
+    ("control", "mechanisms"),
+    ("spacar",),
     ("design",),
+    ("answers",),
     ("plot",),
     ("viewer",),
     ("cli",),
@@ -30,7 +35,7 @@ ROWS = [
 RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
 # Open to all: why a solve failed, what is raised, what arguments must be, how far one is, and the facade, whose names
 # are loaded on use.
-OPEN = {"results", "errors", "arguments", "setup", "progress", ""}
+OPEN = {"results", "errors", "arguments", "setup", "progress", "files", ""}
 # What notebooks ask a result for; it alone may look upwards, when it is called.
 DISPLAY = "_repr_html_"
 MODULES = sorted(PACKAGE.rglob("*.py"))

@@ -13,10 +13,10 @@ import scipy.io
 from typer.testing import CliRunner
 
 import flexmb as fm
+from flexmb.answers import answers
 from flexmb.cli import app
 from flexmb.errors import warn
-from flexmb.io import answers
-from flexmb.io.files import write_whole
+from flexmb.files import write_whole
 from flexmb.mechanisms import mechanism_path, mechanisms
 
 ALWAYS = {"model", "mode", "flexmb", "status", "message", "warnings", "nx", "ne", "nxo", "neo", "ndof", "dofs"}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.mobility import constraints, mobility, motions_of
+from ..checks.mobility import constraints, mobility, motions_of
 from ..errors import MechanismError, ModelError
 from ..math.subspace import independent_rows
 from ..model.model import Model

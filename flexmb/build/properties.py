@@ -14,10 +14,10 @@ import jax.core
 import numpy as np
 
 from ..arguments import check_numbers, is_concrete, shown
+from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.sections import Damping, Section
 from ..errors import ModelError
-from ..math.record import Record
 from .assemble import is_option, stack
 
 EMPTY = inspect.Parameter.empty

@@ -7,10 +7,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..analysis.mobility import constraints, motions_of
+from ..checks.mobility import constraints, motions_of
+from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR
 from ..elements.tie import Part, tie
-from ..math.record import Record, static
 from ..math.subspace import independent_rows
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters

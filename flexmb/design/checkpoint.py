@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..errors import shown
-from ..io.files import write_whole
+from ..files import write_whole
 from ..results import RESULTS
 
 MAGIC = b"flexmb checkpoint 1\n"

@@ -10,8 +10,8 @@ import jax
 import numpy as np
 
 from ..build.carry import carried
-from ..math.compile import jit
-from ..math.threads import cores, each
+from ..compilation.compile import jit
+from ..compilation.threads import cores, each
 from ..results import RESULTS
 from .evaluate import Build, build_once, evaluate, evaluate_concretely
 from .possible import refusal

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..analysis.linearize import Linearization
 from ..errors import AnalysisError
+from ..linear.linearize import Linearization
 from ..mechanics.signals import along_coordinates, input_row
 
 # Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.

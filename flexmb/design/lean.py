@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.linearize import Linearization, linearize
-from ..analysis.modal import modes
 from ..arguments import check_number, check_whole
 from ..build.restrict import Restriction, can_be_tied, restrict
+from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError, shown
-from ..math.threads import one_thread
+from ..linear.linearize import Linearization, linearize
+from ..linear.modes import modes
 from ..model.model import Model
 from .designs import numbers
 from .deviation import Deviation, Response, deviation, in_band, largest_of, response

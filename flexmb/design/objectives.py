@@ -6,9 +6,9 @@ import jax.scipy.linalg
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..analysis.compliance import compliance
-from ..analysis.linearize import Linearization, linearized
 from ..arguments import check_number, check_numbers, check_whole
+from ..linear.compliance import compliance
+from ..linear.linearize import Linearization, linearized
 from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..model.model import Model, as_model
 

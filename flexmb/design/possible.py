@@ -11,9 +11,9 @@ import jax
 import numpy as np
 
 from ..build.carry import carried, recorded
+from ..compilation.compile import QUICK
 from ..elements.sections import Section
 from ..errors import ModelError
-from ..math.compile import QUICK
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology

@@ -8,8 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..compilation.compile import jit
 from ..errors import shown
-from ..math.compile import jit
 from ..results import RESULTS
 from .problem import Problem
 

@@ -8,8 +8,8 @@ import jax
 import numpy as np
 
 from ..arguments import check_whole
+from ..compilation.compile import jit
 from ..errors import shown
-from ..math.compile import jit
 from ..results import RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers

@@ -13,13 +13,13 @@ from typing import Any
 import jax.errors
 import jax.numpy as jnp
 
-from ..analysis.buckling import buckling_loads
-from ..analysis.equilibrium import equilibrium
-from ..analysis.modal import frequencies
-from ..analysis.stress import stress
 from ..errors import AnalysisError, ModelError, SpacarError, StudyError, shown
-from ..io.spacar import read_spacar
+from ..linear.buckling import buckling_loads
+from ..linear.modes import frequencies
+from ..linear.stress import stress
 from ..model.model import Model
+from ..spacar.spacar import read_spacar
+from ..statics.equilibrium import equilibrium
 from .objectives import mass, stiffness
 
 # What JAX raises where a function asks for a number while it is traced.

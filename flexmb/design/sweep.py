@@ -13,7 +13,7 @@ import numpy as np
 from .. import __version__
 from ..arguments import check_whole
 from ..errors import shown
-from ..io.files import save_arrays
+from ..files import save_arrays
 from ..model.model import Model
 from ..progress import reporting
 from ..results import RESULTS

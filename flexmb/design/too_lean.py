@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from ..analysis.linearize import linearize
 from ..build.restrict import can_be_tied, released
+from ..compilation.threads import one_thread
 from ..elements import planar, spatial
 from ..errors import ModelError
-from ..math.threads import one_thread
+from ..linear.linearize import linearize
 from ..mechanics.blocks import companion_of
 from ..model.model import Model
 from .deviation import deviation, response

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import check_number, check_whole
+from ..compilation.compile import jit
 from ..errors import AnalysisError, shown
-from ..math.compile import jit
 from ..progress import reporting
 from ..results import RESULTS
 from .designs import checked_bounds, numbers

@@ -13,8 +13,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_number, shown
+from ..compilation.record import Record, static
 from ..errors import ModelError
-from ..math.record import Record, static
 from . import surface
 
 Scalar = float | Float[Array, ""]

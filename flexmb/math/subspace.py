@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .threads import one_thread
+from ..compilation.threads import one_thread
 
 # Singular values below this share of the largest count as zero: the predecessor's choice, square root of round-off.
 RANK_TOLERANCE = float(np.sqrt(np.finfo(float).eps))

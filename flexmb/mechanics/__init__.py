@@ -1,1 +1,1 @@
-"""The equations, each once. Element functions are vmapped per block and scattered; nothing loops over elements."""
+"""The static equations, each once. Element functions are vmapped per block and scattered; no loop over elements."""

@@ -10,13 +10,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
+from ..compilation.compile import as_primitives, traced_once
+from ..compilation.kept import described
+from ..compilation.program import Captured, Code, captured, digest
 from ..elements.element import NONLINEAR, Element
 from ..elements.sections import Rigidity, Section
 from ..errors import ModelError
-from ..math.compile import as_primitives, traced_once
 from ..math.indices import accumulate
-from ..math.kept import described
-from ..math.program import Captured, Code, captured, digest
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import jit, traced_once
 from ..elements.element import Element
-from ..math.compile import jit, traced_once
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities

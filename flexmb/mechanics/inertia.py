@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..math.compile import traced_once
+from ..compilation.compile import traced_once
 from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology

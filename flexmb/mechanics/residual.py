@@ -11,7 +11,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .deformation import deformation_curvature, deformation_jacobian
 from .loads import LoadFactors, load_stiffness, nodal_forces, scaled_loads
-from .stress import element_stiffness, stress_resultants, stress_tangents
+from .stress_resultants import element_stiffness, stress_resultants, stress_tangents
 from .transfer import Transfer, correction, multipliers, transfer
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..math.compile import traced_once
+from ..compilation.compile import traced_once
 from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.topology import Topology

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ..compilation.record import Record, static
 from ..errors import ModelError
-from ..math.record import Record, static
 from .parameters import Parameters
 from .roles import Role
 from .topology import RoleIndices, Topology

@@ -4,7 +4,7 @@ from typing import Any
 
 from jaxtyping import Array, Float
 
-from ..math.record import Record
+from ..compilation.record import Record
 
 
 class Loads(Record):

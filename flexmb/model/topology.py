@@ -2,8 +2,8 @@
 
 from jaxtyping import Array, Int
 
+from ..compilation.record import Record, static
 from ..elements.element import Element
-from ..math.record import Record, static
 
 
 class Block(Record):

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.mobility import Mobility
-from ..analysis.path import Path
-from ..analysis.simulate import Motion
+from ..checks.mobility import Mobility
 from ..design.sweep import Sweep
 from ..design.tune import Tuned
+from ..motion.simulate import Motion
+from ..paths.path import Path
 from .bode import bode
 from .canvas import grid
 from .history import history
@@ -30,7 +30,7 @@ def image(answer: Any, mode: int, format: str) -> bytes:
     """Draw an answer: modes, path, history, self-stress or Bode plot; the mechanism where the analysis has no other.
 
     Args:
-        answer: Answer of :func:`flexmb.io.answers.answer`.
+        answer: Answer of :func:`flexmb.answers.answers.answer`.
         mode: Number of the analysis mode.
         format: "png" or "svg".
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.linearize import Linearization
+from ..control.state_space import to_statespace
+from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..statespace import to_statespace
 
 
 def bode(

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.moving import linearize_motion
-from ..analysis.path import Path
-from ..analysis.simulate import Motion
+from ..motion.linearize_motion import linearize_motion
+from ..motion.simulate import Motion
+from ..paths.path import Path
 from ..results import RESULTS
 from .canvas import plain_axes
 from .modes import AT_MOST

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import jit
 from ..elements.element import ELASTIC
 from ..elements.nodes import NodeKind
-from ..math.compile import jit
 from ..math.rotation import ROTATION
 from ..mechanics.blocks import element_function
 from ..model.model import Model

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.buckling import Buckling
-from ..analysis.modal import Modes
+from ..linear.buckling import Buckling
+from ..linear.modes import Modes
 from ..model.model import Model
 from .canvas import BLUE, faces, frame, grid, mechanism_lines
 from .geometry import extent_of, lines, nodes_of, scaled_lines

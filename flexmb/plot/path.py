@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.path import Path
 from ..model.model import Labels, Model
+from ..paths.path import Path
 from .canvas import BLACK, BLUE, RED, plain_axes
 
 MARKERS = {"limit": "o", "bifurcation": "s"}

@@ -6,8 +6,8 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import jit
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
-from ..math.compile import jit
 from ..math.rotation import initial_frame
 from ..model.model import Model
 from ..model.topology import Block

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.mobility import Mobility
+from ..checks.mobility import Mobility
 from .canvas import frame, mechanism_lines, new_axes, polylines, write
 from .geometry import lines, nodes_of
 from .mechanism import draw_supports

@@ -6,10 +6,10 @@ import jax.core
 import numpy as np
 from jaxtyping import Float
 
-from ..analysis.linearize import Linearization
-from ..analysis.path import Path
-from ..analysis.simulate import Motion
+from ..linear.linearize import Linearization
 from ..model.model import Model
+from ..motion.simulate import Motion
+from ..paths.path import Path
 from .geometry import nodes_of
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.stress import SectionResultants, Stress
+from ..linear.stress import SectionResultants, Stress
 from .canvas import frame, mechanism_lines, new_axes, polylines
 from .geometry import PLACES, lines, scaled_lines
 from .state import checked, state_of

@@ -9,7 +9,7 @@ def page(answer: Any) -> bytes:
     """Modes, path, motion or self-stress of an answer; its equilibrium or mechanism where it has no other.
 
     Args:
-        answer: Answer of :func:`flexmb.io.answers.answer`.
+        answer: Answer of :func:`flexmb.answers.answers.answer`.
 
     Returns:
         Content of the file.

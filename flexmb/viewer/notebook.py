@@ -11,13 +11,13 @@ import jax.core
 import numpy as np
 
 from .. import plot
-from ..analysis.buckling import Buckling
-from ..analysis.linearize import Linearization
-from ..analysis.modal import Modes
-from ..analysis.path import Path
-from ..analysis.simulate import Motion
 from ..design.sweep import Sweep
+from ..linear.buckling import Buckling
+from ..linear.linearize import Linearization
+from ..linear.modes import Modes
 from ..model.model import Model
+from ..motion.simulate import Motion
+from ..paths.path import Path
 from ..results import RESULTS
 
 Rows = dict[str, str]

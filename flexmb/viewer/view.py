@@ -8,31 +8,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..analysis.buckling import Buckling
-from ..analysis.mobility import Mobility
-from ..analysis.modal import Modes
-from ..analysis.path import Path
-from ..analysis.simulate import Motion
-from ..analysis.stress import SectionResultants, Stress
-from ..io.files import write_whole
+from ..checks.mobility import Mobility
+from ..files import write_whole
+from ..linear.buckling import Buckling
+from ..linear.modes import Modes
+from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
+from ..motion.simulate import Motion
+from ..paths.path import Path
 from ..plot.geometry import PLACES, lines, masses, nodes_of
 from ..plot.marks import Mark, dofs, loads, supports
 from ..plot.modes import AMPLITUDE, factor_of, title_of
 from ..plot.self_stress import title_of as title_of_self_stress
 from ..plot.state import state_of
 from ..plot.stress import colours_of, values_of
-from .scene import (
-    LOOKED_AT,
-    Lines,
-    Nodes,
-    kept_values,
-    lines_at,
-    lines_of_modes,
-    most_states,
-    nodes_at,
-    thinned,
-)
+from .scene import LOOKED_AT, Lines, Nodes, kept_values, lines_at, lines_of_modes, most_states, nodes_at, thinned
 
 # Modes in one page, unless it is said which.
 AT_MOST = 12

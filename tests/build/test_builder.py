@@ -1,9 +1,9 @@
 """A wrong description is answered by one message that names the culprit and says what is right."""
 
 import jax
-import mechanisms
 import numpy as np
 import pytest
+from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar, spatial

@@ -1,9 +1,9 @@
 """Designs that a concrete build refuses have their code in a batch too."""
 
 import jax.numpy as jnp
-import mechanisms
 import numpy as np
 import pytest
+from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar, spatial

@@ -1,10 +1,9 @@
 """Sensitivities against closed forms (E1) and central differences; tolerances against the law of propagation."""
 
-import design_cases
 import jax.numpy as jnp
-import mechanisms
 import numpy as np
 import pytest
+from cases import design_cases, mechanisms
 
 import flexmb as fm
 

@@ -2,10 +2,9 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
-import design_cases
-import mechanisms
 import numpy as np
 import pytest
+from cases import design_cases, mechanisms
 
 import flexmb as fm
 

@@ -1,12 +1,12 @@
 """Designs with known optima (E1, E2, strongest columns), and what is refused."""
 
-import design_cases
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
 import optimistix
 import pytest
+from cases import design_cases
 
 import flexmb as fm
 

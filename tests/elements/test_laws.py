@@ -715,7 +715,7 @@ def test_shortening_by_sway(element, second_order, share, l0, slope):
     """Ends kept parallel, the far end displaced across by d: the chord's projection shortens by 6/5 d^2/(2 l).
 
     3/5 d^2/l is half the integral of the squared slope of the cubic; the chord alone gives 1/2. By that the guide of
-    T3 buckles at 78.75 N and not at 94.5 N, which tests/analysis/test_tutorial.py holds for the whole mechanism.
+    T3 buckles at 78.75 N and not at 94.5 N, which tests/spacar/test_tutorial.py holds for the whole mechanism.
     """
     starts = [np.array(kind.start) for kind in element.nodes.values()]
     starts[2] = l0 * np.eye(len(starts[0]))[0]

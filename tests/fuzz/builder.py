@@ -18,7 +18,7 @@ import numpy as np
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.analysis.mobility import motions_of
+from flexmb.checks.mobility import motions_of
 
 # Share of arguments that are broken, and of mechanisms that are checked whole.
 SHARE_BROKEN, SHARE_WHOLE = 0.12, 0.1

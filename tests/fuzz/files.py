@@ -25,14 +25,14 @@ import jax
 import numpy as np
 
 import flexmb as fm
-from flexmb.io import motion_answers
-from flexmb.io.answers import answer
-from flexmb.io.files import to_json
-from flexmb.io.spacar import DRAWN, KEYWORDS, REFUSED, ROWS
-from flexmb.io.spacar_elements import FORMS
-from flexmb.io.spacar_lines import BLOCKS
-from flexmb.io.tables import log, table
+from flexmb.answers import motion_answers
+from flexmb.answers.answers import answer
+from flexmb.answers.files import to_json
+from flexmb.answers.tables import log, table
 from flexmb.mechanisms import mechanism_path, mechanisms
+from flexmb.spacar.keywords import FORMS
+from flexmb.spacar.lines import BLOCKS
+from flexmb.spacar.spacar import DRAWN, KEYWORDS, REFUSED, ROWS
 
 # A case takes milliseconds, or where an analysis is compiled for the first time, seconds.
 LIMIT_S = 120

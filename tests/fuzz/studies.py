@@ -24,10 +24,10 @@ from typing import Any
 import numpy as np
 
 import flexmb as fm
+from flexmb.answers.files import to_json
 from flexmb.design.study import Study, sweep_answer, sweep_table, tune_answer
 from flexmb.design.study_file import read_study
 from flexmb.errors import StudyError
-from flexmb.io.files import to_json
 
 # Shares of what costs a compilation.
 SHARE_COMPILED, SHARE_TUNED, SHARE_CALLED = 0.02, 0.03, 0.03

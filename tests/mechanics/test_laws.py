@@ -21,7 +21,7 @@ from flexmb import planar, spatial
 from flexmb.math.rotation import lbar
 from flexmb.mechanics.deformation import deformation_jacobian
 from flexmb.mechanics.inertia import mass_matrix, weight
-from flexmb.mechanics.stress import element_damping
+from flexmb.mechanics.stress_resultants import element_damping
 
 EPS = np.finfo(float).eps
 NUMBER = st.floats(-1, 1).map(lambda x: round(x, 3))

@@ -5,14 +5,14 @@ import dataclasses
 import matplotlib as mpl
 import numpy as np
 import pytest
-from mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
 from typer.testing import CliRunner
 
 import flexmb as fm
 from flexmb import planar, plot, spatial
+from flexmb.answers.answers import Answer
 from flexmb.cli import app
 from flexmb.elements.nodes import Angle, Point2, Point3
-from flexmb.io.answers import Answer
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.answer import image
 from flexmb.plot.geometry import lines

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
 
 import flexmb as fm
 from flexmb import planar, spatial

@@ -9,7 +9,7 @@ import re
 import jax
 import numpy as np
 import pytest
-from mechanisms import planar_guide
+from cases.mechanisms import planar_guide
 from PIL import Image
 
 import flexmb as fm

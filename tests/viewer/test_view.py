@@ -10,13 +10,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mechanisms import LENGTH, THICKNESS, WIDTH, leaf, planar_guide, spatial_guide
+from cases.mechanisms import LENGTH, THICKNESS, WIDTH, leaf, planar_guide, spatial_guide
 from typer.testing import CliRunner
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.answers.answers import Answer
 from flexmb.cli import app
-from flexmb.io.answers import Answer
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.geometry import PLACES, lines
 from flexmb.plot.modes import factor_of

@@ -1,1 +1,0 @@
-"""One public question each: mobility, equilibrium, linearisation, modes, buckling, compliance."""

@@ -1,0 +1,1 @@
+"""What the command line and files hold: answers by mode, tables, saved motions."""

@@ -1,0 +1,178 @@
+"""Answers of the modes that simulate: motion in time, and the linearised equations along it."""
+
+import sys
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+from jax.tree_util import Partial
+
+from ..control.state_space import state_matrices
+from ..errors import SpacarError, heard
+from ..linear.linearize import Linearization
+from ..linear.loose import without_mass
+from ..mechanics.extent import sizes_of
+from ..model.model import Model
+from ..motion.linearize_motion import linearize_motion
+from ..motion.simulate import Motion, simulate
+from ..results import RESULTS
+from ..spacar.reading import Setting
+
+RTOL = 1e-5
+# What the output times of one motion may take. A number is kept in arrays, in lists and as text, 300 bytes in all, as
+# 200 000 times of a truss are measured to take; the arrays of the linearised equations beside their numbers 24 000.
+LARGEST_ANSWER = 4 * 2**30
+BYTES_A_NUMBER = 300
+BESIDE_MATRICES = 80
+
+
+def _uniformly_accelerated(t, value, velocity, acceleration):
+    """Prescribed value with constant acceleration."""
+    return value + velocity * t + 0.5 * acceleration * t**2
+
+
+def _motions(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
+    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration."""
+    found = {}
+    for keyword, entries, start in (
+        ("INPUTX", model.labels.x, np.asarray(model.parameters.reference)),
+        ("INPUTE", model.labels.e, np.zeros(len(model.labels.e))),
+    ):
+        for of, component, value, *rates in settings.get(keyword, []):
+            if any(rates):
+                index = next(i for i, n in enumerate(entries) if n.of == str(of) and n.component == component)
+                numbers = (jnp.asarray(number) for number in (value - start[index], *rates))
+                found[str(entries[index])] = Partial(_uniformly_accelerated, **dict(zip(NAMES, numbers, strict=True)))
+    return found
+
+
+NAMES = ("value", "velocity", "acceleration")
+# Of a motion that ended so there are states up to then; any other has not begun.
+PARTLY = (
+    RESULTS.successful,
+    RESULTS.step_too_small,
+    RESULTS.step_too_large,
+    RESULTS.motion_unfinished,
+    RESULTS.stopped,
+)
+
+
+def times_of(name: str, settings: dict[str, Any], numbers: int = 1) -> np.ndarray:
+    """Output times that TIMESTEP asks for, (n_t,) [s].
+
+    Args:
+        name: Name of the file.
+        settings: What is not part of the mechanism.
+        numbers: How many numbers the answer has at every time.
+
+    Raises:
+        SpacarError: There is no TIMESTEP, or the answer would be too large.
+    """
+    if "TIMESTEP" not in settings:
+        raise SpacarError(f"{name}: TIMESTEP: modes 1 and 4 need it: TIMESTEP end steps, such as TIMESTEP 1.0 100")
+    given = settings["TIMESTEP"]
+    steps, most = int(given["steps"]), LARGEST_ANSWER // (BYTES_A_NUMBER * numbers)
+    if steps > most:
+        at = f"{name}:{given.line}" if isinstance(given, Setting) else name
+        raise SpacarError(
+            f"{at}: TIMESTEP: {steps} steps of {numbers} numbers take {steps * numbers * BYTES_A_NUMBER:.3g} bytes,"
+            f" but {LARGEST_ANSWER:.3g} is the most; give at most {most} steps"
+        )
+    return np.linspace(0.0, given["end"], steps + 1)
+
+
+def _over_time(values, entries) -> dict[str, list]:
+    """Columns of a history by the node or element they belong to, one row a time."""
+    grouped: dict[str, list[int]] = {}
+    for i, entry in enumerate(entries):
+        if entry.kind not in ("norm", "internal"):
+            grouped.setdefault(entry.of, []).append(i)
+    values = np.asarray(values)
+    return {owner: values[:, columns].tolist() for owner, columns in grouped.items()}
+
+
+def _steps(found: Motion) -> dict[str, Any]:
+    """Linearised equations at every time, null where there are none, and what to say of that."""
+    along, labels = linearize_motion(found), found.labels
+    named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
+    # Once as numpy's, of which the parts at a time cost nothing.
+    matrices, steps, lost = jax.tree.map(np.asarray, along.matrices), [], []
+    for i, t in enumerate(np.asarray(found.t).tolist()):
+        m = jax.tree.map(lambda a, i=i: a[i], matrices)
+        own: dict[str, Any] = {name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
+        if int(m.result) != RESULTS.successful:
+            lost.append(t)
+            steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in own}})
+            continue
+        values = scipy.linalg.eigvals(own["K0"] + own["N0"] + own["G0"], own["M0"])
+        # What has no mass is infinite.
+        values = sorted(values[np.isfinite(values)], key=lambda v: v.real)
+        hertz = [None if v.real < 0 or v.imag else float(np.sqrt(v.real)) / (2 * np.pi) for v in values]
+        if all(named.values()):
+            of_state, _ = state_matrices(Linearization(m, found.model))
+            own |= {name: np.asarray(value) for name, value in of_state._asdict().items()}
+        lower = {name.lower() if len(name) > 1 else name: value for name, value in own.items()}
+        steps.append({"time": t, "frequencies_hz": hertz, **lower})
+    warnings = [
+        f"At {len(lost)} of {len(steps)} times, first at {t:.6g} s, the degrees of freedom do not determine the"
+        " configuration: there are no matrices there."
+        for t in lost[:1]
+    ]
+    return {"steps": steps, **named, "warnings": warnings}
+
+
+def simulated(model: Model, name: str, settings: dict[str, Any], linearised: bool) -> dict[str, Any]:
+    """Motion in time, as keys and values of an answer.
+
+    Args:
+        model: Mechanism.
+        name: Name of its file.
+        settings: What is not part of the mechanism: TIMESTEP, ERROR, INPUTX, INPUTE.
+        linearised: Whether to linearise at every output time.
+
+    Returns:
+        The keys, and the Motion itself as "found", if any of it was reached.
+
+    Raises:
+        SpacarError: There is no TIMESTEP.
+    """
+    n_x, n_e, n_q = len(model.labels.x), len(model.labels.e), model.topology.n_q
+    n_u, n_y = len(model.labels.inputs), len(model.labels.outputs)
+    matrices = BESIDE_MATRICES + 6 * n_q**2 + (2 * n_q + n_u) * (2 * n_q + n_y) if linearised else 0
+    times = times_of(name, settings, 4 + 2 * (n_x + n_e) + matrices)
+    error = settings.get("ERROR", {})
+    extent = float(jnp.max(sizes_of(model.topology, model.parameters)[model.topology.axes], initial=0.0)) or 1.0
+    rtol = error.get("relative", RTOL)
+    atol = error["absolute"] / extent if "absolute" in error else None
+    driven = _motions(model, settings)
+    # That incremental loads are left out is said by the keywords of the file.
+    with heard():
+        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
+    code = RESULTS(int(found.result))
+    extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
+    if code not in PARTLY:
+        return extra
+    reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
+    if not reached[-1]:
+        count = int(np.argmin(reached))
+        found = found.until(count)
+    if code == RESULTS.singular_mass:
+        extra["message"] = f"{code.message} {without_mass(model)}"
+    if not len(found.t):
+        return extra
+    seen = found.observe()
+    labels = found.labels
+    return {
+        **extra,
+        "found": found,
+        "x": {node: rows[-1] for node, rows in _over_time(found.x, labels.x).items()},
+        "time": np.asarray(found.t),
+        "trajectory": _over_time(found.x, labels.x),
+        "velocities": _over_time(found.xd, labels.x),
+        "deformations": _over_time(seen.e, labels.e),
+        "stresses": _over_time(seen.sigma, labels.e),
+        "energy": {kind: np.asarray(getattr(seen, kind)) for kind in ("kinetic", "elastic", "potential")},
+        **(_steps(found) if linearised else {}),
+    }

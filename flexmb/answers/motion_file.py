@@ -1,0 +1,66 @@
+"""A motion and all that follows from it, as a file."""
+
+import os
+
+import numpy as np
+
+from .. import __version__
+from ..files import save_arrays
+from ..motion.simulate import Motion
+from ..results import RESULTS
+
+
+def save_motion(motion: Motion, path: str | os.PathLike) -> None:
+    """Save a motion whole: times, coordinates, rates, deformations, stresses, reactions, energies, and their names.
+
+    Arrays are those of :class:`flexmb.Motion` and :class:`flexmb.Observed` by their names, times first; "x_names" and
+    "e_names" say what their columns are, "u_names" those of a controller's inputs; "about" is JSON with units, form,
+    solver, steps and result. Times that were not reached are left out.
+
+    Args:
+        motion: Motion.
+        path: Where; ends in .npz or .mat.
+
+    Raises:
+        ValueError: Another ending.
+        OSError: The folder is missing or not writable.
+    """
+    if not isinstance(motion, Motion):
+        raise TypeError(f"fm.save_motion takes a Motion, of fm.simulate(..), not a {type(motion).__name__}.")
+    reached = np.all(np.isfinite(np.asarray(motion.x)), axis=1)
+    if not reached.all():
+        motion = motion.until(int(np.argmin(reached)))
+    arrays = {name: np.asarray(getattr(motion, name)) for name in ("t", "x", "xd", "u")}
+    if len(arrays["t"]):
+        seen = motion.observe()
+        arrays |= {name: np.asarray(getattr(seen, name)) for name in UNITS if name not in arrays}
+    labels = motion.labels
+    arrays["x_names"] = np.array([str(entry) for entry in labels.x])
+    arrays["e_names"] = np.array([str(entry) for entry in labels.e])
+    arrays["u_names"] = np.array([signal.name for signal in labels.inputs], dtype=str)
+    about = {
+        "flexmb": __version__,
+        "units": {name: unit for name, unit in UNITS.items() if name in arrays},
+        "form": motion.form,
+        "solver": motion.solver,
+        "steps": int(motion.steps),
+        "result": RESULTS(int(motion.result)).name,
+    }
+    save_arrays(path, arrays, about)
+
+
+UNITS = {
+    "t": "s",
+    "x": "m, rad, -",
+    "xd": "m/s, rad/s, 1/s",
+    "u": "N, N m",
+    "xdd": "m/s^2, rad/s^2, 1/s^2",
+    "e": "m, rad",
+    "ed": "m/s, rad/s",
+    "sigma": "N, N m",
+    "reactions": "N, N m",
+    "kinetic": "J",
+    "elastic": "J",
+    "potential": "J",
+    "power": "W",
+}

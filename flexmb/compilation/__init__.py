@@ -1,0 +1,1 @@
+"""What JAX's compiler and caches need: nowhere else are programs and traces looked into."""

@@ -1,0 +1,79 @@
+"""The nonlinear mechanism as a system of python-control."""
+
+from typing import TYPE_CHECKING
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..compilation.compile import jit_beside_options
+from ..model.model import Model, as_model
+from ..motion.coordinates_form import coordinates_form
+from ..motion.loop import check_signals, measuring, under_inputs
+from ..motion.protocol import MotionState
+from ..motion.reduced_form import reduced_form
+from ..motion.simulate import driven_by
+from ..statics.configuration import configuration
+from ..statics.equilibrium import warn_of_increment
+
+if TYPE_CHECKING:
+    import control
+
+
+@jit_beside_options
+def _rates(model: Model, driven, t, state, memory, u):
+    """Rates of the state, outputs, and the memory to go on from."""
+    undriven = coordinates_form(model.topology, model.parameters, driven)
+    form = reduced_form(under_inputs(model, undriven, u))
+    n = form.size
+    q, qd = state[:n] / form.sizes, state[n:] / form.sizes
+    at = form.settle(t, MotionState(q, qd, memory))
+    x, v, near = form.whole_motion(t, at)
+    own = undriven.state_of(x, v, near)
+    y = measuring(model, undriven, None).measured(t, own)
+    return jnp.concatenate([state[n:], form.acceleration(t, at) * form.sizes]), y, at.memory
+
+
+def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.NonlinearIOSystem":
+    """The mechanism with all its nonlinearity as a plant for ``control.input_output_response`` and its like.
+
+    States are the degrees of freedom, from the undeformed mechanism, and their rates; inputs and outputs those that the
+    builder named, rotations in space measured from the undeformed mechanism. Every evaluation places the other
+    coordinates from where the last one left them.
+
+    Args:
+        model: Mechanism with named inputs and outputs.
+        loads: Loads as functions of time, see :func:`flexmb.simulate`.
+        motion: Prescribed motion as functions of time, see :func:`flexmb.simulate`.
+
+    Returns:
+        control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].
+
+    Raises:
+        ModelError: The model names no inputs or no outputs, an output that is no position, velocity or deformation, or
+            an input that can move nothing.
+
+    Source:
+        FORMULATION.md 5 and 9 (a).
+    """
+    import control
+
+    warn_of_increment(as_model(model, "to_nonlinear_system"), "to_nonlinear_system")
+    inputs, outputs = model.labels.inputs, model.labels.outputs
+    check_signals(model, "A plant", "A plant gives")
+    driven = driven_by(model, loads or {}, motion or {}, None)
+    start = configuration(model)
+    nameless = model.without_names()
+    memory = [jnp.concatenate([start.x, jnp.zeros(model.topology.n_e)])]
+
+    def evaluated(t, x, u):
+        rates, y, memory[0] = _rates(nameless, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u))
+        return np.asarray(rates), np.asarray(y)
+
+    names = [name.replace(".", " ") for name in model.q_labels]
+    return control.nlsys(
+        lambda t, x, u, params: evaluated(t, x, u)[0],
+        lambda t, x, u, params: evaluated(t, x, u)[1],
+        inputs=[s.name.replace(".", " ") for s in inputs],
+        outputs=[s.name.replace(".", " ") for s in outputs],
+        states=names + [f"d {name}" for name in names],
+    )

@@ -1,0 +1,138 @@
+"""Files that appear whole or not at all, and named arrays in them: npz and mat."""
+
+import errno
+import io
+import itertools
+import json
+import os
+import re
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def write_whole(path: str | os.PathLike, content: bytes) -> None:
+    """Write a file in one piece: a reader sees the old one or the new one, never half of it.
+
+    What is no file on a disk, such as /dev/stdout or a pipe, is written to as it is; a link stays one.
+
+    Args:
+        path: Where.
+        content: What.
+
+    Raises:
+        OSError: The folder is missing, not writable or full, or the path is that of a folder.
+    """
+    path = _target(path)
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".flexmb.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        # mkstemp makes the file private; give it what a plain open would.
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def check_writable(path: str | os.PathLike) -> None:
+    """Try whether a file can be written, and leave nothing behind.
+
+    Args:
+        path: Where.
+
+    Raises:
+        OSError: The folder is missing or not writable, the path is that of a folder, or the file is write-protected.
+    """
+    path = _target(path)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if path.exists() and not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    if path.is_file() or not path.exists():
+        tempfile.TemporaryFile(dir=path.parent).close()
+
+
+def _target(path: str | os.PathLike) -> Path:
+    """The file that a link leads to; /dev/stdout and the like as they are."""
+    path = Path(path)
+    return path.resolve() if path.is_symlink() and (path.is_file() or not path.exists()) else path
+
+
+def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
+    """Write named arrays as .npz or .mat.
+
+    Args:
+        path: Where; its ending says how.
+        arrays: By name.
+
+    Raises:
+        ValueError: Another ending.
+        OSError: The folder is missing or not writable.
+    """
+    content = io.BytesIO()
+    if path.suffix == ".npz":
+        # As numpy.savez, which has arguments whose names no array can bear.
+        with zipfile.ZipFile(content, "w") as archive:
+            for name, value in arrays.items():
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array(member, np.asarray(value), allow_pickle=False)
+    elif path.suffix == ".mat":
+        import scipy.io
+
+        scipy.io.savemat(content, _as_variables(arrays), oned_as="column", long_field_names=True)
+    else:
+        raise ValueError(f"Results are saved as .npz or .mat, not '{path.suffix or path}'.")
+    write_whole(path, content.getvalue())
+
+
+def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str, Any]) -> None:
+    """Write named arrays as .npz or .mat, whole or not at all.
+
+    Args:
+        path: Where; its ending says how.
+        arrays: By name.
+        about: Texts and units, kept as JSON under "about".
+
+    Raises:
+        ValueError: Another ending, or an array named "about".
+        OSError: The folder is missing or not writable.
+    """
+    if "about" in arrays:
+        raise ValueError("An array named 'about' cannot be saved beside what is said about all of them: rename it.")
+    write_arrays(Path(path), {**arrays, "about": np.asarray(json.dumps(about))})
+
+
+def _as_variables(arrays: dict[str, Any]) -> dict[str, Any]:
+    """The same under names that MATLAB takes, no two alike; where some differ, "names_of_arrays" says so as JSON."""
+    of_names = "names_of_arrays"
+    while of_names in arrays:
+        of_names += "_"
+    names = _matlab_names([of_names, *arrays])
+    changed = {names[name]: name for name in arrays if names[name] != name}
+    found = {names[name]: value for name, value in arrays.items()}
+    return {**found, of_names: np.asarray(json.dumps(changed))} if changed else found
+
+
+def _matlab_names(names: list[str]) -> dict[str, str]:
+    """Letters, digits and underscores, a letter first, at most 63: a name that is so already stays."""
+    found = {name: name for name in names if re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII)}
+    taken = set(found)
+    for name in names:
+        if name not in found:
+            plain_name = re.sub(r"^(?![A-Za-z])", "x", re.sub(r"\W", "_", name, flags=re.ASCII))
+            endings = (f"_{i}" if i > 1 else "" for i in itertools.count(1))
+            found[name] = next(
+                one for ending in endings if (one := plain_name[: 63 - len(ending)] + ending) not in taken
+            )
+            taken.add(found[name])
+    return found

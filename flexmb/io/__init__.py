@@ -1,1 +1,0 @@
-"""Files: SPACAR input files read and written, answers of the analyses saved."""

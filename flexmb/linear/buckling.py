@@ -1,0 +1,254 @@
+"""Linear buckling: load multipliers about the loaded state, sign kept."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit
+from ..compilation.record import Record
+from ..math.indices import put
+from ..math.linear import factorise, is_positive_definite, pencil
+from ..mechanics.deformation import deformation_curvature, deformation_jacobian
+from ..mechanics.extent import sizes_of
+from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces
+from ..mechanics.residual import State, linear_response
+from ..mechanics.transfer import multipliers
+from ..model.model import Model, as_determined
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS, check
+from ..statics.equilibrium import held_values, solve_state
+from .linearize import Linearization, Matrices, linearize
+
+# Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
+UNBOUNDED = 1e9
+# So are those that the round-off of a stress would give: that of a deformation beside what the whole mechanism's extent
+# would make of it, and that of a constraint force beside the largest of the forces that it balances.
+ROUND_OFF = 1e-15
+# Eigenvalues whose imaginary part is below this share are real.
+REAL = 1e-8
+
+
+class Buckling(Record):
+    """Load multipliers and buckling modes, by magnitude.
+
+    Attributes:
+        multipliers: Lambda of det(K0 + N0 + lambda G0) = 0, sign kept, (n,) [-].
+        shapes: Buckling modes in the coordinates, the largest entry of each 1, (n_x, n).
+        lin: Linearization about the state that the multipliers refer to.
+    """
+
+    multipliers: Float[Array, "n"]
+    shapes: Float[Array, "n_x n"]
+    lin: Linearization
+
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
+
+def geometric_stiffness_of_increment(
+    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_e"], Float[Array, "n_x"]]:
+    """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        at: Preloaded state.
+        near: Deformations there, (n_e,) [m, rad].
+
+    Returns:
+        (n_q, n_q) [N/m, N m/rad], the stresses (n_e,) [N, N m] and the displacements (n_x,) [m, rad, -].
+    """
+    no_preload = LoadFactors(0.0, 1.0)
+    unloaded = dataclasses.replace(parameters, strain=None)
+    force = nodal_forces(topology, parameters, no_preload, at.x)
+    increment = parameters.increment
+    wanted_x, wanted_e = held_values(topology, unloaded, no_preload)
+    shift = wanted_x - parameters.reference
+    extra = jnp.zeros(topology.n_e) if increment is None or increment.prestress is None else increment.prestress
+    excess = at.jacobian @ shift - wanted_e
+    dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
+    elastic = at.S @ (at.jacobian @ dx) + extra
+    sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force)
+    curvature = deformation_curvature(topology, parameters, at.x, near, sigma)
+    curvature = curvature - load_stiffness(topology, parameters, no_preload, at.x)
+    return at.transfer.DFx.T @ curvature @ at.transfer.DFx, sigma, dx
+
+
+def scaled_stiffness(
+    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_q n_q"], Float[Array, ""]]:
+    """Stiffness that stays and stiffness that is scaled with the loads, about a state.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        at: State.
+        near: Deformations there, (n_e,) [m, rad].
+
+    Returns:
+        Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-].
+
+    Source:
+        FORMULATION.md 7.
+    """
+    if parameters.increment is None:
+        stays, scaled, sigma, moved = at.K0, at.G0, at.sigma, sizes_of(topology, parameters)
+    else:
+        stays = at.K0 + at.G0
+        scaled, sigma, moved = geometric_stiffness_of_increment(topology, parameters, at, near)
+    tangent = at.x, near, at.jacobian, at.S, at.transfer.DFx
+    return stays, scaled, jax.lax.stop_gradient(_noise(topology, parameters, tangent, stays, sigma, moved))
+
+
+def _noise(topology, parameters, tangent, stays, sigma, moved) -> Float[Array, ""]:
+    """Largest 1/lambda that the round-off of the stress resultants makes.
+
+    Elastic ones are wrong by the stiffness times the round-off of the deformations, all of them by that of the forces
+    that they balance; ``moved`` is what the round-off of the coordinates is a share of.
+    """
+    x, near, jacobian, stiffness, dfx = tangent
+    rows = jnp.abs(jacobian) * sizes_of(topology, parameters)
+    largest = jnp.max(rows.T @ jnp.abs(sigma), initial=0.0)
+    reach = jnp.max(rows, axis=1, initial=0.0)
+    held = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
+    elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), held, 0.0)
+    wrong = ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
+    relative = factorise(stays).solve(dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx)
+    # Root of the trace of its square: an upper bound of its eigenvalues.
+    noise = jnp.sqrt(jnp.abs(jnp.sum(relative * relative.T)))
+    return jnp.where(jnp.isfinite(noise), noise, 0.0)
+
+
+def _stiffnesses(topology: Topology, parameters: Parameters):
+    """Stiffness that stays and stiffness that is scaled, round-off of 1/lambda, DFx, and code of the equilibrium."""
+    at, near, result, _ = solve_state(topology, parameters, LoadFactors(1.0, 0.0))
+    return *scaled_stiffness(topology, parameters, at, near), at.transfer.DFx, result
+
+
+def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
+    """Load multipliers, infinite where they are unbounded.
+
+    Args:
+        inverse: 1/lambda, (n,) [-].
+        noise: How large it comes out where it is but round-off, () [-].
+
+    Returns:
+        lambda, (n,) [-].
+    """
+    least = jnp.maximum(jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED, noise)
+    bounded = (jnp.abs(inverse) > least) & (inverse != 0)
+    return jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
+
+
+def _inverse_multipliers(topology: Topology, k, g):
+    """Values 1/lambda by descending magnitude, and vectors; those of a complex pair are zero."""
+    if lacks_potential(topology):
+        values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
+        real = jnp.abs(values.imag) <= REAL * jnp.abs(values)
+        values, vectors = jnp.where(real, values.real, 0.0), vectors.real
+    else:
+        values, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
+    order = jnp.argsort(-jnp.abs(jax.lax.stop_gradient(values)))
+    return values[order], vectors[:, order]
+
+
+@jit
+def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
+    """Real load multipliers by magnitude, of a stiffness that stays and one that is scaled.
+
+    Args:
+        k: Stiffness that stays, regular, (n, n).
+        g: Stiffness that is scaled, (n, n).
+        noise: How large 1/lambda comes out where it is but round-off, () [-].
+
+    Returns:
+        Lambda of det(k + lambda g) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
+
+    Source:
+        Tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda.
+    """
+    inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
+    real = jnp.isfinite(inverse.real) & (jnp.abs(inverse.imag) <= REAL * jnp.abs(inverse))
+    found = bounded_of(jnp.where(real, inverse.real, 0.0), noise)
+    return found[jnp.argsort(jnp.abs(found))]
+
+
+@jit
+def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -> Float[Array, "n_q"]:
+    """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        m: Linearised equations.
+    """
+    _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
+    tangent = m.x, m.e, jacobian, m.S, m.DFx
+    noise = _noise(topology, parameters, tangent, m.K0, m.sigma, sizes_of(topology, parameters))
+    return multipliers_of(m.K0, m.G0, noise)
+
+
+@jit
+def _buckling(topology: Topology, parameters: Parameters):
+    k, g, noise, dfx, result = _stiffnesses(topology, parameters)
+    inverse, vectors = _inverse_multipliers(topology, k, g)
+    multiplier = bounded_of(inverse, noise)
+    stable = is_positive_definite((k + k.T) / 2)
+    result = jnp.where((result == RESULTS.successful) & ~stable, RESULTS.unstable, result)
+    return multiplier, dfx @ vectors, result
+
+
+def buckling_loads(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
+    """Load multipliers of linear buckling.
+
+    Args:
+        model: Mechanism with loads; differentiable in ``model.parameters``. With incremental loads, those are scaled
+            and the others are a constant preload; otherwise all loads are scaled.
+        throw: Raise where the equilibrium fails or is unstable.
+
+    Returns:
+        (n_q,) [-], by magnitude, sign kept, infinite where the load does not act: where round-off alone gives one.
+
+    Raises:
+        AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
+
+    Source:
+        det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
+    """
+    as_determined(model, "buckling_loads")
+    multiplier, _, result = _buckling(model.topology, model.parameters)
+    check(result, throw)
+    return multiplier
+
+
+def buckling(model: Model, *, throw: bool = True) -> Buckling:
+    """Load multipliers and modes of linear buckling.
+
+    Args:
+        model: Mechanism with loads; see :func:`buckling_loads`.
+        throw: Raise where the equilibrium fails or is unstable.
+
+    Returns:
+        Buckling with multipliers (n,) [-] and shapes (n_x, n); unbounded ones are left out.
+
+    Raises:
+        AnalysisError: See :func:`buckling_loads`.
+
+    Source:
+        See :func:`buckling_loads`.
+    """
+    as_determined(model, "buckling")
+    multiplier, shapes, result = _buckling(model.topology, model.parameters)
+    check(result, throw)
+    bounded = int(np.sum(np.isfinite(multiplier)))
+    shapes = np.asarray(shapes[:, :bounded])
+    largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
+    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), linearize(model, increment=0.0, throw=throw))

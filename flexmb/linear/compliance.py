@@ -1,0 +1,124 @@
+"""Compliance of the mechanism at its nodes, about the static equilibrium."""
+
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_flag
+from ..compilation.compile import jit
+from ..elements.nodes import ROTATION3
+from ..errors import AnalysisError, warn
+from ..math.linear import diagonal_of, factorise
+from ..math.rotation import lbar, rotation_matrix
+from ..model.model import Model
+from ..results import RESULTS, check
+from .linearize import Linearization, Matrices, linearized
+from .loose import free_motions, named, takes_part
+
+
+def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
+    """Matrix from rates of a node's coordinates to its velocity or angular velocity about global axes."""
+    return 2 * lbar(coordinates) if coordinates.shape[0] == ROTATION3.size else jnp.eye(coordinates.shape[0])
+
+
+def compliance(model: Model | Linearization, node: str, *, local: bool = False) -> Float[Array, "n n"]:
+    """Displacements and rotations of a node under unit forces and moments on it.
+
+    Args:
+        model: Mechanism, or its linearisation.
+        node: Name of the node. A position with a rotation "name.rotation" gives both.
+        local: In axes that turn with the node instead of the global ones; needs a rotation.
+
+    Returns:
+        u = C f with u = (displacements, rotations) and f = (forces, moments): (3, 3) in the plane, (6, 6) in space,
+        or the node's own coordinates if it has no rotation [m/N, rad/N, m/(N m), rad/(N m)].
+
+    Raises:
+        KeyError: No such node.
+        ValueError: ``local``, of a node without a rotation.
+        AnalysisError: singular_stiffness where the node takes part in a motion that meets no stiffness; of other nodes
+            the compliance is that of the rest.
+
+    Source:
+        FORMULATION.md 7: (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
+    """
+    check_flag("local", local)
+    lin = linearized(model, "compliance")
+    labels = lin.labels
+    parts = [p for p in (node, f"{node}.rotation") if labels.coordinates(p)]
+    if not parts:
+        raise KeyError(f"no node '{node}' in this model")
+    if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
+        raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
+    places = tuple(np.array(labels.coordinates(part)) for part in parts)
+    found, jacobian, result = _compliance(lin.matrices, places, local=local)
+    if not isinstance(result, jax.core.Tracer) and int(result) == RESULTS.singular_stiffness:
+        return _beside_free_motions(lin, node, np.asarray(jacobian))
+    check(result, True)
+    return found
+
+
+def _beside_free_motions(lin: Linearization, node: str, jacobian: np.ndarray) -> Float[Array, "n n"]:
+    """Compliance in what is not free, of a node that takes part in no free motion."""
+    flexibility, free = free_motions(lin.matrices)
+    if np.any(takes_part(jacobian, free)):
+        moving = named(lin.model, np.asarray(lin.matrices.DFx) @ free)
+        raise AnalysisError(
+            "singular_stiffness",
+            f"The compliance of node '{node}' is unbounded: it takes part in a motion that meets no stiffness:"
+            f" {moving}. Support or stiffen that motion.",
+        )
+    return jnp.asarray(jacobian @ flexibility @ jacobian.T)
+
+
+@jit
+def _compliance(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
+    """Compliance, rows of the node's directions by the degrees of freedom, and code of RESULTS."""
+    rows = [_rates(found.x[part]) @ found.DFx[part] for part in parts]
+    if local:
+        rotation = found.x[parts[-1]]
+        if rotation.shape[0] == ROTATION3.size:
+            rows = [rotation_matrix(rotation).T @ row for row in rows]
+        elif len(parts) == 2:
+            c, s = jnp.cos(rotation[0]), jnp.sin(rotation[0])
+            rows[0] = jnp.array([[c, s], [-s, c]]) @ rows[0]
+    jacobian = jnp.concatenate(rows)
+    # Each degree of freedom in a unit that makes the stiffnesses that meet in it one: what is singular then is free.
+    meeting = diagonal_of(jnp.abs(found.DFe).T @ jnp.abs(found.S) @ jnp.abs(found.DFe)) + jnp.abs(diagonal_of(found.K))
+    scale = jax.lax.stop_gradient(1 / jnp.sqrt(jnp.where(meeting > 0, meeting, 1.0)))
+    factors = factorise(found.K * scale[:, None] * scale)
+    result = jnp.where(factors.regular(), RESULTS.successful, RESULTS.singular_stiffness)
+    scaled = jacobian * scale
+    return scaled @ factors.solve(scaled.T), jacobian, result.astype(jnp.int32)
+
+
+def directional_compliance(model: Model | Linearization) -> dict[str, np.ndarray]:
+    """Displacement of every node along each axis under a unit force along that axis.
+
+    Args:
+        model: Mechanism, or its linearisation.
+
+    Returns:
+        For each node: one value a coordinate [m/N]; three rotations about global axes, or the angle [rad/(N m)].
+        Infinite in directions that take part in a motion that meets no stiffness.
+
+    Warns:
+        FlexmbWarning: There is such a motion.
+
+    Source:
+        Diagonal of DFx (K0 + N0 + G0)^-1 DFx^T, with rotations by omega = 2 Lbar d(lambda)/dt.
+    """
+    lin = linearized(model, "directional_compliance")
+    dfx = np.asarray(lin.matrices.DFx)
+    flexibility, free = free_motions(lin.matrices)
+    if free.shape[1]:
+        warn(f"The compliance is unbounded in motions that meet no stiffness: {named(lin.model, dfx @ free)}.")
+    found = {}
+    for node in dict.fromkeys(entry.of for entry in lin.labels.x):
+        indices = lin.labels.coordinates(node)
+        rows = np.asarray(_rates(lin.matrices.x[np.array(indices)])) @ dfx[indices]
+        own = np.einsum("ij,jk,ik->i", rows, flexibility, rows)
+        found[node] = np.where(takes_part(rows, free), np.inf, own)
+    return found

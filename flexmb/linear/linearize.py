@@ -1,0 +1,333 @@
+"""Linearised equations of motion about the static equilibrium."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_whole, is_concrete
+from ..compilation.compile import jit
+from ..compilation.record import Record, static
+from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.inertia import Felt, mass_matrix
+from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.residual import State
+from ..mechanics.stress_resultants import element_damping, stress_tangents
+from ..mechanics.transfer import correction, transfer
+from ..model.model import Labels, Model, as_determined
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS, check
+from ..statics.equilibrium import load_factors_of, reactions_of, solve_state
+
+
+class Rates(Record):
+    """Motion of a state that is linearised about, and how fast the transfer functions change along it.
+
+    Attributes:
+        xd: Velocities of the nodal coordinates, (n_x,) [1/s].
+        xdd: Their accelerations, (n_x,) [1/s^2].
+        DFx_d: Rate of DFx, (n_x, n_q).
+        DFx_dd: Second rate of DFx, (n_x, n_q).
+        DFe_d: Rate of DFe, (n_e, n_q).
+        DFe_dd: Second rate of DFe, (n_e, n_q).
+    """
+
+    xd: Float[Array, "n_x"]
+    xdd: Float[Array, "n_x"]
+    DFx_d: Float[Array, "n_x n_q"]
+    DFx_dd: Float[Array, "n_x n_q"]
+    DFe_d: Float[Array, "n_e n_q"]
+    DFe_dd: Float[Array, "n_e n_q"]
+
+
+class Matrices(Record):
+    """Linearised equations M0 qdd + (C0 + D0) qd + (K0 + N0 + G0) q = DFx^T f - DFe^T sigma, with numbers only.
+
+    Attributes:
+        M0: Mass, (n_q, n_q).
+        C0: Velocity matrix of the inertia forces, (n_q, n_q); zero about a state at rest.
+        D0: Damping, (n_q, n_q).
+        K0: Structural stiffness, (n_q, n_q).
+        N0: Dynamic stiffness, (n_q, n_q); zero about a state at rest.
+        G0: Geometric stiffness of stress resultants, constraint forces and loads, (n_q, n_q).
+        DFx: First-order transfer function of the coordinates, (n_x, n_q).
+        DFe: First-order transfer function of the deformations, (n_e, n_q).
+        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
+        S_d: Damping of the elements likewise, (n_e, n_e).
+        x: Nodal coordinates at the equilibrium, (n_x,).
+        e: Deformations there, (n_e,).
+        sigma: Stress resultants there, (n_e,).
+        felt: Gravity and motion there, which act along the elements.
+        reactions: Forces of the supports there, (n_x,).
+        iterations: Newton iterations of the equilibrium.
+        result: Code of RESULTS.
+        symmetric: Whether the stiffness is symmetric by the nature of the loads.
+        moving: How the state moves; None where it is at rest.
+    """
+
+    M0: Float[Array, "n_q n_q"]
+    C0: Float[Array, "n_q n_q"]
+    D0: Float[Array, "n_q n_q"]
+    K0: Float[Array, "n_q n_q"]
+    N0: Float[Array, "n_q n_q"]
+    G0: Float[Array, "n_q n_q"]
+    DFx: Float[Array, "n_x n_q"]
+    DFe: Float[Array, "n_e n_q"]
+    S: Float[Array, "n_e n_e"]
+    S_d: Float[Array, "n_e n_e"]
+    x: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    sigma: Float[Array, "n_e"]
+    felt: Felt
+    reactions: Float[Array, "n_x"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+    symmetric: bool = static()
+    moving: Rates | None = None
+
+    @property
+    def K(self) -> Float[Array, "n_q n_q"]:
+        """Whole stiffness K0 + N0 + G0."""
+        return self.K0 + self.N0 + self.G0
+
+
+class Linearization(Record):
+    """Linearised equations of motion about the equilibrium of a model.
+
+    The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).
+
+    Attributes:
+        matrices: The numbers.
+        model: The mechanism they belong to.
+    """
+
+    matrices: Matrices
+    model: Model
+
+    def __getattr__(self, name: str):
+        if name.startswith("_") or name not in (*Matrices.__dataclass_fields__, "K"):
+            raise AttributeError(f"Linearization has no attribute '{name}'")
+        return getattr(self.matrices, name)
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.model.labels
+
+    def at_time(self, number: int) -> "Linearization":
+        """Linearised equations at one of the times of a motion, of what :func:`flexmb.linearize_motion` gives.
+
+        Args:
+            number: Which, from 0; from the end where negative.
+
+        Raises:
+            ValueError: This is the linearisation of one state.
+            IndexError: There are not so many times.
+        """
+        if self.matrices.M0.ndim == 2:
+            raise ValueError("This linearisation is that of one state: it has no times to choose from.")
+        count, chosen = self.matrices.M0.shape[0], check_whole("number", number)
+        if not -count <= chosen < count:
+            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
+
+    @property
+    def condition(self) -> float:
+        """Condition number of the stiffness, each degree of freedom in a unit of its own that makes its stiffness one.
+
+        The derivatives of the equilibrium, and of all that follows from it, are solutions with this matrix: they lose
+        as many digits as it has. Infinite where the stiffness is singular.
+
+        Source:
+            Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
+        """
+        k = np.asarray(self.matrices.K)
+        scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
+        return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
+
+    def instant(self, number: int) -> "Linearization":
+        """The equations at one of the times of ``fm.linearize_motion``.
+
+        Args:
+            number: Which, from 0; -1 is the last.
+        """
+        return Linearization(jax.tree.map(lambda a: a[number], self.matrices), self.model)
+
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
+
+def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
+    """Equilibrium and linearisation in one; part of the compiled kernels.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        target: Load factors of the equilibrium.
+
+    Returns:
+        Matrices.
+    """
+    at, _, result, iterations = solve_state(topology, parameters, target)
+    return matrices_at(topology, parameters, at, iterations, result)
+
+
+def matrices_at(
+    topology: Topology, parameters: Parameters, at: State, iterations: Int[Array, ""], result: Int[Array, ""]
+) -> Matrices:
+    """Linearisation about a state that is in equilibrium.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        at: State.
+        iterations: What the equilibrium took.
+        result: Its code of RESULTS.
+
+    Returns:
+        Matrices.
+    """
+    z, dfe = at.transfer.DFx, at.transfer.DFe
+    mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
+    _, damping = stress_tangents(topology, parameters, at.S, element_damping(topology, parameters), at.e)
+    at_rest = jnp.zeros_like(mass)
+    k0, g0 = at.K0, at.G0
+    finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))
+    result = jnp.where((result == RESULTS.successful) & ~finite, RESULTS.not_finite, result)
+    return Matrices(
+        M0=(mass + mass.T) / 2,
+        C0=at_rest,
+        D0=dfe.T @ damping @ dfe,
+        K0=k0 if lacks_potential(topology) else (k0 + k0.T) / 2,
+        N0=at_rest,
+        G0=g0 if lacks_potential(topology) else (g0 + g0.T) / 2,
+        DFx=z,
+        DFe=dfe,
+        S=at.S,
+        S_d=damping,
+        x=at.x,
+        e=at.e,
+        sigma=at.sigma,
+        felt=Felt(at.gravity),
+        reactions=reactions_of(topology, at),
+        iterations=iterations,
+        result=result.astype(jnp.int32),
+        symmetric=not lacks_potential(topology),
+    )
+
+
+_matrices = jit(matrices)
+
+
+def linearized(given: Model | Linearization, function: str, throw: bool = True) -> Linearization:
+    """What a public function of a model or of its linearisation is asked about.
+
+    Args:
+        given: Model, which is linearised about its equilibrium, or Linearization, which passes.
+        function: Name of the public function.
+        throw: Raise where the equilibrium fails.
+
+    Raises:
+        TypeError: It is neither.
+        ValueError: It is a linearisation along a motion, at many times.
+        AnalysisError: The equilibrium was not found.
+    """
+    if not isinstance(given, Linearization):
+        model = as_determined(given, function)
+        return _linearized(model, load_factors_of(model, 1.0, None, function), throw)
+    if given.matrices.M0.ndim > 2:
+        raise ValueError(
+            f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"
+            f" {len(given.matrices.M0)} times: give lin.at_time(0)."
+        )
+    if is_concrete(given.matrices.result):
+        check(given.matrices.result, throw)
+    return given
+
+
+def linearize(
+    model: Model, *, load_factor: float = 1.0, increment: float | None = None, throw: bool = True
+) -> Linearization:
+    """Linearised equations of motion about the static equilibrium under the constant loads.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+        load_factor: Factor of the loads, () [-].
+        increment: Factor of the incremental loads, () [-]; zero unless given.
+        throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
+
+    Returns:
+        Linearization with M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], the transfer functions DFx (n_x, n_q) and
+        DFe (n_e, n_q), and the equilibrium x, e, sigma.
+
+    Raises:
+        AnalysisError: The equilibrium was not found or the configuration is singular.
+        ValueError: A factor is not finite, or there are no incremental loads.
+
+    Warns:
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
+
+    Source:
+        FORMULATION.md 6; K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
+    """
+    target = load_factors_of(as_determined(model, "linearize"), load_factor, increment, "linearize")
+    return _linearized(model, target, throw)
+
+
+def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
+    lin = Linearization(_matrices(model.topology, model.parameters, target), model)
+    check(lin.matrices.result, throw)
+    return lin
+
+
+@jit
+def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
+    near = jax.lax.stop_gradient(m.e)
+    _, jacobian = deformation_jacobian(topology, parameters, m.x, near)
+    tangent = transfer(topology, jacobian)
+
+    def along(i, j):
+        def once(x):
+            _, d = deformation_jacobian(topology, parameters, x, near)
+            return d @ i
+
+        return jax.jvp(once, (m.x,), (j,))[1]
+
+    columns = m.DFx.T
+    bend = jax.vmap(jax.vmap(along, (None, 0)), (0, None))(columns, columns)
+
+    def second(curved):
+        dx = correction(topology, tangent, curved, jnp.zeros(topology.n_x))
+        return dx, curved + jacobian @ dx
+
+    d2x, d2e = jax.vmap(jax.vmap(second))(bend)
+    return jnp.moveaxis(d2x, -1, 0), jnp.moveaxis(d2e, -1, 0)
+
+
+def second_transfer(
+    lin: Linearization,
+) -> tuple[Float[Array, "n_x n_q n_q"], Float[Array, "n_e n_q n_q"]]:
+    """Second-order geometric transfer functions about the linearised state.
+
+    Args:
+        lin: Linearization.
+
+    Returns:
+        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [their units over those of q twice].
+
+    Raises:
+        TypeError: It is no Linearization.
+
+    Source:
+        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, FORMULATION.md 4.
+    """
+    if not isinstance(lin, Linearization):
+        raise TypeError(
+            f"fm.second_transfer takes a Linearization, not a {type(lin).__name__}: give fm.linearize(model)."
+        )
+    linearized(lin, "second_transfer")
+    return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)

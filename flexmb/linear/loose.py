@@ -1,0 +1,138 @@
+"""Motions that meet no stiffness, carry no mass or a negative one: found on concrete numbers, and named."""
+
+import numpy as np
+
+from ..checks.mobility import constraints, motions_of, shares
+from ..errors import AnalysisError
+from ..math.linear import SEMIDEFINITE
+from ..mechanics.inertia import mass_matrix
+from ..model.model import Model
+from ..results import RESULTS
+from .linearize import Linearization, Matrices
+
+# A motion is free whose stiffness is below this share of the stiffnesses that meet in it.
+FREE = 1e-13
+# A direction does not take part in a motion where it has less than this share of it.
+APART = 1e-9
+# A motion has no mass where it is below this share of the largest.
+MASSLESS = 1e-12
+
+
+def named(model: Model, motions: np.ndarray) -> str:
+    """What moves most in each motion.
+
+    Args:
+        model: Mechanism.
+        motions: One a column, (n_x, k).
+    """
+    found = []
+    for motion in motions.T:
+        largest = shares(motion / np.max(np.abs(motion), initial=np.finfo(float).tiny), model.labels.x)[:4]
+        found.append(", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in largest))
+    return "; ".join(found)
+
+
+def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray]:
+    """Flexibility in all motions that meet stiffness, and the motions that meet none.
+
+    Args:
+        m: Linearised equations.
+
+    Returns:
+        Inverse of K on what is not free, (n_q, n_q), and free motions in the degrees of freedom, (n_q, k).
+
+    Raises:
+        AnalysisError: not_finite.
+
+    Source:
+        Singular values of K, each degree of freedom in a unit that makes the stiffnesses that meet in it one.
+    """
+    k, dfe = np.asarray(m.K), np.abs(np.asarray(m.DFe))
+    if not np.all(np.isfinite(k)):
+        raise AnalysisError("not_finite", RESULTS.not_finite.message)
+    meeting = np.diag(dfe.T @ np.abs(np.asarray(m.S)) @ dfe) + np.abs(np.diag(k))
+    scale = 1 / np.sqrt(np.where(meeting > 0, meeting, 1.0))
+    left, sizes, right = np.linalg.svd(k * scale[:, None] * scale)
+    stiff = sizes > FREE * len(k) * max(1.0, np.max(sizes, initial=0.0))
+    inverse = right[stiff].T @ (left[:, stiff] / sizes[stiff]).T
+    return inverse * scale[:, None] * scale, right[~stiff].T * scale[:, None]
+
+
+def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Whether directions take part in any of some motions.
+
+    Args:
+        rows: Directions by the degrees of freedom, (k, n_q).
+        free: Motions, (n_q, f).
+
+    Returns:
+        (k,).
+    """
+    return np.any(np.abs(rows @ free) > APART * (np.abs(rows) @ np.abs(free)), axis=1)
+
+
+def negative_mass(lin: Linearization) -> str:
+    """Names of the coordinates whose mass is negative in a motion of negative mass; empty where there is none.
+
+    Args:
+        lin: Linearization.
+    """
+    m = lin.matrices
+    mass = np.asarray(m.M0)
+    if mass.ndim != 2 or not mass.size:
+        return ""
+    size = np.abs(np.diag(mass))
+    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    values, vectors = np.linalg.eigh((mass + mass.T) / 2 * scale[:, None] * scale)
+    if not values[0] < -SEMIDEFINITE:
+        return ""
+    motion = np.asarray(m.DFx) @ (scale * vectors[:, 0])
+    share = motion * (np.asarray(mass_matrix(lin.model.topology, lin.model.parameters, m.x)) @ motion)
+    own = [i for i in np.argsort(share) if share[i] < 0][:4]
+    return ", ".join(str(lin.labels.x[i]) for i in own) or named(lin.model, motion[:, None])
+
+
+def refuse_negative_mass(lin: Linearization) -> None:
+    """Refuse a mass matrix with a negative eigenvalue.
+
+    Args:
+        lin: Linearization.
+
+    Raises:
+        AnalysisError: singular_mass, with the names of the nodes.
+    """
+    names = negative_mass(lin)
+    if names:
+        raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {of_negative_mass(names)}")
+
+
+def of_negative_mass(names: str) -> str:
+    """What a message says of them."""
+    return f"Here a motion has a negative mass, that of {names}."
+
+
+def without_mass(model: Model) -> str:
+    """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where there is none.
+
+    Args:
+        model: Mechanism.
+    """
+    motions, _ = motions_of(model)
+    motions = motions * constraints(model).columns[:, None]
+    mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
+    values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
+    light = values <= MASSLESS * max(np.max(np.abs(values), initial=0.0), np.finfo(float).tiny)
+    return f"Motions without mass: {named(model, motions @ vectors[:, light])}." if np.any(light) else ""
+
+
+def without_anything(lin: Linearization) -> str:
+    """Names of the motions that have neither mass nor stiffness, for a message; empty where there is none.
+
+    Args:
+        lin: Linearization.
+    """
+    m = lin.matrices
+    _, free = free_motions(m)
+    mass = np.asarray(m.M0)
+    light = [v for v in free.T if abs(v @ mass @ v) <= MASSLESS * (np.abs(v) @ np.abs(mass) @ np.abs(v))]
+    return f"Here that is {named(lin.model, np.asarray(m.DFx) @ np.array(light).T)}." if light else ""

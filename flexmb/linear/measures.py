@@ -1,0 +1,182 @@
+"""Functions of several eigenvalues that stay smooth where two meet, and modes followed by their shape."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_number, check_numbers, is_concrete, numbers, shown
+from ..compilation.compile import jit
+from ..mechanics.loads import LoadFactors, lacks_potential
+from ..model.model import Model, as_determined
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS
+from ..statics.equilibrium import warn_of_increment
+from .linearize import Matrices, matrices
+from .modes import Modes, check_spectrum, refuse_unsymmetric, spectrum, to_frequency
+
+# Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
+CLUSTER = 1e-6
+
+
+def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
+    """Lower estimate of the least of positive values, smooth where several are equal.
+
+    (sum of v^-p)^(-1/p): of eigenvalues or loads a symmetric function, whose first derivative is right where they are
+    repeated although that of each alone does not exist. Between n^(-1/p) of the minimum and the minimum.
+
+    Args:
+        values: Positive, infinite ones allowed, (n,).
+        sharpness: p, () [-].
+
+    Returns:
+        () [unit of the values].
+
+    Raises:
+        ValueError: A value that is not positive, or a sharpness below 1.
+
+    Source:
+        Norms of order -p; spectral functions are as smooth as they are symmetric: Lewis 1996, Math. Oper. Res. 21.
+    """
+    values = _positive("smooth_minimum", values, sharpness)
+    least = jax.lax.stop_gradient(jnp.min(values))
+    ratios = jnp.where(jnp.isfinite(values), values, 1.0) / least
+    total = jnp.sum(jnp.where(jnp.isfinite(values), ratios ** (-sharpness), 0.0))
+    return least * total ** (-1 / sharpness)
+
+
+def smooth_maximum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
+    """Upper estimate of the largest of positive values, smooth where several are equal.
+
+    (sum of v^p)^(1/p), between the maximum and n^(1/p) of it.
+
+    Args:
+        values: Positive, (n,).
+        sharpness: p, () [-].
+
+    Returns:
+        () [unit of the values].
+
+    Raises:
+        ValueError: A value that is not positive, or a sharpness below 1.
+
+    Source:
+        As :func:`smooth_minimum`.
+    """
+    values = _positive("smooth_maximum", values, sharpness)
+    largest = jax.lax.stop_gradient(jnp.max(values))
+    return largest * jnp.sum((values / largest) ** sharpness) ** (1 / sharpness)
+
+
+def _positive(name: str, values: Any, sharpness: Any) -> Float[Array, "n"]:
+    """Several positive values as an array."""
+    check_number("sharpness", sharpness, least=1)
+    concrete = is_concrete(values)
+    if concrete and (numbers(values) is None or np.ndim(values) != 1 or not np.size(values)):
+        raise ValueError(f"Argument `values` of {name} must be several numbers, not {shown(values)}.")
+    if concrete and not np.all(np.asarray(values) > 0):
+        raise ValueError(f"Argument `values` of {name} must be positive, but is {np.asarray(values)}.")
+    return jnp.asarray(values, float)
+
+
+def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
+    """How alike the modes of two states or designs are.
+
+    Args:
+        one: Modes of a model.
+        other: Modes of the same model, or of one with other dimensions.
+
+    Returns:
+        (n, m) [-]: 1 for equal shapes, 0 for orthogonal ones, in the masses of the first.
+
+    Raises:
+        ValueError: The models have different numbers of degrees of freedom.
+
+    Source:
+        Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
+    """
+    for given in (one, other):
+        if not isinstance(given, Modes):
+            raise TypeError(f"fm.mode_assurance takes Modes, of fm.modes(model), not a {type(given).__name__}.")
+    a, b, m = (np.asarray(v) for v in (one.q_shapes, other.q_shapes, one.lin.matrices.M0))
+    if a.shape[0] != b.shape[0]:
+        raise ValueError(f"The models differ: {a.shape[0]} and {b.shape[0]} degrees of freedom.")
+    return (a.T @ m @ b) ** 2 / np.outer(np.sum(a * (m @ a), axis=0), np.sum(b * (m @ b), axis=0))
+
+
+def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
+    """Which mode of another state each mode has become, by shape and not by order.
+
+    Args:
+        one: Modes of a model.
+        other: Modes of the same model under another load, or of one with other dimensions.
+
+    Returns:
+        (n,) [-]: number, from 0, of the mode in ``other`` that continues each mode of ``one``; -1 where ``other`` has
+        fewer.
+
+    Raises:
+        ValueError: The models have different numbers of degrees of freedom.
+
+    Source:
+        Assignment of the largest sum of :func:`mode_assurance` (Kuhn 1955).
+    """
+    import scipy.optimize
+
+    assurance = mode_assurance(one, other)
+    rows, columns = scipy.optimize.linear_sum_assignment(assurance, maximize=True)
+    found = np.full(len(assurance), -1)
+    found[rows] = columns
+    return found
+
+
+def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = True) -> Float[Array, ""]:
+    """Frequency of the mode that looks most like a given one, through crossings.
+
+    Where other modes have the same frequency, the shape's part in their common space is the mode, and the derivative is
+    that of the mode that goes on with this shape; of the first order there.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+        shape: In the degrees of freedom, such as ``fm.modes(start).q_shapes[:, 1]``, (n_q,).
+        throw: Raise where the equilibrium or the eigenproblem fails.
+
+    Returns:
+        () [Hz]; negative where the motion grows.
+
+    Raises:
+        ValueError: The shape has another number of entries than the model has degrees of freedom.
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
+
+    Source:
+        :func:`mode_assurance`; Rayleigh's quotient, stationary at a mode.
+    """
+    warn_of_increment(as_determined(model, "frequency_like"), "frequency_like")
+    refuse_unsymmetric(not lacks_potential(model.topology))
+    check_numbers("Argument `shape`", shape)
+    if np.shape(shape) != (model.topology.n_q,):
+        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(shape)}.")
+    if is_concrete(shape) and not np.any(np.asarray(shape)):
+        raise ValueError("Argument `shape` must have an entry that is not zero.")
+    value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(shape, float))
+    check_spectrum(result, throw, model)
+    return value
+
+
+@jit
+def _frequency_like(topology: Topology, parameters: Parameters, shape: Float[Array, "n_q"]):
+    found: Matrices = matrices(topology, parameters, LoadFactors(1.0, 0.0))
+    values, vectors, _, result = spectrum(found.K, found.M0)
+    parts = jax.lax.stop_gradient(vectors.T @ (found.M0 @ shape))
+    # Massless motions have no vector.
+    parts = jnp.where(jnp.isfinite(values), parts, 0.0)
+    best = jnp.argmax(jnp.abs(parts))
+    finite = jnp.where(jnp.isfinite(values), values, 0.0)
+    together = (jnp.abs(finite - finite[best]) <= CLUSTER * jnp.abs(finite[best])) & jnp.isfinite(values)
+    mode = jax.lax.stop_gradient(vectors @ jnp.where(together, parts, 0.0))
+    quotient = (mode @ (found.K @ mode)) / (mode @ (found.M0 @ mode))
+    value = jnp.where(jnp.sum(together) > 1, quotient, finite[best])
+    return to_frequency(value[None])[0], jnp.where(found.result == RESULTS.successful, result, found.result)

@@ -1,0 +1,304 @@
+"""Stress resultants: stiffness, damping and laws of the elements, assembled; forces and moments in their sections."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..compilation.compile import traced_once
+from ..elements.element import NONLINEAR
+from ..model.parameters import Loads, Parameters
+from ..model.topology import Topology
+from .blocks import each_block, scatter_matrix, scatter_vector
+from .inertia import Felt, fall
+
+
+def stiffness_pieces(
+    topology: Topology, parameters: Parameters, companion: str = "stiffness"
+) -> list[tuple[Array, Array, Array]]:
+    """Stiffness of each block's elements, with row and column indices.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        companion: "stiffness" or "damping".
+    """
+    pieces = []
+    for block, function, ref, properties in each_block(topology, parameters, companion):
+        pieces.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
+    return pieces
+
+
+def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+    """Stiffness times deformations, block by block.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        strain: Deformations less those without stress, (n_e,) [m, rad].
+
+    Returns:
+        S strain, (n_e,) [N, N m].
+
+    Source:
+        Each element's stiffness companion.
+    """
+    pieces = [
+        (rows, jnp.einsum("eij,ej->ei", matrices, strain[columns]))
+        for rows, columns, matrices in stiffness_pieces(topology, parameters)
+    ]
+    return scatter_vector(topology.n_e, pieces)
+
+
+def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
+    return scatter_matrix((topology.n_e, topology.n_e), stiffness_pieces(topology, parameters, companion))
+
+
+@traced_once
+def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
+    """Stiffness S between deformations and stress resultants, block diagonal.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+
+    Returns:
+        S, (n_e, n_e) [N/m, N m/rad].
+
+    Source:
+        Each element's stiffness companion.
+    """
+    return _assemble(topology, parameters, "stiffness")
+
+
+@traced_once
+def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
+    """Damping S_d between deformation rates and stress resultants, block diagonal.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+
+    Returns:
+        S_d, (n_e, n_e) [N s/m, N m s/rad].
+
+    Source:
+        Each element's damping companion.
+    """
+    return _assemble(topology, parameters, "damping")
+
+
+def is_nonlinear(topology: Topology) -> bool:
+    """Whether some element states an energy, a dissipation or a law; known before tracing.
+
+    Args:
+        topology: Structure.
+    """
+    return any(not set(NONLINEAR).isdisjoint(block.companions) for block in topology.blocks)
+
+
+def _nonlinear_stress(topology: Topology, parameters: Parameters):
+    """Blocks with a nonlinear companion, its stress as ``f(e_el, ed_el, *arguments_el)``, and stacked arguments."""
+    for block, energy, *arguments in each_block(topology, parameters, "energy"):
+
+        def elastic(e, ed, *rest, energy=energy):
+            return jax.grad(lambda e: energy((e,), *rest))(e)
+
+        yield block, elastic, arguments
+    for block, dissipation, *arguments in each_block(topology, parameters, "dissipation"):
+
+        def damping(e, ed, *rest, dissipation=dissipation):
+            return jax.grad(lambda ed: dissipation((e, ed), *rest))(ed)
+
+        yield block, damping, arguments
+    for block, law, *arguments in each_block(topology, parameters, "law"):
+
+        def general(e, ed, *rest, law=law):
+            return law((e, ed), *rest)
+
+        yield block, general, arguments
+
+
+@traced_once
+def nonlinear_stress(
+    topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
+) -> Float[Array, "n_e"]:
+    """Stress resultants of the elements' energies, dissipations and laws.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        e: Deformations less those without stress, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s].
+
+    Returns:
+        sigma, (n_e,) [N, N m].
+
+    Source:
+        Each element's own companions: dE/de + dR/ded + law.
+    """
+    pieces = []
+    for block, function, arguments in _nonlinear_stress(topology, parameters):
+        pieces.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
+    return scatter_vector(topology.n_e, pieces)
+
+
+@traced_once
+def nonlinear_tangents(
+    topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_e n_e"], Float[Array, "n_e n_e"]]:
+    """Derivatives of :func:`nonlinear_stress` by the deformations and by their rates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        e: Deformations less those without stress, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s].
+
+    Returns:
+        Two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad]; symmetric but for laws.
+
+    Source:
+        Derivative of :func:`nonlinear_stress`.
+    """
+    by_e, by_ed = [], []
+    for block, function, arguments in _nonlinear_stress(topology, parameters):
+        found = jax.vmap(jax.jacfwd(function, argnums=(0, 1)))(e[block.e], ed[block.e], *arguments)
+        for pieces, matrices in zip((by_e, by_ed), found, strict=True):
+            pieces.append((block.e, block.e, matrices))
+    size = (topology.n_e, topology.n_e)
+    return scatter_matrix(size, by_e), scatter_matrix(size, by_ed)
+
+
+@traced_once
+def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, ""]:
+    """Elastic energy of the elements that state one.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        e: Deformations less those without stress, (n_e,) [m, rad].
+
+    Returns:
+        () [J].
+
+    Source:
+        Each element's energy companion.
+    """
+    total = jnp.array(0.0)
+    for block, energy, *arguments in each_block(topology, parameters, "energy"):
+        total = total + jnp.sum(jax.vmap(lambda e, *rest, energy=energy: energy((e,), *rest))(e[block.e], *arguments))
+    return total
+
+
+def strain_of(parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+    """Deformations less those at which the elements are free of stress.
+
+    Args:
+        parameters: Numbers.
+        e: Deformations, (n_e,) [m, rad].
+    """
+    return e if parameters.strain is None else e - parameters.strain
+
+
+def stress_resultants(
+    topology: Topology,
+    parameters: Parameters,
+    loads: Loads,
+    stiffness: Float[Array, "n_e n_e"],
+    e: Float[Array, "n_e"],
+    ed: Float[Array, "n_e"] | None = None,
+) -> Float[Array, "n_e"]:
+    """Stress resultants of the elements, sigma = S (e - strain) + nonlinear ones + prestress.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        loads: Loads, of which the prestress is used.
+        stiffness: S, (n_e, n_e) [N/m, N m/rad].
+        e: Deformations, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s], for nonlinear elements; None: at rest.
+
+    Returns:
+        sigma without that of constant damping, (n_e,) [N, N m].
+
+    Source:
+        FORMULATION.md 5.
+    """
+    strain = strain_of(parameters, e)
+    sigma = stiffness @ strain
+    if is_nonlinear(topology):
+        sigma = sigma + nonlinear_stress(topology, parameters, strain, jnp.zeros_like(e) if ed is None else ed)
+    return sigma if loads.prestress is None else sigma + loads.prestress
+
+
+def stress_tangents(
+    topology: Topology,
+    parameters: Parameters,
+    stiffness: Float[Array, "n_e n_e"],
+    damping: Float[Array, "n_e n_e"] | None,
+    e: Float[Array, "n_e"],
+    ed: Float[Array, "n_e"] | None = None,
+) -> tuple[Float[Array, "n_e n_e"], Any]:
+    """Derivatives of the stress resultants by the deformations and by their rates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
+        damping: S_d of constant damping, (n_e, n_e) [N s/m, N m s/rad], or None.
+        e: Deformations, (n_e,) [m, rad].
+        ed: Their rates, (n_e,) [m/s, rad/s]; None: at rest.
+
+    Returns:
+        S and S_d with the share of nonlinear elements; S_d is None where nothing depends on rates.
+
+    Source:
+        Derivative of :func:`stress_resultants`.
+    """
+    if not is_nonlinear(topology):
+        return stiffness, damping
+    at_rest = jnp.zeros_like(e) if ed is None else ed
+    by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(parameters, e), at_rest)
+    return stiffness + by_e, by_ed if damping is None else damping + by_ed
+
+
+def section_resultants(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    sigma: Float[Array, "n_e"],
+    felt: Felt,
+    places: Float[Array, "places"],
+) -> list[Float[Array, "elements places 6"]]:
+    """Forces and moments in the cross-sections of the elements, block by block.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        sigma: Stress resultants, multipliers of FIXED deformations included, (n_e,) [N, N m].
+        felt: Gravity and motion, which act along the elements.
+        places: From 0 at the first end of an element to 1 at its last, (places,) [-].
+
+    Returns:
+        For each block with the companion ``resultants``, in order, (elements, places, 6) [N, N m].
+
+    Source:
+        Each element's resultants companion.
+    """
+    found = []
+    inertias = {id(block): rest for block, *rest in each_block(topology, parameters, "inertia")}
+    for block, function, ref, properties in each_block(topology, parameters, "resultants"):
+        extra: dict[str, Any] = {"sigma": sigma[block.e]}
+        if block.element.feels_fall:
+            acts = id(block) in inertias
+            extra["fall"] = fall(topology, felt, x, block, *inertias[id(block)]) if acts else None
+
+        def one(x, ref, own, extra, place, function=function):
+            return function(x, ref, own, place=place, **extra)
+
+        everywhere = jax.vmap(jax.vmap(one, (None, None, None, None, 0)), (0, 0, 0, 0, None))
+        found.append(everywhere(x[block.x], ref, properties, extra, places))
+    return found

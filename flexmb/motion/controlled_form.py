@@ -1,0 +1,366 @@
+"""A mechanism with a controller around it, as one system of equations of motion."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..compilation.record import Record, static
+from ..errors import ModelError
+from ..mechanics.deformation import deformations
+from ..mechanics.signals import rotation_measured, rotation_row
+from .coordinates_form import CoordinatesForm
+from .drive import MOMENTS, Driven
+from .element_forces import force_derivatives
+from .protocol import MotionState, Tangent
+
+
+class Feedback(Record):
+    """A controller: inputs of the mechanism from its outputs, in the order in which the builder named them.
+
+    Attributes:
+        output: ``u = output(t, z, y)``, (n_u,) [N, N m].
+        rate: ``dz/dt = rate(t, z, y)``, (n_z,), or None for a controller without state.
+        start: State at the start, (n_z,).
+    """
+
+    output: Callable[..., Any]
+    rate: Callable[..., Any] | None = None
+    start: Float[Array, "n_z"] | None = None
+
+
+class Held(Record):
+    """A number that does not depend on time.
+
+    Attributes:
+        value: The number or numbers.
+    """
+
+    value: Any
+
+    def __call__(self, t):
+        """The number.
+
+        Args:
+            t: Not used.
+        """
+        return self.value
+
+
+class Places(Record):
+    """What each input acts on and what each output measures, as indices.
+
+    Attributes:
+        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
+        stresses: The same for inputs that are stresses, index in e, (2, l).
+        moments: Index in x of the first Euler parameter, place among the inputs, and axis, of each input that is a
+            moment about a global axis, (3, m).
+        local_moments: The same for axes that turn with the body, (3, n).
+        outputs: Index in x or e of each output; of a rotation in space, that of its first Euler parameter, (n_y,).
+        axes: Axis of each output that is a rotation in space, (n_y,).
+        quantities: What each output is: "position", "velocity", "deformation", "deformation rate", or for a rotation in
+            space "rotation", "angular velocity", "local rotation", "local angular velocity".
+    """
+
+    forces: Int[Array, "2 k"]
+    stresses: Int[Array, "2 l"]
+    moments: Int[Array, "3 m"]
+    local_moments: Int[Array, "3 n"]
+    outputs: Int[Array, "n_y"]
+    axes: Int[Array, "n_y"]
+    quantities: tuple[str, ...] = static()
+
+
+ROTATIONS = ("rotation", "local rotation")
+TURNING = ("angular velocity", "local angular velocity")
+
+
+def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesForm:
+    """Equations of a mechanism under given inputs.
+
+    Args:
+        form: Equations of the mechanism.
+        places: What the inputs act on.
+        u: Inputs, (n_u,).
+    """
+    own = (places.forces, places.stresses, places.moments, places.local_moments)
+    count = sum(of.shape[1] for of in own)
+    if u.shape != (count,):
+        raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {count} inputs.")
+    extra = []
+    if places.forces.shape[1]:
+        extra.append(Driven("force", places.forces[0], Held(u[places.forces[1]])))
+    if places.stresses.shape[1]:
+        extra.append(Driven("stress", places.stresses[0], Held(u[places.stresses[1]])))
+    for kind, moments in zip(MOMENTS, (places.moments, places.local_moments), strict=True):
+        for first, place, axis in moments.T:
+            about = jnp.zeros(3).at[axis].set(u[place])
+            extra.append(Driven(kind, first + jnp.arange(4), Held(about)))
+    return dataclasses.replace(form, driven=(*form.driven, *extra))
+
+
+class ControlledForm(Record):
+    """Equations of motion of a mechanism and a controller.
+
+    The states of the controller are velocities of coordinates of their own, after those of the mechanism: their
+    "accelerations" are the rates of the states, and so one solver serves both.
+
+    Attributes:
+        form: Equations of the mechanism.
+        feedback: Controller.
+        places: Inputs and outputs.
+        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -].
+    """
+
+    form: CoordinatesForm
+    feedback: Feedback
+    places: Places
+    start: Float[Array, "n_x"]
+
+    @property
+    def states(self) -> int:
+        """Number of states of the controller."""
+        return 0 if self.feedback.start is None else self.feedback.start.shape[0]
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates that move, those of the controller included."""
+        return self.form.size + self.states
+
+    def _split(self, state: MotionState, z=None):
+        """State of the mechanism, of the controller, accelerations and multipliers of the mechanism, rates."""
+        n = self.form.size
+        own = MotionState(state.u[:n], state.w[:n], state.memory)
+        if z is None:
+            return own, state.w[n:], None, None
+        return own, state.w[n:], jnp.concatenate([z[:n], z[self.size :]]), z[n : self.size]
+
+    def _joined(self, mechanism, controller):
+        """Rows of the mechanism's coordinates, of the controller, of the constraints."""
+        n = self.form.size
+        return jnp.concatenate([mechanism[:n], controller, mechanism[n:]])
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates, with the controller at its start.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None.
+        """
+        own = self.form.state_of(x, xd, near)
+        if not self.states:
+            return own
+        start: Any = self.feedback.start
+        u, w = jnp.concatenate([own.u, jnp.zeros(self.states)]), jnp.concatenate([own.w, start])
+        return MotionState(u, w, own.memory)
+
+    def measured(self, t, own: MotionState):
+        """Outputs of the mechanism, (n_y,).
+
+        Args:
+            t: Time [s].
+            own: State of the mechanism.
+        """
+        at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
+        top, parameters = self.form.topology, self.form.parameters
+        e = ed = jnp.zeros(top.n_e)
+        if any("deformation" in quantity for quantity in self.places.quantities):
+            near = self.form.near(own.memory)
+            e, ed = jax.jvp(lambda x: deformations(top, parameters, x, near), (at.x,), (at.v,))
+        moved = at.x - parameters.reference
+        sources = {"position": moved, "velocity": at.v, "deformation": e, "deformation rate": ed}
+        values = []
+        for i, quantity in enumerate(self.places.quantities):
+            if quantity in sources:
+                values.append(sources[quantity][self.places.outputs[i]])
+            elif quantity in ROTATIONS:
+                values.append(self._rotation(i, at.x)[0])
+            else:
+                turning, axis, local = self._turning(i)
+                values.append(rotation_row(at.x[turning], axis, local) @ at.v[turning])
+        return jnp.stack(values) if values else jnp.zeros(0)
+
+    def _turning(self, i: int):
+        """Indices of the Euler parameters of an output that is a rotation, its axis, and whether that turns along."""
+        own = self.places.outputs[i] + jnp.arange(4)
+        return own, self.places.axes[i], self.places.quantities[i].startswith("local")
+
+    def _rotation(self, i: int, x):
+        """Rotation that an output measures, and its derivative by the Euler parameters."""
+        own, axis, local = self._turning(i)
+        return rotation_measured(x[own], self.start[own], self.form.parameters.reference[own], axis, local)
+
+    def _rate(self, t, states, y):
+        """Rates of the controller's state, (n_z,)."""
+        rate: Any = self.feedback.rate
+        found = jnp.atleast_1d(jnp.asarray(rate(t, states, y), float))
+        if found.shape != states.shape:
+            raise ModelError(f"The controller's rate gives shape {found.shape}, but it has {states.shape[0]} states.")
+        return found
+
+    def _driven(self, u) -> CoordinatesForm:
+        """Equations of the mechanism under given inputs."""
+        return driven_by_inputs(self.form, self.places, u)
+
+    def inputs(self, t, state: MotionState):
+        """Inputs of the mechanism, (n_u,).
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        own, z, _, _ = self._split(state)
+        return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, z, self.measured(t, own)), float))
+
+    def residual(self, t, state: MotionState, z):
+        """Residual of the mechanism, and of the controller's rates.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers.
+        """
+        own, states, own_z, rates = self._split(state, z)
+        y = self.measured(t, own)
+        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        mechanism = self._driven(u).residual(t, own, own_z)
+        controller = rates
+        if self.states:
+            controller = jnp.asarray(rates) - self._rate(t, states, y)
+        return self._joined(mechanism, controller)
+
+    def tangent(self, t, state: MotionState, z) -> Tangent:
+        """Derivatives of the residual: those of the mechanism, and through its outputs and the controller.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers.
+
+        Source:
+            Chain rule.
+        """
+        own, states, own_z, _ = self._split(state, z)
+        n, k = self.form.size, self.states
+        y, (y_by_u, y_by_w) = self._measured_derivatives(t, own)
+        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        at = self._driven(u).tangent(t, own, own_z)
+        u_by_z, u_by_y = jax.jacfwd(lambda z, y: jnp.atleast_1d(self.feedback.output(t, z, y)), (0, 1))(states, y)
+        by_input = self._by_input(t, own, own_z, u)
+        none = jnp.zeros((at.by_u.shape[0], k))
+        mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by_y @ y_by_u, none], axis=1)
+        mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by_y @ y_by_w, by_input @ u_by_z], axis=1)
+        controller_u = controller_w = jnp.zeros((k, n + k))
+        if k:
+            r_by_z, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
+            controller_u = jnp.concatenate([-r_by_y @ y_by_u, jnp.zeros((k, k))], axis=1)
+            controller_w = jnp.concatenate([-r_by_y @ y_by_w, -r_by_z], axis=1)
+        by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
+        kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
+        by_z = by_z.at[kept[:, None], kept].set(at.by_z)
+        by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
+
+    def _by_input(self, t, own, own_z, u):
+        """Derivative of the mechanism's residual by its inputs, in which it is linear."""
+        return jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
+
+    def _measured_derivatives(self, t, own: MotionState):
+        top, form = self.form.topology, self.form
+        at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
+        rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
+        by_x = None
+        if any("deformation" in quantity for quantity in self.places.quantities):
+            near, still = form.near(own.memory), jnp.zeros(top.n_x)
+            by_x = force_derivatives(form.elements, at.x, at.v, still, None, near, lambda e, ed: e)
+        found: tuple[list, list] = ([], [])
+        for i, quantity in enumerate(self.places.quantities):
+            j = self.places.outputs[i]
+            if quantity in ROTATIONS:
+                own_x, *_ = self._turning(i)
+                pair = (zero.at[0, own_x].set(self._rotation(i, at.x)[1]), zero)
+            elif quantity in TURNING:
+                own_x, axis, local = self._turning(i)
+                # The angular velocity 2 Lbar(lambda) lambda_dot is antisymmetric in the two.
+                by_rate = zero.at[0, own_x].set(rotation_row(at.x[own_x], axis, local))
+                pair = (zero.at[0, own_x].set(-rotation_row(at.v[own_x], axis, local)), by_rate)
+            elif by_x is None or "deformation" not in quantity:
+                row = rows[j][None]
+                pair = (row, zero) if quantity == "position" else (zero, row)
+            elif quantity == "deformation":
+                pair = (by_x.e[j][None], zero)
+            else:
+                pair = (by_x.ed[j][None], by_x.e[j][None])
+            for rows_of, row in zip(found, pair, strict=True):
+                rows_of.append(row)
+        matrices = tuple(
+            (jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in found
+        )
+        return self.measured(t, own), matrices
+
+    def acceleration(self, t, state: MotionState):
+        """Accelerations and multipliers, and rates of the controller.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.begin(t, state)[0]
+
+    def begin(self, t, state: MotionState):
+        """Accelerations and multipliers, and whether every motion carries mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        own, states, _, _ = self._split(state)
+        y = self.measured(t, own)
+        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        z, regular = self._driven(u).begin(t, own)
+        return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
+
+    def gap(self, t, state: MotionState):
+        """As the mechanism's.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.form.gap(t, self._split(state)[0])
+
+    def rate_of_memory(self, t, state: MotionState, z):
+        """As the mechanism.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers.
+        """
+        own, _, own_z, _ = self._split(state, z)
+        return self.form.rate_of_memory(t, own, own_z)
+
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+        """The mechanism brought back onto its constraints.
+
+        Args:
+            t: Time [s].
+            state: State.
+            mass: Mass matrix of what moves, where it is at hand.
+        """
+        n = self.form.size
+        own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
+        return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
+
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.form.whole_motion(t, self._split(state)[0])

@@ -1,0 +1,455 @@
+"""Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit_beside_options
+from ..compilation.record import Record
+from ..math.indices import accumulate, put
+from ..math.linear import diagonal_of, factorise, is_positive_definite
+from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.extent import sizes_of
+from ..mechanics.inertia import mass_matrix, uniform_motion
+from ..mechanics.loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
+from ..mechanics.stress_resultants import (
+    element_damping,
+    element_stiffness,
+    is_nonlinear,
+    stress_resultants,
+    stress_tangents,
+)
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from .drive import Drive, Driven, drive_at
+from .element_forces import (
+    Kinematics,
+    Moving,
+    acting_forces,
+    acting_matrices,
+    deformed,
+    force_derivatives,
+    moving_elements,
+)
+from .protocol import MotionState, Tangent
+
+# Share of a constraint's own compliance that is added to it, to keep the equations solvable where constraints are
+# redundant or lose rank for a moment: what is below counts as redundant.
+REDUNDANT = 1e-8
+
+
+class Whole(NamedTuple):
+    """All coordinates with their rates.
+
+    Attributes:
+        x: (n_x,) [m, rad, -].
+        v: (n_x,) [1/s].
+        a: (n_x,) [1/s^2].
+        e: Wanted values of the held deformations, (held,) [m, rad].
+        ed: Their rates.
+        edd: Their second rates.
+    """
+
+    x: Float[Array, "n_x"]
+    v: Float[Array, "n_x"]
+    a: Float[Array, "n_x"]
+    e: Any
+    ed: Any
+    edd: Any
+
+
+class CoordinatesForm(Record):
+    """Equations of motion in the coordinates that are not held, with a multiplier for each held deformation.
+
+    Attributes:
+        topology: Structure.
+        parameters: Numbers, without gravity.
+        elements: Elements that deform or carry mass.
+        S: Constant stiffness of the elements, (n_e, n_e).
+        S_d: Their constant damping, (n_e, n_e), or None.
+        gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
+        falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
+        free: Indices of the coordinates that move, (n,).
+        sizes: What their displacements are measured in: the mechanism's extent, or 1 for rotations, (n,) [m, -].
+        held: Indices of the held deformations, (m,).
+        mobility: Inverse masses of the coordinates that move, by which drift is shared among them, (n,).
+        driven: What depends on time.
+    """
+
+    topology: Topology
+    parameters: Parameters
+    elements: tuple[Moving, ...]
+    S: Float[Array, "n_e n_e"]
+    S_d: Float[Array, "n_e n_e"] | None
+    gravity: Float[Array, "axes"] | None
+    falling: Float[Array, "n_x"] | None
+    free: Array
+    sizes: Float[Array, "n"]
+    held: Array
+    mobility: Float[Array, "n"]
+    driven: tuple[Driven, ...] = ()
+
+    @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates that move."""
+        return self.free.shape[0]
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
+        """
+        tracks = any(block.element.tracks_angle for block in self.topology.blocks)
+        memory = jnp.zeros(0)
+        if tracks:
+            guess = zero_near(self.topology) if near is None else near
+            memory = deformations(self.topology, self.parameters, x, guess)
+        moved = (x - self.parameters.reference)[self.free] / self.sizes
+        return MotionState(moved, xd[self.free] / self.sizes, memory)
+
+    def drive(self, t) -> Drive:
+        """What depends on time, at one time.
+
+        Args:
+            t: Time [s].
+        """
+        return drive_at(self.topology, self.parameters, self.driven, t)
+
+    def whole(self, t, u, w, a) -> Whole:
+        """All coordinates from those that move.
+
+        Args:
+            t: Time [s].
+            u: Displacements over their sizes, (n,) [-].
+            w: Their rates, (n,) [1/s].
+            a: Their second rates, (n,) [1/s^2].
+        """
+        top = self.topology
+        zero_x, zero_m = jnp.zeros(top.n_x), jnp.zeros(self.held.shape[0])
+
+        def prescribed(t):
+            drive = self.drive(t)
+            x, e = self.parameters.reference, zero_m
+            if drive.x is not None:
+                x = accumulate(x, top.x.prescribed, drive.x)
+            if drive.e is not None:
+                e = jnp.concatenate([e[: top.e.fixed.shape[0]], drive.e])
+            return x, e
+
+        if not any(one.quantity in ("x", "e", "increment") for one in self.driven):
+            (x, e), (v, ed), (acc, edd) = prescribed(t), (zero_x, zero_m), (zero_x, zero_m)
+        else:
+
+            def first(t):
+                return jax.jvp(prescribed, (t,), (jnp.ones_like(t),))
+
+            ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
+        moved = self.sizes[:, None] * jnp.stack([u, w, a], axis=1)
+        x, v, acc = accumulate(jnp.stack([x, v, acc], axis=1), self.free, moved).T
+        return Whole(x, v, acc, e, ed, edd)
+
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        near = state.memory
+        if not near.shape[0]:
+            near = deformations(self.topology, self.parameters, at.x, zero_near(self.topology))
+        return at.x, at.v, near
+
+    def prescribed(self, at: Whole) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+        """Coordinates and deformations with those that are held at their values.
+
+        Args:
+            at: All coordinates at some time.
+        """
+        return at.x, put(jnp.zeros(self.topology.n_e), self.held, at.e)
+
+    def stress_of(self, t, multipliers):
+        """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
+        drive = self.drive(t)
+
+        def stress(e, ed):
+            sigma = stress_resultants(self.topology, self.parameters, drive.loads, self.S, e, ed)
+            if self.S_d is not None:
+                sigma = sigma + self.S_d @ ed
+            if drive.stress is not None:
+                sigma = sigma + drive.stress
+            return put(sigma, self.held, multipliers)
+
+        return stress
+
+    def tangents(self, e, ed):
+        """Derivatives of the stress resultants by deformations and by their rates, S and S_d; S_d may be None."""
+        return stress_tangents(self.topology, self.parameters, self.S, self.S_d, e, ed)
+
+    def tangents_at(self, x, v, near):
+        """As :meth:`tangents`, at a state of motion; S_d is zero where nothing depends on rates.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            v: Their velocities, (n_x,) [1/s].
+            near: Deformations at the last accepted state, (n_e,) [m, rad].
+        """
+        stiffness, damping = self.S, self.S_d
+        if is_nonlinear(self.topology):
+            e, jacobian = deformed(self.elements, x, near)
+            stiffness, damping = self.tangents(e, jacobian @ v)
+        return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
+
+    def near(self, memory) -> Float[Array, "n_e"]:
+        """Deformations at the last accepted state.
+
+        Args:
+            memory: Of the state.
+        """
+        return memory if memory.shape[0] else zero_near(self.topology)
+
+    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Any, Any, Whole]:
+        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
+        n = self.size
+        at = self.whole(t, state.u, state.w, z[:n])
+        stress = self.stress_of(t, z[n:])
+        near = self.near(state.memory)
+        acting = acting_forces(self.elements, at.x, at.v, at.a, self.falling, near, stress)
+        return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
+
+    def applied(self, t, x):
+        """Nodal forces of all loads but gravity, (n_x,) [N, N m].
+
+        Args:
+            t: Time [s].
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+        """
+        drive = self.drive(t)
+        force = nodal_forces(self.topology, self.parameters, LoadFactors(1.0, drive.increment), x)
+        if drive.force is not None:
+            force = force + drive.force
+        return force if drive.turning is None else force + drive.turning @ x
+
+    def residual(self, t, state: MotionState, z):
+        """Forces out of balance at the coordinates that move, and second rates of the held deformations.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+
+        Returns:
+            (n + m,) [N, N m; m/s^2, rad/s^2].
+
+        Source:
+            FORMULATION.md 5 and 9 (b).
+        """
+        kin, _, force, at = self.forces(t, state, z)
+        return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
+
+    def gap(self, t, state: MotionState):
+        """Held deformations less what they are held at, (m,) [m, rad].
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        return deformations(self.topology, self.parameters, at.x, self.near(state.memory))[self.held] - at.e
+
+    def scaled(self, matrix):
+        """Rows and columns of the coordinates that move, over their sizes, (n, n).
+
+        Args:
+            matrix: (n_x, n_x).
+        """
+        return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
+
+    def columns(self, matrix):
+        """Rows of the held deformations and columns of what moves, over their sizes, (m, n).
+
+        Args:
+            matrix: (n_e, n_x).
+        """
+        return matrix[self.held][:, self.free] * self.sizes
+
+    def system(self, mass, rows):
+        """Matrix of accelerations and multipliers, kept regular where constraints are redundant, (n + m, n + m).
+
+        Args:
+            mass: Over the sizes of what moves, (n, n).
+            rows: Derivatives of the held deformations, (m, n).
+        """
+        corner = -REDUNDANT * jnp.diag(rows**2 @ self.mobility)
+        return jnp.block([[mass, rows.T], [rows, corner]]) if self.held.shape[0] else mass
+
+    def tangent(self, t, state: MotionState, z) -> Tangent:
+        """Derivatives of the residual.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+
+        Returns:
+            Tangent.
+
+        Source:
+            Derivative of :meth:`residual`, element by element (FORMULATION.md 6).
+        """
+        n, held = self.size, self.held
+        top, parameters = self.topology, self.parameters
+        at = self.whole(t, state.u, state.w, z[:n])
+        near = self.near(state.memory)
+        stress = self.stress_of(t, z[n:])
+
+        def following(e, ed):
+            # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
+            return [None if of is None else put(of, held, 0.0) for of in self.tangents(e, ed)]
+
+        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.falling, near, stress, following)
+        drive = self.drive(t)
+        k = by_x.by_x - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
+        if drive.turning is not None:
+            k = k - drive.turning
+        by_u = jnp.concatenate([self.scaled(k), self.columns(by_x.edd)])
+        by_w = jnp.concatenate([self.scaled(by_x.by_v), 2 * self.columns(by_x.ed)])
+        by_t = None
+        if self.driven:
+            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
+
+    def acceleration(self, t, state: MotionState):
+        """Accelerations and multipliers.
+
+        Args:
+            t: Time [s].
+            state: State.
+
+        Returns:
+            (n + m,) [1/s^2; N, N m].
+
+        Source:
+            FORMULATION.md 9 (b): one symmetric solve.
+        """
+        return self.begin(t, state)[0]
+
+    @jit_beside_options
+    def begin(self, t, state: MotionState):
+        """Accelerations and multipliers, and whether every motion that the constraints allow carries mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        n, none = self.size, jnp.zeros(self.held.shape[0])
+        at = self.whole(t, state.u, state.w, jnp.zeros(n))
+        stress, near = self.stress_of(t, none), self.near(state.memory)
+        acting, jacobian, mass = acting_matrices(self.elements, at.x, at.v, at.a, self.falling, near, stress)
+        scaled, rows = self.scaled(mass), self.columns(jacobian)
+        heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
+        regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
+        force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
+        residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
+        factors = factorise(self.system(scaled, rows))
+        z = factors.solve(-residual)
+        # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
+        left = jnp.concatenate([scaled @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
+        return z - factors.solve(residual + left), regular
+
+    def rate_of_memory(self, t, state: MotionState, z):
+        """Rates of the deformations, where their turn is remembered.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
+        if not state.memory.shape[0]:
+            return state.memory
+        at = self.whole(t, state.u, state.w, z[: self.size])
+        return deformed(self.elements, at.x, state.memory)[1] @ at.v
+
+    @jit_beside_options
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+        """Positions and velocities brought back onto the constraints, by the least change measured by inertia.
+
+        Args:
+            t: Time [s].
+            state: State.
+            mass: Mass matrix of what moves, (n, n), where it is at hand; its diagonal in the undeformed mechanism
+                otherwise.
+
+        Source:
+            FORMULATION.md 9 (b): projection onto D = e and D_x v = e_dot.
+        """
+        u, w = state.u, state.w
+        near = self.near(state.memory)
+        zero = jnp.zeros_like(u)
+        if self.held.shape[0]:
+            heavy = jnp.diag(1 / self.mobility) if mass is None else mass
+
+            def corrected(_, moving):
+                at = self.whole(t, moving[0], moving[1], zero)
+                e, jacobian = deformed(self.elements, at.x, near)
+                excess = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
+                right = jnp.concatenate([jnp.zeros((self.size, 2)), excess])
+                change = factorise(self.system(heavy, self.columns(jacobian))).solve(right)
+                return moving[0] - change[: self.size, 0], moving[1] - change[: self.size, 1]
+
+            # The second time removes what the first left, which is of second order.
+            u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
+        memory = state.memory
+        if memory.shape[0]:
+            memory = deformations(self.topology, self.parameters, self.whole(t, u, w, zero).x, memory)
+        return MotionState(u, w, memory)
+
+
+def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
+    """Equations of motion of a model in all its coordinates.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        driven: What depends on time.
+
+    Returns:
+        CoordinatesForm.
+    """
+    gravity = parameters.loads.gravity
+    damped = any("damping" in block.companions for block in topology.blocks)
+    free = jnp.concatenate([topology.x.dependent, topology.x.dof])
+    mass = diagonal_of(mass_matrix(topology, parameters, parameters.reference))[free]
+    sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
+    mass = jax.lax.stop_gradient(mass) * sizes**2
+    return CoordinatesForm(
+        topology,
+        without_gravity(parameters),
+        moving_elements(topology, parameters),
+        element_stiffness(topology, parameters),
+        element_damping(topology, parameters) if damped else None,
+        gravity,
+        None if gravity is None else uniform_motion(topology, gravity),
+        free,
+        sizes,
+        jnp.concatenate([topology.e.fixed, topology.e.prescribed]),
+        1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),
+        driven,
+    )

@@ -1,0 +1,377 @@
+"""Forces of elements in motion and their derivatives, element by element.
+
+Of each element deformations and inertia are one function of its coordinates, ``e(x), s(x)``, whose constants are worked
+out once. The nodal forces ``D_x^T sigma + J^T H s_ddot`` are linear in the accelerations and in the stress resultants,
+multipliers of held deformations among them; the second rate of the deformations closes the equations.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..compilation.program import split
+from ..compilation.record import Record, static
+from ..math.linear import multiplied
+from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+
+
+class Moving(Record):
+    """Elements of one block as functions of what moves.
+
+    Attributes:
+        function: ``(x_el, *kept_el) -> (e_el, s_el)``, with the deformations at the last accepted state after x_el
+            where angles are counted; e_el or s_el is None where there is none.
+        x: Index of each element's coordinates, (elements, coordinates).
+        e: Index of each element's deformations, (elements, deformations); none where e_el is None.
+        kept: What the function needs to know of each element.
+        mass: H of each element, (elements, k, k), or None.
+        counts: Whether angles are counted.
+    """
+
+    function: Callable[..., Any] = static()
+    x: Int[Array, "elements coordinates"]
+    e: Int[Array, "elements deformations"]
+    kept: tuple[Array, ...]
+    mass: Float[Array, "elements k k"] | None
+    counts: bool = static()
+
+    def over(self, function, near, *along):
+        """Values of a function of one element's ``e, s`` for all of them.
+
+        Args:
+            function: Of ``(f, *along_el)`` where ``f(x_el) -> (e_el, s_el)``.
+            near: Deformations at the last accepted state, (n_e,) [m, rad].
+            along: What it is mapped over, rows in the order of the elements.
+        """
+        rest = (near[self.e], *self.kept) if self.counts else self.kept
+
+        def one(rest, *along):
+            return function(lambda x: self.function(x, *rest), *along)
+
+        return jax.vmap(one)(rest, *along)
+
+
+def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving, ...]:
+    """All elements that deform or carry mass, with what does not change in a motion worked out.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+    """
+    found = []
+    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+        deformation, known = companion_of(block, properties, "deformation")
+        inertia, own = companion_of(block, properties, "inertia")
+        own = known if inertia is None else own
+        if not block.e.shape[1]:
+            deformation = None
+        if deformation is None and inertia is None:
+            continue
+        counts = deformation is not None and block.element.tracks_angle
+        ref = parameters.reference[block.x]
+
+        def both(x, *rest, deformation=deformation, inertia=inertia, counts=counts):
+            *near, ref, own = rest
+            e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
+            return e, None if inertia is None else inertia(x, ref, own)[0]
+
+        first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
+        like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
+        varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
+        early, late = split(both, varying, first)
+        kept = jax.vmap(early)(ref, own)
+        mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, own)
+        # Another block computes the deformations of elements whose companions differ.
+        measured = block.e if deformation is not None else block.e[:, :0]
+        found.append(Moving(late, block.x, measured, kept, mass, counts))
+    return tuple(found)
+
+
+def _jacobian(f):
+    """Function from coordinates to values and Jacobians; a Jacobian has the coordinates last."""
+
+    def found(x):
+        def twice(x):
+            y = f(x)
+            return y, y
+
+        jacobian, y = jax.jacfwd(twice, has_aux=True)(x)
+        return y, jacobian
+
+    return found
+
+
+def _second_rate(function, x, v, a):
+    """Value of a function of coordinates and its first and second rate of change along a motion."""
+
+    def first(x, v):
+        return jax.jvp(function, (x,), (v,))
+
+    (value, rate), (_, second) = jax.jvp(first, (x, v), (v, a))
+    return value, rate, second
+
+
+class Kinematics(NamedTuple):
+    """Deformations and their two rates.
+
+    Attributes:
+        e: Deformations, (n_e,) [m, rad].
+        ed: Rates, (n_e,) [m/s, rad/s].
+        edd: Second rates, (n_e,) [m/s^2, rad/s^2].
+    """
+
+    e: Float[Array, "n_e"]
+    ed: Float[Array, "n_e"]
+    edd: Float[Array, "n_e"]
+
+
+class Acting(NamedTuple):
+    """Forces of elements in motion.
+
+    Attributes:
+        kinematics: Deformations and their rates.
+        sigma: Stress resultants, (n_e,) [N, N m].
+        force: Nodal forces of stress and inertia, (n_x,) [N, N m].
+    """
+
+    kinematics: Kinematics
+    sigma: Float[Array, "n_e"]
+    force: Float[Array, "n_x"]
+
+
+class Derivatives(NamedTuple):
+    """Derivatives of the forces of elements in motion.
+
+    Attributes:
+        e: D_x, (n_e, n_x); of the rates by the velocities and of the second rates by the accelerations too.
+        ed: Of the rates by the coordinates, (n_e, n_x); of the second rates by the velocities it is twice this.
+        edd: Of the second rates by the coordinates, (n_e, n_x).
+        by_x: Of the forces by the coordinates, (n_x, n_x) [N/m].
+        by_v: By the velocities, (n_x, n_x) [N s/m].
+        mass: By the accelerations: mass matrix, (n_x, n_x) [kg].
+        kinematics: Deformations and their rates.
+        sigma: Stress resultants, (n_e,) [N, N m].
+    """
+
+    e: Float[Array, "n_e n_x"]
+    ed: Float[Array, "n_e n_x"]
+    edd: Float[Array, "n_e n_x"]
+    by_x: Float[Array, "n_x n_x"]
+    by_v: Float[Array, "n_x n_x"]
+    mass: Float[Array, "n_x n_x"]
+    kinematics: Kinematics
+    sigma: Float[Array, "n_e"]
+
+
+def deformed(elements: tuple[Moving, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+    """Deformations and their derivatives by the nodal coordinates.
+
+    Args:
+        elements: Elements.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Returns:
+        e, (n_e,) [m, rad], and D_x, (n_e, n_x).
+    """
+    values, rows = [], []
+    for block in elements:
+        if block.e.shape[1]:
+            e, jacobian = block.over(lambda f, x: _jacobian(lambda x: f(x)[0])(x), near, x[block.x])
+            values.append((block.e, e))
+            rows.append((block.e, block.x, jacobian))
+    n_e = near.shape[0]
+    return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
+
+
+def _rates(f, x, v, a, falling):
+    """Of one element (e, s), their rates and second rates, of s those that resist a fall."""
+    y, yd, (edd, sdd) = _second_rate(f, x, v, a)
+    if falling is not None and sdd is not None:
+        sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
+    return y, yd, (edd, sdd)
+
+
+def _with_jacobians(f, x, v, a, falling):
+    """As :func:`_rates`, and the Jacobians of e and s."""
+    (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
+    ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
+    sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
+    return (y, (ed, None), (edd, sdd)), (d, j)
+
+
+def _pulled(f, x, sigma, weight):
+    return jax.vjp(f, x)[1]((sigma, weight))[0]
+
+
+def _weight(block: Moving, sdd):
+    """H s_ddot of every element, (elements, k, d), or None."""
+    return None if block.mass is None else multiplied(block.mass, sdd)
+
+
+def _stressed(block: Moving, sigma):
+    """Stress resultants of every element, (elements, deformations), or None."""
+    return sigma[block.e] if block.e.shape[1] else None
+
+
+def _own(block: Moving, matrix):
+    """What a matrix of all deformations has for each element, (elements, deformations, deformations)."""
+    return matrix[block.e[:, :, None], block.e[:, None, :]]
+
+
+def _along(block: Moving, x, v, a, falling):
+    return [None if of is None else of[block.x] for of in (x, v, a, falling)]
+
+
+def _kinematics(rates, near) -> Kinematics:
+    """Deformations and rates of the whole, from (e, s) and rates of every block."""
+    own = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
+    return Kinematics(*scatter_vectors(near.shape[0], own, 3))
+
+
+def acting_forces(
+    elements: tuple[Moving, ...],
+    x: Float[Array, "n_x"],
+    v: Float[Array, "n_x"],
+    a: Float[Array, "n_x"],
+    falling: Float[Array, "n_x"] | None,
+    near: Float[Array, "n_e"],
+    stress: Callable[..., Any],
+) -> Acting:
+    """Deformations, stress resultants and nodal forces of elements in motion.
+
+    Args:
+        elements: Elements.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        falling: Accelerations of free fall, which mass does not resist, (n_x,) [1/s^2], or None.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
+
+    Source:
+        FORMULATION.md 3 and 5: D_x^T sigma + J^T H s_ddot.
+    """
+    found = [(block, block.over(_rates, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics(found, near)
+    sigma = stress(kinematics.e, kinematics.ed)
+    forces = []
+    for block, (_, _, (_, sdd)) in found:
+        pulled = block.over(_pulled, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
+        forces.append((block.x, pulled))
+    return Acting(kinematics, sigma, scatter_vector(x.shape[0], forces))
+
+
+def acting_matrices(
+    elements: tuple[Moving, ...],
+    x: Float[Array, "n_x"],
+    v: Float[Array, "n_x"],
+    a: Float[Array, "n_x"],
+    falling: Float[Array, "n_x"] | None,
+    near: Float[Array, "n_e"],
+    stress: Callable[..., Any],
+) -> tuple[Acting, Float[Array, "n_e n_x"], Float[Array, "n_x n_x"]]:
+    """As :func:`acting_forces`, with D_x and the mass matrix, from the Jacobians of the elements.
+
+    Args:
+        elements: Elements.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
+
+    Returns:
+        Acting, D_x and M.
+
+    Source:
+        See :func:`acting_forces`; M = J^T H J.
+    """
+    found = [(block, *block.over(_with_jacobians, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], near)
+    sigma = stress(kinematics.e, kinematics.ed)
+    forces, rows, masses = [], [], []
+    for block, (_, _, (_, sdd)), (d, j) in found:
+        if d is not None:
+            forces.append((block.x, jnp.einsum("ni,nix->nx", _stressed(block, sigma), d)))
+            rows.append((block.e, block.x, d))
+        if j is not None:
+            forces.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
+            masses.append((block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)))
+    n_x = x.shape[0]
+    acting = Acting(kinematics, sigma, scatter_vector(n_x, forces))
+    return acting, scatter_matrix((near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
+
+
+def _derived_rates(f, x, v, a, falling):
+    """As :func:`_rates`, and their derivatives by the coordinates."""
+    return _jacobian(lambda x: _rates(f, x, v, a, falling))(x)
+
+
+def _derived_forces(f, x, sigma, weight):
+    """Derivative of D_x^T sigma + J^T weight of one element."""
+    return jax.jacfwd(lambda x: _pulled(f, x, sigma, weight))(x)
+
+
+def force_derivatives(
+    elements: tuple[Moving, ...],
+    x: Float[Array, "n_x"],
+    v: Float[Array, "n_x"],
+    a: Float[Array, "n_x"],
+    falling: Float[Array, "n_x"] | None,
+    near: Float[Array, "n_e"],
+    stress: Callable[..., Any],
+    tangents: Callable[..., Any] | None = None,
+) -> Derivatives:
+    """Derivatives of all that :func:`acting_forces` gives.
+
+    Args:
+        elements: Elements.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
+        tangents: Derivatives of sigma by e and e_dot as a function of these, two matrices (n_e, n_e) without entries
+            between elements, the second or None; None: sigma stays as it is.
+
+    Returns:
+        Derivatives.
+
+    Source:
+        Derivative of :func:`acting_forces`.
+    """
+    n_e, n_x = near.shape[0], x.shape[0]
+    found = [(block, *block.over(_derived_rates, near, *_along(block, x, v, a, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], near)
+    sigma = stress(kinematics.e, kinematics.ed)
+    stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
+    rows, squares = [], []
+    for block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) in found:
+        by_x = block.over(_derived_forces, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
+        by_v = mass = jnp.zeros_like(by_x)
+        if d is not None:
+            rows.append((block.e, block.x, (d, dd, d2)))
+        if d is not None and stiffness is not None:
+            strained = multiplied(_own(block, stiffness), d)
+            if damping is not None:
+                strained = strained + multiplied(_own(block, damping), dd)
+                by_v = multiplied(d.mT, multiplied(_own(block, damping), d))
+            by_x = by_x + multiplied(d.mT, strained)
+        if block.mass is not None:
+            count, k, axes, columns = j.shape
+            lever = (block.mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
+            every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
+            mass, more_v, more_x = jnp.split(lever.mT @ every, 3, axis=2)
+            by_x, by_v = by_x + more_x, by_v + more_v
+        squares.append((block.x, block.x, (by_x, by_v, mass)))
+    by_e = scatter_matrices((n_e, n_x), rows, 3)
+    forces = scatter_matrices((n_x, n_x), squares, 3)
+    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)

@@ -1,0 +1,78 @@
+"""A method that keeps energy, for motion without losses over long times, as a diffrax solver of fixed steps."""
+
+from typing import Any
+
+import diffrax
+import jax.numpy as jnp
+
+from ..compilation.compile import jit_beside_options
+from .discrete_forces import forces_over_step, rates_at, velocities_of
+from .newton import solve_step
+from .protocol import MotionState
+from .solver import SecondOrderSolver
+from .term import MotionTerm, equations_of
+
+
+class EnergyKeeping(SecondOrderSolver):
+    """Implicit method of second order whose forces do exactly the work of the energy that the elements gain.
+
+    Energy is kept to round-off at any step where stiffness is linear in the deformations and other forces are constant;
+    nothing is damped, so that what a step does not resolve goes on ringing. For all nodal coordinates
+    (``form="coordinates"``), without controller.
+
+    Source:
+        Gonzalez (1996), J. Nonlinear Science 6, 449; with constraints (1999), Physica D 132, 165. Here the kinetic
+        energy is that of the places of inertia, with their rates carried from step to step.
+    """
+
+    def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
+        """Accelerations and multipliers at the start, and rates of the places of inertia.
+
+        Args:
+            terms: Equations of motion.
+            t0: Start [s].
+            t1: End of the first step [s].
+            y0: State.
+            args: Not used.
+        """
+        equations: Any = equations_of(terms)
+        return equations.acceleration(t0, y0), rates_at(equations, t0, y0)
+
+    @jit_beside_options
+    def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
+        """One step.
+
+        Args:
+            terms: Equations of motion.
+            t0: Begin [s].
+            t1: End [s].
+            y0: State at the begin.
+            args: Not used.
+            solver_state: Of :meth:`init`.
+            made_jump: Not used.
+        """
+        equations: Any = equations_of(terms)
+        h, n = t1 - t0, y0.u.shape[0]
+        z0, rates = solver_state
+
+        def at_end(z):
+            return MotionState(y0.u + h * y0.w + h**2 / 2 * z[:n], y0.w + h * z[:n], y0.memory)
+
+        def residual(z):
+            state = at_end(z)
+            force, _ = forces_over_step(equations, (t0, t1), (y0, state), rates, z[n:])
+            return jnp.concatenate([force, equations.gap(t1, state) / (h**2 / 2)])
+
+        def matrix(z):
+            u = y0.u + h / 2 * y0.w + h**2 / 8 * z[:n]
+            at = equations.tangent((t0 + t1) / 2, MotionState(u, y0.w + h / 2 * z[:n], y0.memory), z)
+            return at.by_z.at[:n, :n].add(h / 2 * at.by_w[:n] + h**2 / 4 * at.by_u[:n])
+
+        z1, solved = solve_step(residual, matrix, matrix(z0), z0, n, h**2 / 2)
+        state = at_end(z1)
+        _, rates = forces_over_step(equations, (t0, t1), (y0, state), rates, z1[n:])
+        y1 = MotionState(state.u, velocities_of(equations, t1, state, rates), state.memory)
+        y1 = y1._replace(memory=equations.settle(t1, y1).memory)
+        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=z1[:n])
+        ok: Any = diffrax.RESULTS
+        return y1, None, dense, (z1, rates), ok.where(solved, ok.successful, ok.nonlinear_divergence)

@@ -1,0 +1,165 @@
+"""Linearised equations along a motion, and about a steady one."""
+
+from collections.abc import Callable, Mapping
+
+import jax
+import jax.numpy as jnp
+
+from ..arguments import check_number
+from ..compilation.compile import jit_beside_options
+from ..errors import ModelError
+from ..linear.linearize import Linearization, Matrices, Rates
+from ..math.linear import factorise
+from ..mechanics.deformation import zero_near
+from ..mechanics.extent import sizes_of
+from ..model.model import Model, as_model
+from ..results import RESULTS, check
+from ..statics.configuration import configured
+from .coordinates_form import coordinates_form
+from .moving_matrices import MovingMatrices, carried, moving_matrices
+from .simulate import Motion, driven_by
+
+STEADY_STEPS, STEADY_ITERATIONS = 10, 6
+STEADY_TOLERANCE = 1e-9
+
+
+def _as_matrices(at: MovingMatrices, x, xd, xdd, e, result) -> Matrices:
+    finite = jnp.all(jnp.isfinite(at.M0)) & jnp.all(jnp.isfinite(at.K)) & jnp.all(jnp.isfinite(at.C0))
+    result = jnp.where(finite & at.regular, result, RESULTS.singular_configuration)
+    return Matrices(
+        M0=at.M0,
+        C0=at.C0,
+        D0=at.D0,
+        K0=at.K0,
+        N0=at.N0,
+        G0=at.G0,
+        DFx=at.DFx,
+        DFe=at.DFe,
+        S=at.S,
+        S_d=at.S_d,
+        x=x,
+        e=e,
+        sigma=at.sigma,
+        felt=at.felt,
+        reactions=at.reactions,
+        iterations=jnp.zeros((), jnp.int32),
+        result=result.astype(jnp.int32),
+        symmetric=False,
+        moving=Rates(xd, xdd, at.DFx_d, at.DFx_dd, at.DFe_d, at.DFe_dd),
+    )
+
+
+@jit_beside_options
+def _along(topology, parameters, driven, t, x, xd, near):
+    form = coordinates_form(topology, parameters, driven)
+
+    def one(at):
+        t, x, xd, near = at
+        state = form.state_of(x, xd, near)
+        z = form.acceleration(t, state)
+        whole = form.whole(t, state.u, state.w, z[: form.size])
+        found = moving_matrices(form, t, whole.x, whole.v, whole.a, near)
+        return _as_matrices(found, whole.x, whole.v, whole.a, near, jnp.zeros((), jnp.int32))
+
+    return jax.lax.map(one, (t, x, xd, near))
+
+
+def linearize_motion(motion: Motion) -> Linearization:
+    """Linearised equations at every time of a motion, in the model's degrees of freedom.
+
+    Args:
+        motion: Motion.
+
+    Returns:
+        Linearization whose arrays have the times in front: M0, C0, D0, K0, N0, G0 (n_t, n_q, n_q). Where the degrees of
+        freedom do not determine the configuration, ``result`` is singular_configuration and the matrices mean nothing.
+
+    Raises:
+        TypeError: It is no Motion.
+
+    Source:
+        FORMULATION.md 6.
+    """
+    if not isinstance(motion, Motion):
+        raise TypeError(
+            f"fm.linearize_motion takes a Motion, not a {type(motion).__name__}: give fm.simulate(model, ..)."
+        )
+    model = motion.model
+    found = _along(model.topology, model.parameters, motion.driven, motion.t, motion.x, motion.xd, motion.near)
+    return Linearization(found, model)
+
+
+@jit_beside_options
+def _steady(topology, parameters, driven, time) -> Matrices:
+    form = coordinates_form(topology, parameters, driven)
+    none = jnp.zeros(topology.n_q)
+    sizes = sizes_of(topology, parameters)
+    given = form.whole(time, *(jnp.zeros(form.size),) * 3)
+    n = topology.x.dof.shape[0]
+    scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
+
+    def placed(q, x, near):
+        """Coordinates at q, from a guess."""
+
+        def closer(_, at):
+            return configured(topology, parameters, form.prescribed(given), q, *at)
+
+        return jax.lax.fori_loop(0, 3, closer, (x, near))
+
+    def linear(speed, x, near):
+        v, a = carried(form, time, x, none, none, near, speed)
+        return moving_matrices(form, time, x, v, a, near), v, a
+
+    def iterate(i, walk):
+        q, x, near, _, _ = walk
+        x, near = placed(q, x, near)
+        speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)
+        at = linear(speed, x, near)
+        dq = factorise(at[0].K).solve(-at[0].residual)
+        return q + dq, x, near, jnp.max(jnp.abs(dq) / scale, initial=0.0), at
+
+    nothing = jax.tree.map(
+        lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(linear, time, given.x, zero_near(topology))
+    )
+    start = (none, given.x, zero_near(topology), jnp.array(jnp.inf), nothing)
+    _, x, near, last, (at, v, a) = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
+    result = jnp.where(last < STEADY_TOLERANCE, RESULTS.successful, RESULTS.not_converged)
+    return _as_matrices(at, x, v, a, near, result)
+
+
+def steady_motion(
+    model: Model,
+    motion: Mapping[str, Callable],
+    *,
+    time: float = 0.0,
+    throw: bool = True,
+) -> Linearization:
+    """Steady motion under prescribed motion, such as a rotation at constant speed, and its linearised equations.
+
+    The degrees of freedom are at rest; they should be deformations or other coordinates that are constant in the steady
+    motion. The prescribed velocities are brought up in steps.
+
+    Args:
+        model: Mechanism.
+        motion: Values of PRESCRIBED coordinates and deformations as functions of time, by name.
+        time: Time at which to take their values and rates [s].
+        throw: Raise where none is found; otherwise the code is in ``result``.
+
+    Returns:
+        Linearization with C0 and N0; ``fm.poles`` and ``fm.to_statespace`` take it.
+
+    Raises:
+        ModelError: Unknown name, or nothing is prescribed.
+        AnalysisError: not_converged or singular_configuration.
+
+    Source:
+        FORMULATION.md 6 and 7, with q_dot = q_ddot = 0.
+    """
+    as_model(model, "steady_motion")
+    check_number("time", time)
+    if not motion:
+        raise ModelError("A steady motion needs something that moves: name it in `motion`.")
+    driven = driven_by(model, {}, motion, None)
+    found = Linearization(_steady(model.topology, model.parameters, driven, jnp.asarray(time, float)), model)
+    check(found.matrices.result, throw)
+    return found

@@ -1,0 +1,234 @@
+"""Controllers around a mechanism: python-control systems and functions, as feedback for a simulation."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.tree_util import Partial
+
+from ..arguments import check_number, is_concrete
+from ..checks.mobility import locked_inputs
+from ..compilation.program import captured
+from ..compilation.record import Record, static
+from ..errors import ModelError
+from ..model.model import Model, Signal
+from .controlled_form import ControlledForm, Feedback, Places, driven_by_inputs
+from .coordinates_form import CoordinatesForm
+
+MEASURED = ("position", "velocity", "deformation", "deformation rate")
+
+
+class Sampled(Record):
+    """A controller that acts at equal intervals from the start of the simulation; its output is held in between.
+
+    Attributes:
+        step: ``u, z_next = step(t, z, y)``: inputs of the mechanism, (n_u,) [N, N m], from its outputs at the
+            sample, in the order in which the builder named them.
+        period: Interval [s].
+        start: State at the start, (n_z,).
+    """
+
+    step: Callable[..., Any]
+    period: float = static()
+    start: Any = ()
+
+
+def _seen(y, t, reference):
+    if reference is None:
+        return y
+    wanted = jnp.atleast_1d(jnp.asarray(reference(t), float))
+    if wanted.shape != y.shape:
+        raise ModelError(f"`reference` gives shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
+    return wanted - y
+
+
+def _linear_output(c, d, reference, t, z, y):
+    return c @ z + d @ _seen(y, t, reference)
+
+
+def _linear_rate(a, b, reference, t, z, y):
+    return a @ z + b @ _seen(y, t, reference)
+
+
+def _static_output(function, reference, t, z, y):
+    return function(t, _seen(y, t, reference))
+
+
+def _sampled_step(a, b, c, d, reference, t, z, y):
+    seen = _seen(y, t, reference)
+    return c @ z + d @ seen, a @ z + b @ seen
+
+
+def check_signals(model: Model, needs: str, wants: str) -> None:
+    """Refuse a mechanism without inputs or outputs, with an output that no sensor gives, or with a locked input.
+
+    Args:
+        model: Mechanism.
+        needs: What needs them, for the message.
+        wants: What is said of an output that cannot be given.
+
+    Raises:
+        ModelError: See above.
+    """
+    inputs, outputs = model.labels.inputs, model.labels.outputs
+    if not inputs or not outputs:
+        raise ModelError(f"{needs} needs an input and an output of the mechanism: name them with input() and output().")
+    for signal in outputs:
+        if signal.quantity not in MEASURED:
+            raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. {wants}: {', '.join(MEASURED)}.")
+    if is_concrete(model):
+        for signal in locked_inputs(model):
+            raise ModelError(
+                f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Let it act on"
+                " what can move, or leave it out."
+            )
+
+
+def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedback | Sampled:
+    """Feedback of a controller given as python-control system, function or Feedback.
+
+    Args:
+        model: Mechanism with named inputs and outputs.
+        control: See :func:`flexmb.simulate`.
+        reference: Wanted outputs as a function of time, or None.
+
+    Raises:
+        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an output
+            that cannot be fed back.
+    """
+    inputs, outputs = model.labels.inputs, model.labels.outputs
+    check_signals(model, "A controller", "It cannot be fed back. Feed back one of")
+    if isinstance(control, Feedback | Sampled):
+        if reference is not None:
+            raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
+        if isinstance(control, Sampled):
+            _check_sampled(control, len(inputs), len(outputs))
+        elif (control.rate is None) != (control.start is None):
+            raise ModelError("A Feedback has a `rate` and a `start` of its state, or neither.")
+        return _now(control, len(outputs))
+    if reference is not None:
+        reference = captured(reference, jax.ShapeDtypeStruct((), jnp.float64))
+    if hasattr(control, "A") and hasattr(control, "D"):
+        period = getattr(control, "dt", 0)
+        if period is True:
+            raise ModelError("The controller is sampled, but says not how often: give it dt in seconds.")
+        a, b, c, d = (jnp.asarray(np.asarray(getattr(control, name)), float) for name in "ABCD")
+        if d.shape != (len(inputs), len(outputs)):
+            raise ModelError(
+                f"The controller has {d.shape[1]} inputs and {d.shape[0]} outputs, but the mechanism has {len(outputs)}"
+                f" outputs ({', '.join(s.name for s in outputs)}) and {len(inputs)} inputs"
+                f" ({', '.join(s.name for s in inputs)})."
+            )
+        start = jnp.zeros(a.shape[0])
+        if period:
+            return Sampled(Partial(_sampled_step, a, b, c, d, reference), float(period), start)
+        return Feedback(Partial(_linear_output, c, d, reference), Partial(_linear_rate, a, b, reference), start)
+    if callable(control):
+        return _now(Feedback(Partial(_static_output, control, reference)), len(outputs))
+    raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), a Feedback or Sampled.")
+
+
+def _now(controller: Feedback | Sampled, count: int):
+    """A controller as it is now, for so many outputs of the mechanism."""
+    states = jnp.zeros(0) if controller.start is None else controller.start
+    like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
+    names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")
+    functions = {name: getattr(controller, name) for name in names}
+    taken = {name: captured(f, *like) for name, f in functions.items() if f is not None}
+    return dataclasses.replace(controller, **taken)
+
+
+def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
+    """Refuse a sampled controller that takes no time, or whose step does not give inputs and a state like its start."""
+    check_number("period", control.period, above=0)
+    start = jax.tree.map(lambda leaf: jnp.asarray(leaf, float), control.start)
+    try:
+        given = jax.eval_shape(control.step, jnp.zeros(()), start, jnp.zeros(outputs))
+    except Exception as fault:
+        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        raise ModelError(f"The step of the sampled controller cannot be computed, by jax.numpy: {first}") from fault
+    if not isinstance(given, tuple) or len(given) != 2:
+        raise ModelError("The step of the sampled controller must give the inputs and the state that follows.")
+    shapes = [jax.tree.map(jnp.shape, part) for part in (start, given[1])]
+    if jax.tree.structure(start) != jax.tree.structure(given[1]) or shapes[0] != shapes[1]:
+        raise ModelError(f"The step of the sampled controller gives a state {shapes[1]}, but it starts as {shapes[0]}.")
+    u = jax.tree.map(jnp.shape, given[0])
+    if u != (inputs,) and not (u == () and inputs == 1):
+        raise ModelError(f"The controller gives shape {u}, but the mechanism has {inputs} inputs.")
+
+
+def _nothing(t, z, y):
+    return jnp.zeros(0)
+
+
+def _places(model: Model) -> Places:
+    """What the inputs act on and the outputs measure."""
+    found: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
+    for place, signal in enumerate(model.labels.inputs):
+        if signal.axis is None:
+            found[signal.quantity].append((signal.index, place))
+        else:
+            found["local moment" if signal.local else "moment"].append((signal.index, place, signal.axis))
+    outputs = model.labels.outputs
+
+    def columns(kind: str, size: int):
+        return jnp.asarray(np.array(found[kind], int).reshape(-1, size).T)
+
+    return Places(
+        forces=columns("force", 2),
+        stresses=columns("stress", 2),
+        moments=columns("moment", 3),
+        local_moments=columns("local moment", 3),
+        outputs=jnp.array([s.index for s in outputs], int),
+        axes=jnp.array([s.axis or 0 for s in outputs], int),
+        quantities=tuple(_quantity(s) for s in outputs),
+    )
+
+
+def _quantity(signal: Signal) -> str:
+    """What an output is, a rotation in space told from a coordinate."""
+    if signal.axis is None:
+        return signal.quantity
+    turning = {"position": "rotation", "velocity": "angular velocity"}.get(signal.quantity, signal.quantity)
+    return f"local {turning}" if signal.local else turning
+
+
+def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
+    """Equations of motion under given inputs.
+
+    Args:
+        model: Mechanism.
+        form: Its equations of motion.
+        u: Inputs, (n_u,), or (0,) for none.
+    """
+    return driven_by_inputs(form, _places(model), u) if u.shape[0] else form
+
+
+def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback, start) -> ControlledForm:
+    """Equations of motion of a mechanism with a controller.
+
+    Args:
+        model: Mechanism.
+        form: Its equations of motion.
+        feedback: Controller.
+        start: See :func:`measuring`.
+    """
+    return dataclasses.replace(measuring(model, form, start), feedback=feedback)
+
+
+def measuring(model: Model, form: CoordinatesForm, start) -> ControlledForm:
+    """A mechanism with its sensors and actuators, whose inputs nothing gives.
+
+    Args:
+        model: Mechanism.
+        form: Its equations of motion.
+        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -]; None: the undeformed
+            mechanism.
+    """
+    whence = form.parameters.reference if start is None else start
+    return ControlledForm(form, Feedback(_nothing), _places(model), whence)

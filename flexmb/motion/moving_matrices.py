@@ -1,0 +1,230 @@
+"""Linearised equations about a state of motion, in the degrees of freedom."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..math.indices import put
+from ..mechanics.deformation import deformation_curvature
+from ..mechanics.inertia import Felt, weight_stiffness
+from ..mechanics.loads import LoadFactors, load_stiffness
+from ..mechanics.transfer import Transfer, correction, held_rows, multipliers, transfer
+from .coordinates_form import CoordinatesForm
+from .element_forces import acting_forces, deformed, force_derivatives
+
+
+class MovingMatrices(NamedTuple):
+    """Linearised equations M0 qdd + (C0 + D0) qd + (K0 + N0 + G0) q = -residual.
+
+    Attributes:
+        M0: Mass, (n_q, n_q).
+        C0: Derivative of the inertia forces by the velocities, (n_q, n_q).
+        D0: Damping, (n_q, n_q).
+        K0: Structural stiffness, (n_q, n_q).
+        N0: Derivative of inertia and damping forces by the configuration, (n_q, n_q).
+        G0: Geometric stiffness of stress resultants, constraint forces and loads, (n_q, n_q).
+        residual: Force out of balance along each degree of freedom, (n_q,).
+        DFx: First-order transfer function of the coordinates, (n_x, n_q).
+        DFe: First-order transfer function of the deformations, (n_e, n_q).
+        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
+        S_d: Damping of the elements likewise, (n_e, n_e).
+        reactions: Forces of the supports on the mechanism, (n_x,).
+        sigma: Stress resultants, multipliers included, (n_e,).
+        felt: Gravity and motion, which act along the elements.
+        regular: Whether the degrees of freedom determine the configuration here.
+        DFx_d: Rate of DFx along the motion, (n_x, n_q).
+        DFx_dd: Its second rate, (n_x, n_q).
+        DFe_d: Rate of DFe, (n_e, n_q).
+        DFe_dd: Its second rate, (n_e, n_q).
+    """
+
+    M0: Float[Array, "n_q n_q"]
+    C0: Float[Array, "n_q n_q"]
+    D0: Float[Array, "n_q n_q"]
+    K0: Float[Array, "n_q n_q"]
+    N0: Float[Array, "n_q n_q"]
+    G0: Float[Array, "n_q n_q"]
+    residual: Float[Array, "n_q"]
+    DFx: Float[Array, "n_x n_q"]
+    DFe: Float[Array, "n_e n_q"]
+    S: Float[Array, "n_e n_e"]
+    S_d: Float[Array, "n_e n_e"]
+    reactions: Float[Array, "n_x"]
+    sigma: Float[Array, "n_e"]
+    felt: Felt
+    regular: Bool[Array, ""]
+    DFx_d: Float[Array, "n_x n_q"]
+    DFx_dd: Float[Array, "n_x n_q"]
+    DFe_d: Float[Array, "n_e n_q"]
+    DFe_dd: Float[Array, "n_e n_q"]
+
+    @property
+    def K(self) -> Float[Array, "n_q n_q"]:
+        """Whole stiffness K0 + N0 + G0."""
+        return self.K0 + self.N0 + self.G0
+
+
+def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]) -> Float[Array, "n_x k"]:
+    """Changes of the DEPENDENT coordinates that cancel changes of the held deformations and keep q.
+
+    Args:
+        form: Equations of motion.
+        tangent: Transfer functions.
+        rows: Changes of all deformations, (n_e, k).
+    """
+    top = form.topology
+    change = tangent.factors.solve(-rows[held_rows(top)])
+    return jnp.zeros((top.n_x, rows.shape[1])).at[top.x.dependent].set(change)
+
+
+class Balance(NamedTuple):
+    """Forces at a state of motion.
+
+    Attributes:
+        sigma: Stress resultants, multipliers included, (n_e,).
+        force: Nodal forces less those of inertia, (n_x,).
+        jacobian: D_x, (n_e, n_x).
+        tangent: Transfer functions.
+    """
+
+    sigma: Float[Array, "n_e"]
+    force: Float[Array, "n_x"]
+    jacobian: Float[Array, "n_e n_x"]
+    tangent: Transfer
+
+    @property
+    def DFx(self) -> Float[Array, "n_x n_q"]:
+        """First-order transfer function of the coordinates."""
+        return self.tangent.DFx
+
+    @property
+    def residual(self) -> Float[Array, "n_q"]:
+        """Force out of balance along each degree of freedom."""
+        return self.tangent.DFe.T @ self.sigma - self.tangent.DFx.T @ self.force
+
+    @property
+    def regular(self) -> Bool[Array, ""]:
+        """Whether the degrees of freedom determine the configuration here."""
+        return self.tangent.regular
+
+
+def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
+    """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
+
+    Args:
+        form: Equations of motion.
+        t: Time [s].
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Source:
+        FORMULATION.md 5.
+    """
+    top = form.topology
+    _, jacobian = deformed(form.elements, x, near)
+    tangent = transfer(top, jacobian)
+    nothing = jnp.zeros(form.held.shape[0])
+    acting = acting_forces(form.elements, x, v, a, form.falling, near, form.stress_of(t, nothing))
+    # The forces of inertia and the loads, without those of stress.
+    force = form.applied(t, x) - acting.force + jacobian.T @ acting.sigma
+    return Balance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
+
+
+def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
+    """Linearised equations about a state of motion.
+
+    Args:
+        form: Equations of motion.
+        t: Time [s].
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Returns:
+        MovingMatrices.
+
+    Source:
+        FORMULATION.md 6. With dx = DFx dq the change of the configuration, the velocities change by DFx dqd + DFx_d dq
+        with DFx_d = -A^-1 (D_xx v) DFx, and the accelerations by DFx dqdd + 2 DFx_d dqd + DFx_dd dq with
+        DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
+    """
+    top, parameters = form.topology, form.parameters
+    at = balance(form, t, x, v, a, near)
+    tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
+    drive = form.drive(t)
+    factors = LoadFactors(1.0, drive.increment)
+    by_x = force_derivatives(form.elements, x, v, a, None, near, lambda e, ed: sigma)
+    curvature = deformation_curvature(top, parameters, x, near, sigma)
+    rates = by_x.ed @ z
+    turning = solved(form, tangent, rates)
+    second = by_x.edd @ z + 2 * by_x.ed @ turning
+    by_q = solved(form, tangent, second)
+    loads = load_stiffness(top, parameters, factors, x)
+    if drive.turning is not None:
+        loads = loads + drive.turning
+    if form.gravity is not None:
+        loads = loads + weight_stiffness(top, parameters, x, form.gravity)
+    n0 = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + by_x.mass @ by_q)
+    dfe = tangent.DFe
+    held = jnp.concatenate([top.x.fixed, top.x.prescribed])
+    stiffness, damping = form.tangents_at(x, v, near)
+    rate_of_dfe = rates + jacobian @ turning
+    n0 = n0 + dfe.T @ damping @ rate_of_dfe
+    return MovingMatrices(
+        M0=z.T @ by_x.mass @ z,
+        C0=z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning),
+        D0=dfe.T @ damping @ dfe,
+        K0=dfe.T @ stiffness @ dfe,
+        N0=n0,
+        G0=z.T @ (curvature - loads) @ z,
+        residual=at.residual,
+        DFx=z,
+        DFe=dfe,
+        S=stiffness,
+        S_d=damping,
+        reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
+        sigma=sigma,
+        felt=Felt(form.gravity, v, a),
+        regular=at.regular,
+        DFx_d=turning,
+        DFx_dd=by_q,
+        DFe_d=rate_of_dfe,
+        DFe_dd=second + jacobian @ by_q,
+    )
+
+
+def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
+    """Velocities and accelerations of all coordinates at given rates of the degrees of freedom.
+
+    Args:
+        form: Equations of motion.
+        t: Time [s].
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        qd: Rates of the degrees of freedom, (n_q,) [1/s].
+        qdd: Their second rates, (n_q,) [1/s^2].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        speed: Factor of the rates of what is prescribed, () [-].
+
+    Returns:
+        v and a, (n_x,) [1/s, 1/s^2].
+    """
+    top = form.topology
+    none = jnp.zeros(form.size)
+    given = form.whole(t, none, none, none)
+    _, jacobian = deformed(form.elements, x, near)
+    tangent = transfer(top, jacobian)
+
+    def answer(prescribed, wanted, rest):
+        """Change of all coordinates that takes the prescribed ones along."""
+        excess = jnp.zeros(top.n_e).at[form.held].set(-wanted) + jacobian @ prescribed + rest
+        return correction(top, tangent, excess, prescribed)
+
+    v = tangent.DFx @ qd + speed * answer(given.v, given.ed, jnp.zeros(top.n_e))
+    still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
+    kin = acting_forces(form.elements, x, v, still, None, near, form.stress_of(t, nothing)).kinematics
+    a = tangent.DFx @ qdd + answer(speed**2 * given.a, speed**2 * given.edd, kin.edd)
+    return v, a

@@ -1,0 +1,115 @@
+"""A simulation in parts of equal length, one after the other, so that it can be watched and stopped."""
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..model.model import Model
+from ..progress import reporting
+from ..results import RESULTS
+from .integrate import Intervals, Run, Start, begin, integrate, integrate_sampled
+from .loop import Sampled
+
+# As many parts as a bar needs, at most; each begins with a step of its own.
+PARTS = 50
+
+
+def sampled_intervals(times: np.ndarray, period: float, start: float, end: float) -> Intervals:
+    """Intervals of a sampled controller, and the times asked for in each; a sample belongs to what follows.
+
+    Args:
+        times: Times, ascending, (n_t,) [s].
+        period: Interval [s].
+        start: First sample [s].
+        end: End of the last interval, which may be a shorter one [s].
+    """
+    count = max(int(np.ceil((end - start) / period - 1e-9)), 1)
+    starts = start + period * np.arange(count)
+    ends = np.append(starts[1:], end)
+    interval = np.clip(np.searchsorted(starts, times + 1e-9 * period, side="right") - 1, 0, count - 1)
+    place = np.arange(len(times)) - np.searchsorted(interval, interval)
+    rows = np.repeat(ends[:, None], np.max(place) + 2, axis=1)
+    rows[interval, place] = np.clip(times, starts[interval], ends[interval])
+    return Intervals(*(jnp.asarray(part) for part in (starts, ends, rows, interval, place)))
+
+
+def _bounds(times: np.ndarray, settings: dict[str, Any]) -> np.ndarray:
+    """Ends of the parts: whole samples or whole steps, where either is given."""
+    span = times[-1] - times[0]
+    feedback, dt0 = settings["feedback"], float(settings["dt0"])
+    unit = feedback.period if isinstance(feedback, Sampled) else dt0 if dt0 > 0 else span / PARTS
+    units = max(int(np.ceil(span / unit - 1e-9)), 1)
+    least = -(-units // PARTS)
+    # Parts of one size are compiled once: a size that leaves no shorter part at the end, if there is one.
+    size = next((n for n in range(least, 2 * least + 1) if units % n == 0), least)
+    ends = times[0] + unit * np.arange(0, units, size)
+    return np.append(ends, times[-1])
+
+
+def integrate_in_parts(
+    model: Model,
+    driven,
+    times: Float[Array, "n_t"],
+    given: Start,
+    settings: dict[str, Any],
+    progress: Callable[[int, int], None] | bool,
+) -> Run:
+    """Motion as by the other two, in parts; after an interruption from the keyboard what there is up to then.
+
+    Args:
+        model: Mechanism.
+        driven: What depends on time.
+        times: Times, the first is the start, (n_t,) [s].
+        given: Where it starts from.
+        settings: Of :func:`flexmb.simulate`.
+        progress: See :func:`flexmb.simulate`.
+
+    Returns:
+        Run, with rows for the times that were reached; those of the part that failed may be not finite.
+    """
+    wanted = np.asarray(times)
+    bounds = _bounds(wanted, settings)
+    part = np.clip(np.searchsorted(bounds, wanted, side="right") - 1, 0, len(bounds) - 2)
+    width = int(np.max(np.bincount(part))) + 1
+    sampled = isinstance(settings["feedback"], Sampled)
+    finds_step = not sampled and float(settings["dt0"]) == 0
+    at = begin(model, driven, jnp.asarray(wanted[0]), given, settings)
+    rows: list[list[np.ndarray]] = []
+    steps, result = 0, RESULTS.successful
+    with reporting(progress, "simulating", len(bounds) - 1) as report:
+        try:
+            for i, (start, end) in enumerate(itertools.pairwise(bounds)):
+                own = wanted[part == i]
+                filled = np.append(own, np.full(width - len(own), end))
+                if sampled:
+                    period = settings["feedback"].period
+                    grid = sampled_intervals(filled, period, start, end)
+                    run = integrate_sampled(model, driven, grid, jnp.asarray(filled), at, settings)
+                else:
+                    span = jnp.asarray([start, end])
+                    run = integrate(model, driven, span, jnp.asarray(filled), at, settings)
+                rows.append([np.asarray(column)[: len(own)] for column in run[:4]])
+                steps, result, at = steps + int(run.steps), RESULTS(int(run.result)), run.last
+                settings = settings | {"moved": run.moved}
+                if report is not None:
+                    report(i + 1, len(bounds) - 1)
+                if result != RESULTS.successful or not np.all(np.isfinite(np.asarray(at[0].u))):
+                    break
+                if finds_step:
+                    # The next part goes on with steps as long as these were.
+                    settings = settings | {"dt0": jnp.asarray((end - start) / max(int(run.steps), 1))}
+        except KeyboardInterrupt:
+            result = RESULTS.stopped
+    joined = [np.concatenate(column) for column in zip(*rows, strict=True)] if rows else _nothing(model, settings)
+    x, xd, near, u = (jnp.asarray(column) for column in joined)
+    return Run(x, xd, near, u, jnp.asarray(steps), jnp.asarray(int(result)), at, settings["moved"])
+
+
+def _nothing(model: Model, settings) -> list[np.ndarray]:
+    top = model.topology
+    inputs = len(model.labels.inputs) if settings["feedback"] is not None else 0
+    return [np.zeros((0, size)) for size in (top.n_x, top.n_x, top.n_e, inputs)]

@@ -1,0 +1,205 @@
+"""Motion in the degrees of freedom: the other coordinates follow by Newton's method from where they were."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit_beside_options
+from ..compilation.record import Record
+from ..math.indices import put
+from ..math.linear import factorise, is_positive_definite
+from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.extent import sizes_of
+from ..mechanics.inertia import mass_matrix
+from ..mechanics.transfer import correction, transfer
+from .coordinates_form import CoordinatesForm
+from .moving_matrices import balance, carried, moving_matrices
+from .protocol import MotionState, Tangent
+
+CORRECTIONS = 3
+
+
+class ReducedForm(Record):
+    """Equations of motion M(q) q_ddot + h(q, q_dot) = DFx^T f - DFe^T sigma.
+
+    Constraints hold in every evaluation, so nothing drifts; but where the degrees of freedom do not determine the
+    rest, at a dead point, it fails. The memory holds all coordinates and deformations, whence
+    Newton's method starts.
+
+    Attributes:
+        form: The same equations in all coordinates.
+        sizes: What the degrees of freedom are measured in, (n_q,) [m, -].
+    """
+
+    form: CoordinatesForm
+    sizes: Float[Array, "n_q"]
+
+    @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
+
+    @property
+    def size(self) -> int:
+        """Number of degrees of freedom."""
+        return self.sizes.shape[0]
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
+        """
+        top, parameters = self.form.topology, self.form.parameters
+        guess = jnp.zeros(top.n_e) if near is None else near
+        e, jacobian = deformation_jacobian(top, parameters, x, guess)
+        moved = (x - parameters.reference)[top.x.dof]
+        q = jnp.concatenate([moved, e[top.e.dof]])
+        qd = jnp.concatenate([xd[top.x.dof], (jacobian @ xd)[top.e.dof]])
+        return MotionState(q / self.sizes, qd / self.sizes, jnp.concatenate([x, e]))
+
+    def placed(self, t, u, memory):
+        """All coordinates at given degrees of freedom, and deformations, from a guess.
+
+        Args:
+            t: Time [s].
+            u: Degrees of freedom over their sizes, (n_q,) [-].
+            memory: Coordinates and deformations to start from, (n_x + n_e,).
+        """
+        form = self.form
+        top = form.topology
+        none = jnp.zeros(form.size)
+        given_x, given_e = form.prescribed(form.whole(t, none, none, none))
+        q = u * self.sizes
+        n = top.x.dof.shape[0]
+        wanted_x = put(given_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
+        wanted_e = put(given_e, top.e.dof, q[n:])
+        given = jnp.concatenate([top.x.fixed, top.x.prescribed, top.x.dof])
+
+        def corrected(_, at):
+            x, near = at
+            shift = put(jnp.zeros(top.n_x), given, (wanted_x - x)[given])
+            e, jacobian = deformation_jacobian(top, form.parameters, x, near)
+            excess = e - wanted_e + jacobian @ shift
+            return x + correction(top, transfer(top, jacobian), excess, shift), e
+
+        return jax.lax.fori_loop(0, CORRECTIONS, corrected, (memory[: top.n_x], memory[top.n_x :]))
+
+    def everything(self, t, state: MotionState, z):
+        """Coordinates, velocities, accelerations and deformations.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Second rates of the degrees of freedom over their sizes, (n_q,).
+        """
+        x, near = self.placed(t, state.u, state.memory)
+        return x, *carried(self.form, t, x, state.w * self.sizes, z * self.sizes, near), near
+
+    def residual(self, t, state: MotionState, z):
+        """Forces out of balance along the degrees of freedom, (n_q,) [N m].
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Second rates of the degrees of freedom over their sizes, (n_q,).
+
+        Source:
+            FORMULATION.md 5.
+        """
+        return balance(self.form, t, *self.everything(t, state, z)).residual * self.sizes
+
+    def tangent(self, t, state: MotionState, z) -> Tangent:
+        """Derivatives of the residual.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Second rates of the degrees of freedom over their sizes, (n_q,).
+
+        Source:
+            FORMULATION.md 6.
+        """
+        at = moving_matrices(self.form, t, *self.everything(t, state, z))
+        by_u, by_w, by_z = (self.sizes[:, None] * m * self.sizes for m in (at.K, at.C0 + at.D0, at.M0))
+        by_t = None
+        if self.form.driven:
+            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        return Tangent(by_u, by_w, by_z, by_t)
+
+    def acceleration(self, t, state: MotionState):
+        """Second rates of the degrees of freedom over their sizes, (n_q,).
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        return self.begin(t, state)[0]
+
+    @jit_beside_options
+    def begin(self, t, state: MotionState):
+        """Accelerations, and whether all motions carry mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        x, v, a, near = self.everything(t, state, jnp.zeros(self.size))
+        at = balance(self.form, t, x, v, a, near)
+        mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, x) @ at.DFx
+        mass = self.sizes[:, None] * mass * self.sizes
+        return factorise(mass).solve(-at.residual * self.sizes), is_positive_definite(mass) & at.regular
+
+    def gap(self, t, state: MotionState):
+        """Constraints with multipliers: none, (0,).
+
+        Args:
+            t: Not used.
+            state: Not used.
+        """
+        return jnp.zeros(0)
+
+    def rate_of_memory(self, t, state: MotionState, z):
+        """How coordinates and deformations change.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Not used.
+        """
+        x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
+        _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, near)
+        return jnp.concatenate([v, jacobian @ v])
+
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+        """The state with its memory renewed.
+
+        Args:
+            t: Time [s].
+            state: State.
+            mass: Not used.
+        """
+        return state._replace(memory=jnp.concatenate(self.placed(t, state.u, state.memory)))
+
+    def whole_motion(self, t, state: MotionState):
+        """Coordinates, velocities and deformations of a state.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
+        return x, v, near
+
+
+def reduced_form(form: CoordinatesForm) -> ReducedForm:
+    """Equations of motion in the degrees of freedom of a model.
+
+    Args:
+        form: The same in all coordinates.
+    """
+    top = form.topology
+    sizes = jax.lax.stop_gradient(sizes_of(top, form.parameters))[top.x.dof]
+    return ReducedForm(form, jnp.concatenate([sizes, jnp.ones(top.e.dof.shape[0])]))

@@ -1,0 +1,40 @@
+"""What the solvers of this room share."""
+
+import diffrax
+
+from .interpolation import MotionInterpolation
+from .protocol import MotionState
+from .term import MotionTerm
+
+
+class MotionSolver(diffrax.AbstractSolver):
+    """A solver that takes the equations of motion as they are, and keeps their constraints itself.
+
+    Its ``step`` is to be under ``jit_beside_options``: diffrax traces it three times, and this keeps the first trace.
+    """
+
+    term_structure = MotionTerm
+    interpolation_cls = MotionInterpolation
+
+    def func(self, terms: MotionTerm, t0, y0: MotionState, args) -> MotionState:
+        """Rates of the state.
+
+        Args:
+            terms: Equations of motion.
+            t0: Time [s].
+            y0: State.
+            args: Not used.
+        """
+        return terms.vf(t0, y0, args)
+
+
+class SecondOrderSolver(MotionSolver):
+    """A method of order two with steps of a fixed size."""
+
+    def order(self, terms) -> int:
+        """Order of the method.
+
+        Args:
+            terms: Not used.
+        """
+        return 2

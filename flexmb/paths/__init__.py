@@ -1,0 +1,1 @@
+"""Equilibrium paths under growing loads, their critical points and limit loads."""

@@ -1,0 +1,202 @@
+"""Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from ..arguments import check_number, check_whole, shown
+from ..compilation.compile import jit
+from ..compilation.record import Record
+from ..errors import AnalysisError
+from ..linear.buckling import REAL, multipliers_of, scaled_stiffness
+from ..linear.linearize import Linearization, Matrices, matrices_at
+from ..linear.loose import refuse_negative_mass
+from ..linear.modes import spectrum, to_frequency
+from ..math.linear import factorise
+from ..mechanics.loads import lacks_potential
+from ..mechanics.residual import State, state
+from ..model.model import Model, as_determined
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import check
+from .critical import CriticalPoint
+from .stepper import Ramp
+from .walk import Step, Walker
+
+
+class Path(Record):
+    """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
+
+    Attributes:
+        load_factor: Load factor, (steps,) [-].
+        matrices: Coordinates ``x`` (steps, n_x), deformations ``e`` and stress resultants ``sigma`` (steps, n_e),
+            ``reactions`` (steps, n_x), and the linearisation M0, C0, D0, K0, N0, G0 (steps, n_q, n_q) at each step.
+        eigenvalues: Of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts where they are complex;
+            infinite where a motion has no mass.
+        multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite where
+            unbounded, (steps, n_q) [-]: of all loads at that step, or with incremental loads, of what more of those.
+        stable: Whether all eigenvalues are positive, (steps,).
+        critical_points: Limit and bifurcation points in the order of the path, with the uncertainty of those whose
+            state could not be found itself.
+        result: Code of RESULTS.
+        model: The mechanism.
+    """
+
+    load_factor: Float[Array, "steps"]
+    matrices: Matrices
+    eigenvalues: Float[Array, "steps n"]
+    multipliers: Float[Array, "steps n_q"]
+    stable: Bool[np.ndarray, "steps"]
+    critical_points: tuple[CriticalPoint, ...]
+    result: Int[Array, ""]
+    model: Model
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in (*Matrices.__dataclass_fields__, "K"):
+            raise AttributeError(f"Path has no attribute '{name}'")
+        return getattr(self.matrices, name)
+
+    @property
+    def labels(self):
+        """Names."""
+        return self.model.labels
+
+    @property
+    def frequencies(self) -> Float[Array, "steps n"]:
+        """Square root of the eigenvalues over 2 pi with their sign, (steps, n) [Hz]."""
+        return to_frequency(self.eigenvalues)
+
+    def at(self, node: str) -> Float[Array, "steps n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation", at every step.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.matrices.x[:, self.labels.known(node)]
+
+    def linearization(self, step: int = -1) -> Linearization:
+        """Linearised equations of motion about one step, for modes, compliance and state space.
+
+        Args:
+            step: Which, from 0; the last unless given.
+
+        Raises:
+            IndexError: There are not so many steps.
+        """
+        count, chosen = len(self.load_factor), check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
+
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
+
+class _Found(NamedTuple):
+    """What is told about a state on the path."""
+
+    matrices: Matrices
+    eigenvalues: Float[Array, "n_q"]
+    multipliers: Float[Array, "n_q"]
+    stable: Bool[Array, ""]
+
+
+def _eigenvalues(topology: Topology, k, m, values):
+    """Eigenvalues of (K, M) ascending, infinite for massless motions, and whether all motions are stable."""
+    if not lacks_potential(topology):
+        found, _, stable, _ = spectrum(k, m)
+        return jnp.where(jnp.isnan(found), jnp.inf, found), stable
+    inverse = jnp.linalg.eigvals(factorise(k).solve(m))
+    massive = jnp.abs(inverse) > 100 * k.shape[0] * jnp.finfo(float).eps * jnp.max(jnp.abs(inverse), initial=0.0)
+    found = 1 / jnp.where(massive, inverse, 1.0)
+    real = jnp.abs(found.imag) <= REAL * jnp.abs(found)
+    # A motion without mass loses its stability where the determinant changes sign.
+    stable = jnp.all(~massive | (real & (found.real > 0))) & jnp.all(values > 0)
+    return jnp.sort(jnp.where(massive & jnp.isfinite(found.real), found.real, jnp.inf)), stable
+
+
+def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
+    """Multipliers by magnitude; infinite where the loads do not act or only in complex pairs."""
+    return multipliers_of(*scaled_stiffness(topology, parameters, at, near))
+
+
+@jit
+def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
+    point = step.point
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
+    matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
+    eigenvalues, stable = _eigenvalues(topology, matrices.K, matrices.M0, step.values)
+    return _Found(matrices, eigenvalues, _multipliers(topology, parameters, at, point.near), stable)
+
+
+def path(
+    model: Model, *, max_steps: int = 200, step: float = 0.1, switch: bool | int = False, throw: bool = True
+) -> Path:
+    """Equilibrium path over the load factor from 0 to 1, past limit points.
+
+    The factor multiplies the incremental loads while the others stay; without incremental loads it multiplies all.
+    One Newton solve a step, with a plane across the path in place of a given load, so that the load may turn back.
+
+    Args:
+        model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
+        max_steps: Steps at most.
+        step: Largest change of the load factor in a step, () [-].
+        switch: 1 or True: at the first bifurcation, go on along the branch in the direction of its phi; -1: against
+            it.
+        throw: Raise where the path does not reach factor 1; otherwise the code is in ``result``.
+
+    Returns:
+        Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
+        load multipliers at each step, and the critical points.
+
+    Raises:
+        AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or
+            singular_configuration; singular_mass where a motion has a negative mass. Each says what to try, and has
+            the path so far as ``error.path``, but for the last.
+        ValueError: max_steps or step is not positive.
+
+    Source:
+        FORMULATION.md 7. A critical point is where an eigenvalue of K changes sign; from psi^T (K t + r_load t_load)
+        = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a bifurcation.
+    """
+    as_determined(model, "path")
+    check_number("step", step)
+    if check_whole("max_steps", max_steps) < 1 or not step > 0:
+        raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
+    if switch not in (False, True, -1):
+        raise ValueError(f"Argument `switch` must be False, True, 1 or -1, but is {shown(switch)}.")
+    if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
+        raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
+    walker = Walker(model, step)
+    code = walker.walk(max_steps, float(switch))
+    found = [_look(model.topology, model.parameters, walker.ramp, s) for s in walker.steps]
+    # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
+    found = jax.tree.map(lambda *a: np.stack(a), *found)
+    massive = np.any(np.isfinite(found.eigenvalues), axis=0)
+    refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], found.matrices), model))
+    whole = Path(
+        load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
+        matrices=jax.device_put(found.matrices),
+        eigenvalues=jax.device_put(found.eigenvalues[:, massive]),
+        multipliers=jax.device_put(found.multipliers),
+        stable=found.stable,
+        critical_points=tuple(walker.critical),
+        result=jnp.asarray(int(code), jnp.int32),
+        model=model,
+    )
+    try:
+        check(int(code), throw)
+    except AnalysisError as error:
+        error.path = whole
+        raise
+    return whole

@@ -1,0 +1,306 @@
+"""Steps along an equilibrium path: predictor along the tangent, Newton's corrector in the plane across it."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..math.linear import diagonal_of, factorise
+from ..mechanics.deformation import deformations
+from ..mechanics.extent import sizes_of
+from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
+from ..mechanics.residual import State, iterate, reduced_response, state
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..statics.equilibrium import held_values
+
+# A correction this small beside the mechanism is taken and ends the iteration: the error left is its square.
+STEP_TOLERANCE = 1e-9
+# Corrections this small that shrink no more are round-off of a nearly singular tangent.
+ROUND_OFF = 1e-7
+# Corrections may be no larger (extents of the mechanism, radians), and must shrink at least so: beyond that Newton's
+# method has left the neighbourhood of the path and may find another branch.
+LARGEST_CORRECTION = 0.3
+CONTRACTION = 0.5
+MAX_CORRECTIONS = 10
+# Motion that weighs as much as the whole load in the length of the path, at least (extents, radians).
+SMALLEST_SCALE = 0.05
+
+
+class Ramp(NamedTuple):
+    """Load factors along a path: ``base`` plus the load factor times ``rate``."""
+
+    base: LoadFactors
+    rate: LoadFactors
+
+    def at(self, load: Float[Array, ""]) -> LoadFactors:
+        """Factors of the two sets of loads.
+
+        Args:
+            load: Load factor of the path, () [-].
+        """
+        return LoadFactors(
+            self.base.initial + load * self.rate.initial, self.base.increment + load * self.rate.increment
+        )
+
+
+class Point(NamedTuple):
+    """A state on the path: coordinates, deformations that count turns, those that give the stress, load factor."""
+
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    strained: Float[Array, "n_e"]
+    load: Float[Array, ""]
+
+
+class Direction(NamedTuple):
+    """Change of a point: coordinates, deformations, load factor."""
+
+    x: Float[Array, "n_x"]
+    strained: Float[Array, "n_e"]
+    load: Float[Array, ""]
+
+
+class Plane(NamedTuple):
+    """Normal of the plane in which a corrector stays, as a covector of (x, load)."""
+
+    x: Float[Array, "n_x"]
+    load: Float[Array, ""]
+
+
+class Scale(NamedTuple):
+    """What makes metres, radians and load comparable.
+
+    Attributes:
+        sizes: Extent of the mechanism for positions, 1 for rotations, (n_x,) [m, rad].
+        weights: Of squared changes of x in the length of a path, (n_x,); the load factor has weight 1.
+    """
+
+    sizes: Float[Array, "n_x"]
+    weights: Float[Array, "n_x"]
+
+
+class Stepped(NamedTuple):
+    """A step: where it ends, the tangent there, its stiffness, and whether it was found."""
+
+    point: Point
+    tangent: Direction
+    at: State
+    converged: Bool[Array, ""]
+    corrections: Array
+
+
+def scales_increment(topology: Topology, parameters: Parameters) -> bool:
+    """Whether there are incremental loads; known before tracing.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+    """
+    elements = any(dict(block.options).get("incremental", False) for block in topology.blocks)
+    return elements or parameters.increment is not None
+
+
+def ramp_of(topology: Topology, parameters: Parameters) -> Ramp:
+    """Incremental loads are scaled while the others stay; without incremental loads all are.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+    """
+    if scales_increment(topology, parameters):
+        return Ramp(load_factors(1.0, 0.0), load_factors(0.0, 1.0))
+    return Ramp(load_factors(0.0, 0.0), load_factors(1.0, 0.0))
+
+
+def load_response(
+    topology: Topology, parameters: Parameters, ramp: Ramp, at: State
+) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
+    """Derivatives by the load factor at constant q: of x, and of the residual.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        ramp: Load factors along the path.
+        at: State.
+
+    Returns:
+        dx, (n_x,) [m, rad, -], and dr, (n_q,) [N, N m].
+
+    Source:
+        Loads are linear in their factors (FORMULATION.md 5).
+    """
+    wanted_x, wanted_e = held_values(topology, parameters, ramp.rate)
+    shift = wanted_x - parameters.reference
+    imbalance = -nodal_forces(topology, parameters, ramp.rate, at.x)
+    prestress = scaled_loads(parameters, ramp.rate).prestress
+    if prestress is not None:
+        imbalance = imbalance + at.jacobian.T @ prestress
+    return reduced_response(topology, at, at.jacobian @ shift - wanted_e, shift, imbalance)
+
+
+def _bordered_solve(at: State, onto, by_load, plane: Plane, residual, distance):
+    """Solve [K, r_load; plane] (dq, dload) = (-residual, -distance); regular at limit points, where K is not."""
+    k = at.K0 + at.G0
+    across = plane.x @ at.transfer.DFx
+    corner = plane.x @ onto + plane.load
+    pivots = jnp.abs(diagonal_of(k))
+    # The row is brought to the middle of the stiffnesses, for the choice of pivots.
+    weight = jnp.exp(jnp.mean(jnp.log(jnp.where(pivots > 0, pivots, 1.0)))) if k.shape[0] else jnp.array(1.0)
+    row = jnp.concatenate([across, corner[None]])
+    weight = weight / jnp.max(jnp.abs(row))
+    matrix = jnp.concatenate([jnp.concatenate([k, by_load[:, None]], axis=1), weight * row[None]])
+    right = jnp.concatenate([-residual, -(weight * distance)[None]])
+    solved = factorise(matrix).solve(right)
+    return solved[:-1], solved[-1]
+
+
+def direction_of(at: State, dx: Float[Array, "n_x"], load) -> Direction:
+    """Direction of a change of x and the load factor, deformations to first order.
+
+    Args:
+        at: State.
+        dx: Change of x, (n_x,) [m, rad, -].
+        load: Change of the load factor, () [-].
+    """
+    return Direction(dx, at.jacobian @ dx, load)
+
+
+def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State, plane: Plane) -> Direction:
+    """Tangent of the path, on the side that the plane's normal points to; not of unit length.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        ramp: Load factors along the path.
+        at: State on the path.
+        plane: Normal of a plane across the path.
+    """
+    onto, by_load = load_response(topology, parameters, ramp, at)
+    dq, load = _bordered_solve(at, onto, by_load, plane, jnp.zeros_like(by_load), jnp.array(-1.0))
+    return direction_of(at, onto * load + at.transfer.DFx @ dq, load)
+
+
+def length(scale: Scale, d: Direction) -> Float[Array, ""]:
+    """Length of a change of the state, positions and angles weighed against load.
+
+    Args:
+        scale: Weights.
+        d: Change.
+
+    Returns:
+        () [-].
+    """
+    return jnp.sqrt(scale.weights @ d.x**2 + d.load**2)
+
+
+def normal_to(scale: Scale, d: Direction) -> Plane:
+    """Plane across a direction.
+
+    Args:
+        scale: Weights.
+        d: Direction.
+    """
+    return Plane(scale.weights * d.x, d.load)
+
+
+def unit(scale: Scale, d: Direction) -> Direction:
+    """Direction of unit length.
+
+    Args:
+        scale: Weights.
+        d: Direction.
+    """
+    size = length(scale, d)
+    return Direction(d.x / size, d.strained / size, d.load / size)
+
+
+def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> Scale:
+    """Weights by which the motion under the first load and the load itself count alike.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        tangent: Tangent at the begin of the path.
+    """
+    sizes = sizes_of(topology, parameters)
+    motion = jnp.max(jnp.abs(tangent.x) / sizes, initial=0.0) / jnp.abs(tangent.load)
+    motion = jnp.where(jnp.isfinite(motion), jnp.clip(motion, SMALLEST_SCALE, 1.0), 1.0)
+    return Scale(sizes, 1 / (sizes * motion) ** 2 / max(topology.n_x, 1))
+
+
+class _Correcting(NamedTuple):
+    point: Point
+    before: Float[Array, ""]
+    tries: Array
+    done: Bool[Array, ""]
+    bad: Bool[Array, ""]
+
+
+def step_along(
+    topology: Topology,
+    parameters: Parameters,
+    ramp: Ramp,
+    scale: Scale,
+    begin: Point,
+    direction: Direction,
+    step: Float[Array, ""],
+    plane: Plane,
+) -> Stepped:
+    """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
+
+    Deformations are carried as numbers of their own, as in the equilibrium's search.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        ramp: Load factors along the path.
+        scale: Weights.
+        begin: Where the step begins.
+        direction: Where to.
+        step: How much of it, () [-].
+        plane: Normal of the plane of the corrector.
+
+    Returns:
+        Stepped, the tangent of unit length on the side of the plane's normal.
+
+    Source:
+        The tangent bordered with the plane's normal is regular where K has rank n_q - 1 and the load is not in its
+        range: at limit points.
+    """
+    tracks = any(block.element.tracks_angle for block in topology.blocks)
+    predicted = Point(
+        begin.x + step * direction.x,
+        begin.near,
+        begin.strained + step * direction.strained,
+        begin.load + step * direction.load,
+    )
+
+    def turn(c: _Correcting) -> _Correcting:
+        x, near, strained, load = c.point
+        factors = ramp.at(load)
+        wanted = held_values(topology, parameters, factors)
+        at, particular, residual = iterate(topology, parameters, factors, x, near, strained, wanted)
+        onto, by_load = load_response(topology, parameters, ramp, at)
+        distance = plane.x @ (x - predicted.x + particular) + plane.load * (load - predicted.load)
+        dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance)
+        change = particular + onto * dload + at.transfer.DFx @ dq
+        size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(dload))
+        slow = size > CONTRACTION * c.before
+        bad = ~(size < LARGEST_CORRECTION) | (slow & (size > ROUND_OFF)) | (c.tries >= MAX_CORRECTIONS)
+        bad = bad | ~at.transfer.regular
+        trial = x + change
+        near = deformations(topology, parameters, trial, at.e) if tracks else at.e
+        point = Point(trial, near, at.e + at.jacobian @ change, load + dload)
+        done = (size < STEP_TOLERANCE) | (slow & (size <= ROUND_OFF))
+        return _Correcting(point, size, c.tries + 1, done & ~bad, bad)
+
+    no = jnp.array(False)
+    start = _Correcting(predicted, jnp.array(jnp.inf), jnp.zeros((), jnp.int32), no, no)
+    end = jax.lax.while_loop(lambda c: ~c.done & ~c.bad, turn, start)
+    point = end.point
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
+    tangent = unit(scale, tangent_at(topology, parameters, ramp, at, plane))
+    finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
+    return Stepped(point, tangent, at, end.done & finite, end.tries)

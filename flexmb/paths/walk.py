@@ -1,0 +1,530 @@
+"""The walk along an equilibrium path: which steps are taken, and where the critical points on them lie."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from ..compilation.compile import jit
+from ..mechanics.residual import state
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS
+from .critical import (
+    LARGEST_MOTION,
+    SMALLEST_COSINE,
+    SMALLEST_STEP,
+    CriticalPoint,
+    begin_path,
+    critical_values,
+    null_vectors,
+)
+from .stepper import Direction, Plane, Point, Ramp, Scale, direction_of, normal_to, step_along
+
+BISECTIONS = 60
+# A value is zero where it is this share of those at the ends of the step, or between states that are this near to each
+# other: there the path is straight to 1e-12.
+ZERO = 1e-12
+NEAR = 1e-6
+# States on both sides of a zero must be found this near to each other, as share of the step or at all, and a smooth
+# curve must join them: a path that bends away beside another seems to go straight on to that. Otherwise the step is
+# shortened.
+WIDEST = 1e-3
+WIDEST_AT_LEAST = 1e-5
+# Beside a bifurcation, where no states are found, a zero is drawn in from both sides by these shares of the way to
+# where it seems to be.
+DRAWN = (7 / 8, 1 / 2)
+# A critical value below this share of the next one has no sign: where a column may buckle to any side, it goes from one
+# side to another without force.
+NEUTRAL = 1e-13
+# States of a closed path agree to this (extents, radians, load factor) where it has come round: Newton's tolerance.
+SAME = 1e-7
+# Motion of the first step on another branch (extents, radians).
+FIRST_ON_BRANCH = 0.02
+
+
+class Step(NamedTuple):
+    """A step's end, and what decides whether it is taken.
+
+    Attributes:
+        point: State.
+        tangent: Tangent of the path there, of unit length.
+        values: Values that change sign where the stiffness is singular, (n_q,) [N m].
+        converged: Whether the corrector converged.
+        regular: Whether the degrees of freedom determine the configuration.
+        cosine: Of the angle between the direction of the step and the tangent at its end.
+        corrections: Newton iterations.
+    """
+
+    point: Point
+    tangent: Direction
+    values: Float[Array, "n_q"]
+    converged: Bool[Array, ""]
+    regular: Bool[Array, ""]
+    cosine: Float[Array, ""]
+    corrections: Int[Array, ""]
+
+    @property
+    def negative(self) -> int:
+        """Number of critical values below zero, but for those that are zero to round-off all along a path."""
+        sizes = np.sort(np.abs(self.values))
+        next_one = sizes[1] if len(sizes) > 1 and np.isfinite(sizes[1]) else 0.0
+        return int(np.sum(self.values < -NEUTRAL * next_one))
+
+    @property
+    def orientation(self) -> float:
+        """Sign of the determinant of [K, r_load; tangent], which a path keeps up to a bifurcation."""
+        return (-1) ** self.negative * float(np.sign(self.tangent.load))
+
+    @property
+    def load(self) -> float:
+        """Load factor, () [-]."""
+        return float(self.point.load)
+
+
+@jit
+def _begin(topology: Topology, parameters: Parameters):
+    ramp, point, tangent, scale, at, result = begin_path(topology, parameters)
+    values = critical_values(topology, at, scale.sizes)
+    found = result == RESULTS.successful
+    step = Step(point, tangent, values, found, found, jnp.array(1.0), jnp.zeros((), jnp.int32))
+    return ramp, scale, step, result
+
+
+@jit
+def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, begin, direction, length, plane):
+    new = step_along(topology, parameters, ramp, scale, begin, direction, length, plane)
+    values = critical_values(topology, new.at, scale.sizes)
+    cosine = scale.weights @ (direction.x * new.tangent.x) + direction.load * new.tangent.load
+    regular = new.at.transfer.regular
+    return Step(new.point, new.tangent, values, new.converged, regular, cosine, new.corrections)
+
+
+@jit
+def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point, shift, beside: Direction):
+    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
+    other = jnp.concatenate([beside.x[topology.x.dof], beside.strained[topology.e.dof]])
+    phi, _ = null_vectors(topology, at, scale.sizes, shift, other)
+    return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0))
+
+
+class Zero(NamedTuple):
+    """Where a value along a step is zero.
+
+    Attributes:
+        length: Place on the step.
+        step: State there.
+        uncertainty: By how much its load factor may be off at most, () [-]; zero where the state itself was found.
+    """
+
+    length: float
+    step: Step
+    uncertainty: float
+
+
+class Crossing(NamedTuple):
+    """A critical point on a step.
+
+    Attributes:
+        zero: Where it is.
+        kind: "limit" or "bifurcation".
+        number: Which critical value changes sign.
+    """
+
+    zero: Zero
+    kind: str
+    number: int
+
+
+class Stride(NamedTuple):
+    """A step that can be taken.
+
+    Attributes:
+        begin: State where it begins, its tangent the direction of the step.
+        length: How long it is.
+        end: State where it ends.
+        crossed: Critical points on it.
+        last: Where on it load factor 1 is reached, and the state there; None if it is not.
+    """
+
+    begin: Step
+    length: float
+    end: Step
+    crossed: list[Crossing]
+    last: tuple[float, Step] | None
+
+
+class Left(NamedTuple):
+    """That the walk left its branch at a bifurcation.
+
+    Attributes:
+        new: First state on the other branch; None if it was not found.
+    """
+
+    new: Step | None
+
+
+class _Trial(NamedTuple):
+    """A state on a step, and the value there whose zero is looked for."""
+
+    length: float
+    value: float
+    step: Step
+
+
+def _estimate(low: _Trial, high: _Trial) -> float:
+    """Share of the way from one state to another at which the value is zero."""
+    return low.value / (low.value - high.value)
+
+
+def _replaced(low: _Trial, high: _Trial, new: _Trial) -> tuple[_Trial, _Trial]:
+    """The ends between which the sign changes, with a new state in place of one of them."""
+    return (new, high) if (new.value > 0) == (low.value > 0) else (low, new)
+
+
+def _narrowed(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None], small: float):
+    """Ends that lie closer, and whether the zero was reached: false where no state was found on the way."""
+    weights, kept = [low.value, high.value], 0
+    for i in range(BISECTIONS):
+        if min(abs(low.value), abs(high.value)) <= small or high.length - low.length <= NEAR:
+            break
+        new = trial(low, high, 0.5 if i % 4 == 3 else weights[0] / (weights[0] - weights[1]))
+        if new is None:
+            return low, high, False
+        # The value of an end that stays twice is halved, so that both ends approach (Illinois).
+        end = 0 if (new.value > 0) == (low.value > 0) else 1
+        other = (high, low)[end].value
+        weights[end], weights[1 - end] = new.value, weights[1 - end] / 2 if kept == end + 1 else other
+        kept = end + 1
+        low, high = _replaced(low, high, new)
+    return low, high, True
+
+
+def _drawn_in(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None]) -> tuple[_Trial, _Trial]:
+    """Ends that lie as close to the zero as states are found on either side of it."""
+    tried = [0, 0]
+    while min(tried) < len(DRAWN) and high.length - low.length > NEAR:
+        middle = _estimate(low, high)
+        ways = [middle, middle - 1]
+        side = max((k for k in (0, 1) if tried[k] < len(DRAWN)), key=lambda k: abs(ways[k]))
+        new = trial(low, high, side + DRAWN[tried[side]] * ways[side])
+        if new is None:
+            tried[side] += 1
+        else:
+            low, high = _replaced(low, high, new)
+    return low, high
+
+
+class Walker:
+    """The walk along one path: what has been found so far, and how to find the next.
+
+    States are kept as arrays of NumPy: what is asked of them is not worth a compiled program.
+
+    Attributes:
+        parts: Topology and parameters.
+        ramp: Load factors along the path.
+        scale: What makes metres, radians and load comparable.
+        code: Why the walk cannot begin, or successful.
+        step: Largest change of the load factor in a step, () [-].
+        steps: States found.
+        critical: Critical points found.
+    """
+
+    def __init__(self, model: Model, step: float):
+        self.parts = (model.topology, model.parameters)
+        self.ramp, self.scale, first, result = jax.device_get(_begin(*self.parts))
+        self.code = RESULTS(int(result))
+        self.step = step
+        self.steps: list[Step] = [first]
+        self.critical: list[CriticalPoint] = []
+
+    def advance(self, begin: Point, direction: Direction, length, plane: Plane | None = None) -> Step:
+        """One step from a point along a direction, corrected across it unless another plane is given."""
+        plane = normal_to(self.scale, direction) if plane is None else plane
+        arguments = (self.ramp, self.scale, begin, direction, np.asarray(length, float), plane)
+        return jax.device_get(_advance(*self.parts, *arguments))
+
+    def longest(self, tangent: Direction) -> float:
+        """Length within which neither the load nor the motion changes too much."""
+        return min(self.step / max(abs(float(tangent.load)), 1e-300), LARGEST_MOTION / self.motion(tangent))
+
+    def motion(self, direction: Direction) -> float:
+        """Largest change of a coordinate, in extents and radians."""
+        return float(np.max(np.abs(direction.x) / self.scale.sizes, initial=1e-300))
+
+    def product(self, one: Direction, other: Direction) -> float:
+        """Scalar product of two directions, whose norm is the length along a path."""
+        return float(self.scale.weights @ (one.x * other.x) + one.load * other.load)
+
+    def unit(self, direction: Direction) -> Direction:
+        """Direction of unit length."""
+        size = np.sqrt(self.product(direction, direction))
+        return jax.tree.map(lambda a: a / size, direction)
+
+    def chord(self, begin: Point, end: Point) -> tuple[Direction, float]:
+        """Direction from one state to another, and the distance."""
+        way = Direction(end.x - begin.x, end.strained - begin.strained, end.load - begin.load)
+        size = np.sqrt(self.product(way, way))
+        return jax.tree.map(lambda a: a / (size if size > 0 else 1.0), way), float(size)
+
+    def continuous(self, low: Step, high: Step) -> bool:
+        """Whether a smooth curve joins two states: their tangents and the chord between them have one direction."""
+        chord, size = self.chord(low.point, high.point)
+        return size < NEAR or min(self.product(chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
+
+    def curve(self, low: Step, high: Step, share: float) -> Point:
+        """Point between two states, on the cubic through both with their tangents."""
+        _, size = self.chord(low.point, high.point)
+
+        def straight(a, b):
+            return a + share * (b - a)
+
+        def bent(name):
+            a, b = getattr(low.point, name), getattr(high.point, name)
+            leaving = size * getattr(low.tangent, name) - (b - a)
+            arriving = size * getattr(high.tangent, name) - (b - a)
+            return straight(a, b) + share * (1 - share) * ((1 - share) * leaving - share * arriving)
+
+        return Point(bent("x"), straight(low.point.near, high.point.near), bent("strained"), bent("load"))
+
+    def between(self, low: _Trial, high: _Trial) -> Zero:
+        """Zero between two states close by."""
+        begin, end, share = low.step, high.step, _estimate(low, high)
+        tangent, values = jax.tree.map(
+            lambda a, b: (1 - share) * a + share * b, (begin.tangent, begin.values), (end.tangent, end.values)
+        )
+        point = self.curve(begin, end, share)
+        step = begin._replace(point=point, tangent=self.unit(tangent), values=values)
+        return Zero(low.length + share * (high.length - low.length), step, abs(end.load - begin.load) / 2)
+
+    def zero(
+        self, begin: Step, length: float, end: Step, value, widest: float = WIDEST, alone: bool = False
+    ) -> Zero | None:
+        """Where a value that changes sign on a step is zero; None if it jumps.
+
+        Where the value is ``alone`` in changing its sign, states on another branch are told by their orientation.
+
+        Beside a bifurcation the corrector's equations are nearly singular: it finds no state, or one that is astray
+        along the motion that meets no stiffness, and so is its tangent. The zero is then taken between states on both
+        sides.
+        """
+        low, high = _Trial(0.0, value(begin), begin), _Trial(length, value(end), end)
+        small = ZERO * max(abs(low.value), abs(high.value))
+        least = 2 * float(end.cosine) - 1 - 1e-3
+        widest = max(widest * length, WIDEST_AT_LEAST)
+        plane, still = normal_to(self.scale, begin.tangent), jax.tree.map(np.zeros_like, begin.tangent)
+
+        def trial(low: _Trial, high: _Trial, share: float) -> _Trial | None:
+            new = self.advance(self.curve(low.step, high.step, share), still, 0.0, plane)
+            way, size = self.chord(begin.point, new.point)
+            place = size * self.product(way, begin.tangent)
+            cosine = self.product(begin.tangent, new.tangent)
+            if not (bool(new.converged) and cosine >= least and low.length < place < high.length):
+                return None
+            found = _Trial(place, value(new), new._replace(cosine=np.array(cosine)))
+            side = begin if (found.value > 0) == (low.value > 0) else end
+            return None if alone and new.orientation != side.orientation else found
+
+        low, high, reached = _narrowed(low, high, trial, small)
+        if not reached:
+            low, high = _drawn_in(low, high, trial)
+        best = min(low, high, key=lambda end: abs(end.value))
+        width = high.length - low.length
+        if width > widest:
+            # One end came to the zero alone: is there a state close by on its other side?
+            share = widest / 2 / width
+            new = trial(low, high, share if best is low else 1 - share)
+            low, high = (low, high) if new is None else _replaced(low, high, new)
+        if high.length - low.length > widest or not self.continuous(low.step, high.step):
+            return None
+        return Zero(best.length, best.step, 0.0) if abs(best.value) <= small else self.between(low, high)
+
+    def cross(self, begin: Step, length: float, end: Step, widest: float) -> list[Crossing] | None:
+        """Critical points on a step; None if the path jumps."""
+        turns = (float(begin.tangent.load) > 0) != (float(end.tangent.load) > 0)
+        low, high = sorted((begin.negative, end.negative))
+        # On a branch that comes through a pitchfork the stiffness only touches zero, and the load turns back there. The
+        # corrector is nearly singular around that point; the load is stationary, so that half the digits do.
+        touched, alone = low == high, high - low <= 1
+        found = []
+        for j in range(low, high):
+            at = self.zero(begin, length, end, lambda s, j=j: float(s.values[j]), widest, alone)
+            if at is None:
+                return None
+            found.append(Crossing(at, "bifurcation", j))
+        if turns:
+            turn = self.zero(begin, length, end, lambda s: float(s.tangent.load), widest, alone)
+            if turn is None:
+                return None
+            if touched:
+                found.append(Crossing(turn, "bifurcation", int(np.argmin(np.abs(turn.step.values)))))
+            else:
+                # At a limit point psi^T r_load is not zero, so that the load's rate vanishes with the stiffness.
+                i = min(range(len(found)), key=lambda i: abs(found[i].zero.length - turn.length))
+                found[i] = Crossing(turn, "limit", found[i].number)
+        return sorted(found, key=lambda f: f.zero.length)
+
+    def finish(self, begin: Step, length: float, end: Step) -> tuple[float, Step] | None:
+        """Where a step reaches load factor 1, and the state there."""
+        reached = self.zero(begin, length, end, lambda s: s.load - 1.0)
+        if reached is None:
+            return None
+        still = jax.tree.map(np.zeros_like, reached.step.tangent)
+        one: Any = np.array(1.0)
+        exact = self.advance(reached.step.point._replace(load=one), still, 0.0, Plane(still.x, one))
+        return reached.length, exact if bool(exact.converged) else reached.step
+
+    def motions(self, taken: Stride) -> list[Direction]:
+        """Motions that meet no stiffness at the critical points of a step, normal to each other where two coincide."""
+        found: list[Direction] = []
+        for i, crossing in enumerate(taken.crossed):
+            zero, before = crossing.zero, taken.crossed[i - 1].zero
+            coincide = i > 0 and zero.length - before.length <= max(WIDEST * taken.length, WIDEST_AT_LEAST)
+            beside = found[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
+            shift = np.asarray(np.abs(taken.begin.values[crossing.number]) * 1e-9)
+            arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
+            found.append(jax.device_get(_null(*self.parts, *arguments)))
+        return found
+
+    def name(self, crossing: Crossing, phi: Direction) -> None:
+        """Add a critical point."""
+        at: Any = crossing.zero.step
+        motion: Any = phi.x
+        self.critical.append(CriticalPoint(at.load, crossing.kind, at.point.x, motion, crossing.zero.uncertainty))
+
+    def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Step | None:
+        """First step on the branch that leaves a bifurcation along a motion.
+
+        Where two motions lose their stiffness at once, branches leave along some of their sums only.
+        """
+        phi, *others = (self.unit(jax.tree.map(lambda a: sign * a, one)) for one in (phi, *others))
+        fan = [phi]
+        for other in others:
+            for angle in np.arange(1, 8) * np.pi / 8:
+                fan.append(jax.tree.map(lambda a, b, t=angle: np.cos(t) * a + np.sin(t) * b, phi, other))
+        for direction in fan:
+            length = FIRST_ON_BRANCH / self.motion(direction)
+            for _ in range(6):
+                new = self.advance(begin.point, direction, length)
+                if bool(new.converged) and float(new.cosine) > 0.5:
+                    return new
+                way, size = self.chord(begin.point, new.point)
+                if size > 0 and self.product(way, direction) > 0.5:
+                    # The corrector was on its way to a branch that leaves in another direction.
+                    direction = way
+                else:
+                    length /= 4
+        return None
+
+    def stride(self, begin: Step, length: float, end: Step, widest: float = WIDEST) -> Stride | None:
+        """What lies on a step; None if the path jumps on it."""
+        crossed = self.cross(begin, length, end, widest)
+        if crossed is None:
+            return None
+        peaks = [f.zero for f in crossed if f.kind == "limit" and f.zero.step.load >= 1.0]
+        if not (end.load >= 1.0 or peaks):
+            return Stride(begin, length, end, crossed, None)
+        top = peaks[0] if peaks else Zero(length, end, 0.0)
+        last = self.finish(begin, top.length, top.step)
+        return None if last is None else Stride(begin, length, end, crossed, last)
+
+    def leap(self, begin: Step) -> Stride | None:
+        """A step over states that are not found, as short as can be; None if there is none."""
+        directions = [begin.tangent]
+        if len(self.steps) > 1:
+            # Where it begins too near to a bifurcation, its own tangent is astray.
+            directions.append(self.chord(self.steps[-2].point, begin.point)[0])
+        for direction in directions:
+            start = begin._replace(tangent=direction)
+            for length in self.longest(direction) / 4.0 ** np.arange(10)[::-1]:
+                end = self.advance(begin.point, direction, length)
+                if bool(end.converged) and float(end.cosine) > SMALLEST_COSINE and self.continuous(start, end):
+                    taken = self.stride(start, float(length), end, widest=1.0)
+                    if taken is not None:
+                        return taken
+        return None
+
+    def come_round(self, taken: Stride) -> Step | None:
+        """State on a step that the path passed before in the same direction: the path is closed."""
+        begin, old = taken.begin, self.steps[:-1]
+        if not old:
+            return None
+        x, load = (np.array([getattr(step.point, name) for step in old]) for name in ("x", "load"))
+        dx, dload = x - begin.point.x, load - begin.point.load
+        along = (dx * self.scale.weights) @ begin.tangent.x + dload * begin.tangent.load
+        off = dx**2 @ self.scale.weights + dload**2 - along**2
+        for i in np.flatnonzero((along > 0) & (along <= taken.length) & (off < (taken.length / 2) ** 2)):
+            if self.product(old[i].tangent, begin.tangent) > 0.5:
+                new = self.advance(begin.point, begin.tangent, along[i])
+                apart = np.abs(new.point.x - old[i].point.x) / self.scale.sizes
+                # An angle that has turned once more is another state, with equal Euler parameters.
+                turned = np.abs(new.point.strained - old[i].point.strained)
+                same = max(np.max(apart, initial=0.0), abs(new.load - old[i].load)) < SAME and np.all(turned < 1.0)
+                if bool(new.converged) and same:
+                    return new
+        return None
+
+    def walk(self, max_steps: int, switch: float) -> RESULTS:
+        """Walk until load factor 1; the code says why the walk ended."""
+        length, regular = np.inf, True
+        while self.code == RESULTS.successful:
+            if len(self.steps) > max_steps:
+                return RESULTS.max_steps
+            begin = self.steps[-1]
+            length = min(length, self.longest(begin.tangent))
+            # So that what is no number ends the walk too.
+            if not SMALLEST_STEP * self.step <= length < np.inf:
+                taken = self.leap(begin)
+                if taken is None:
+                    return RESULTS.not_converged if regular else RESULTS.singular_configuration
+                length = taken.length
+            else:
+                short = 1.0 - begin.load - length * float(begin.tangent.load)
+                if 0 <= short < 0.2 * length * float(begin.tangent.load):
+                    # No crumb is left before the end.
+                    length *= 1.25
+                end = self.advance(begin.point, begin.tangent, length)
+                regular = bool(end.regular)
+                if not (bool(end.converged) and float(end.cosine) > SMALLEST_COSINE):
+                    length /= 4
+                    continue
+                if abs(end.negative - begin.negative) > 1 and length > 1e-2 * self.step:
+                    length /= 2
+                    continue
+                taken = self.stride(begin, length, end)
+                if taken is None:
+                    length /= 4
+                    continue
+            left = self.pass_critical_points(taken, switch)
+            if left is not None:
+                if left.new is None:
+                    return RESULTS.not_converged
+                self.steps.append(left.new)
+                switch = 0.0
+                continue
+            if taken.last is not None:
+                self.steps.append(taken.last[1])
+                return RESULTS.successful
+            again = self.come_round(taken)
+            if again is not None:
+                self.steps.append(again)
+                return RESULTS.closed_path
+            self.steps.append(taken.end)
+            quick = int(taken.end.corrections) <= 4 and float(taken.end.cosine) > 0.98
+            length *= 2.0 if quick else 1.0
+        return self.code
+
+    def pass_critical_points(self, taken: Stride, switch: float) -> Left | None:
+        """Name the critical points up to where the walk leaves a step: its end, or a bifurcation to another branch."""
+        motions = self.motions(taken)
+        for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
+            if taken.last is not None and crossing.zero.length > taken.last[0]:
+                break
+            self.name(crossing, phi)
+            if switch and crossing.kind == "bifurcation":
+                return Left(self.branch(crossing.zero.step, phi, motions[i + 1 :], switch))
+        return None

@@ -1,1 +1,0 @@
-"""Solvers of motion that diffrax runs."""

@@ -1,0 +1,383 @@
+"""What each keyword of a SPACAR input file does: one function a keyword, on the state of one reading.
+
+Each takes the reading, the line, and its parameters by name.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from ..build.assemble import stack
+from ..build.builder import NamedSignal
+from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..elements.spectral import LARGEST_ORDER
+from ..errors import shown
+from ..model.roles import Role
+from . import series as series
+from .keywords import NOTHING, ElementKind
+from .lines import DRAWING, Fault, Statement, known
+from .reading import Declared, Reading, Setting
+
+Values = dict[str, Any]
+VECTORS = ("y1", "y2", "y3", "axis1", "axis2", "axis3", "x1", "x2", "x3")
+
+# -- kinematics ---------------------------------------------------------------------------------------------------
+
+
+def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...]) -> None:
+    """An element line: what nodes there are follows from it; ``kinds`` are those of the keyword, one a form."""
+    kind = next(k for k in kinds if set(k.node_names) <= set(p))
+    number, nodes = p["element"], [p[name] for name in kind.node_names]
+    if number in r.elements:
+        raise Fault(f"is defined already on line {r.elements[number].statement.line}; give each element its own number")
+    first = next(iter(r.elements.values()), None)
+    if first is not None and first.kind.dimension != kind.dimension:
+        names = {2: "planar", 3: "spatial"}
+        raise Fault(
+            f"{kind.keyword} is {names[kind.dimension]}, but {first.kind.keyword} on line {first.statement.line} is"
+            f" {names[first.kind.dimension]}; a mechanism is one or the other"
+        )
+    _check_ends(kind, p)
+    if p.get("p", 1) > LARGEST_ORDER:
+        raise Fault(f"p, the coefficients of a strain field, must be at most {LARGEST_ORDER}, but is {p['p']}")
+    named: dict[int, tuple[NodeKind, Statement]] = {}
+    node_kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
+    for node, node_kind in zip(nodes, node_kinds, strict=True):
+        known, line = r.nodes.get(node) or named.setdefault(node, (node_kind, s))
+        if known.part != node_kind.part:
+            raise Fault(
+                f"takes node {node} for a {_part(node_kind)} node, but it is a {_part(known)} node on line"
+                f" {line.line} ({line.keyword}); expected: {kind.keyword} {kind.form}"
+            )
+    r.nodes |= named
+    vector = [p[name] for name in VECTORS if name in p]
+    own = {prop: p[name] for name, prop in kind.numbers}
+    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"), own)
+
+
+def _check_ends(kind: ElementKind, p: Values) -> None:
+    p_end, q_end = ("xp", "xq") if "xp" in p else ("rotp", "rotq")
+    if p[p_end] == p[q_end]:
+        raise Fault(f"joins node {p[p_end]} to itself; {kind.keyword} needs two nodes {p_end} and {q_end}")
+
+
+def _part(kind: NodeKind) -> str:
+    return "translational" if kind.part == "position" else "rotational"
+
+
+def position(r: Reading, s: Statement, p: Values) -> None:
+    """X: position of a translational node."""
+    kind = r.kind_of(p["node"])
+    if kind.part == "rotation":
+        line = r.nodes[p["node"]][1]
+        raise Fault(
+            f"is a rotational node ({line.keyword} on line {line.line}): only a translational node has a position"
+        )
+    values = [p[name] for name in ("x", "y", "z") if name in p]
+    if len(values) > kind.size:
+        raise Fault(f"has {kind.size} coordinates in a planar mechanism, but {len(values)} are given")
+    r.once(s, p["node"])
+    r.positions[p["node"]] = values + [0.0] * (kind.size - len(values))
+
+
+def numbers(r: Reading, s: Statement, p: Values) -> None:
+    """ESTIFF, EM, EDAMP: numbers of an element's section."""
+    declared = r.declared(p["element"])
+    kind, values = declared.kind, p["value"]
+    names = {"ESTIFF": kind.stiffness, "EM": kind.mass, "EDAMP": kind.damping}[s.keyword]
+    if not names:
+        instead = "put mass on nodes with XM" if s.keyword == "EM" else "it has no stiffness of its own"
+        raise Fault(f"{kind.keyword} takes no {s.keyword}: {instead}")
+    if len(values) > len(names):
+        raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
+    for name, value in zip(names, values, strict=False):
+        if name == NOTHING and not (known(value) and value == 0):
+            what = "cross-section that turns: a rotary inertia" if s.keyword == "EM" else "shear deformation: a shear"
+            raise Fault(f"{kind.keyword} has no {what} of {value} must be 0")
+        if name not in ("stiffness", "damping", "Jyz") and known(value) and value < 0:
+            raise Fault(f"{name} must not be negative, but is {value}")
+    if (
+        kind.series is not None
+        and s.keyword == "ESTIFF"
+        and sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6]) == 1
+    ):
+        raise Fault(f"{kind.keyword} counts shear in both directions or in none: give shear_z and shear_y, or neither")
+    r.once(s, p["element"])
+    r.lines.setdefault(p["element"], {})[s.keyword] = values
+
+
+def _counted(names: tuple[str, ...]) -> str:
+    shown = [name for name in dict.fromkeys(names) if name != NOTHING]
+    return f"{len(names)} number{'s' if len(names) > 1 else ''} ({', '.join(shown)})"
+
+
+def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: str, repeatable: bool) -> list[int]:
+    """Give entries a role; returns their own numbers, each once."""
+    what = "coordinate" if kind == "node" else "deformation"
+    named: dict[int, int] = {}
+    for i, component in enumerate(components):
+        if component in components[:i]:
+            raise Fault(f"{what} {component} is named twice")
+        for number in r.meant(of, component, kind):
+            named.setdefault(number, component)
+    again: dict[int, Statement] = {}
+    for number, component in named.items():
+        first = r.roles.get((kind, of, number))
+        if first is not None and (first.keyword != s.keyword or not repeatable):
+            raise Fault(
+                f"{what} {component} has a role already by {first.keyword} on line {first.line}; it can have one only"
+            )
+        if first is not None:
+            again.setdefault(component, first)
+    for component, first in list(again.items())[:1]:
+        r.warnings.append((s, f"{what} {component} of {kind} {of} is named already on line {first.line}"))
+    r.roles |= {(kind, of, number): s for number in named}
+    return list(named)
+
+
+def fix(r: Reading, s: Statement, p: Values) -> None:
+    """FIX: coordinates at their start values; none named means all."""
+    size = r.kind_of(p["node"]).size
+    components = p.get("coordinate", list(range(1, size + 1)))
+    _take_role(r, s, p["node"], components, "node", repeatable=True)
+    r.builder.fix(str(p["node"]), *components)
+
+
+def release(r: Reading, s: Statement, p: Values) -> None:
+    """RLSE: deformations that may change."""
+    numbers = _take_role(r, s, p["element"], p["deformation"], "element", repeatable=True)
+    r.builder.release(str(p["element"]), *numbers)
+    if r.declared(p["element"]).kind.keyword in ("RBEAM", "PINBODY", "PLRBEAM", "PLPINBODY"):
+        r.warnings.append((s, "deformations of a rigid offset are taken along axes that start global and turn with p"))
+
+
+def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
+    """DYNX, DYNE: degrees of freedom."""
+    kind, of, components = _target(p)
+    r.builder.dof(str(of), *_take_role(r, s, of, components, kind, repeatable=False), kind=kind)
+
+
+def prescribed(r: Reading, s: Statement, p: Values) -> None:
+    """INPUTX, INPUTE in the kinematics block: what is prescribed, at its start value so far."""
+    kind, of, components = _target(p)
+    for component in components:
+        r.single(of, component, kind)
+    for component in _take_role(r, s, of, components, kind, repeatable=True):
+        r.builder.prescribe(str(of), component, kind=kind)
+
+
+def _target(p: Values) -> tuple[str, int, Any]:
+    if "node" in p:
+        return "node", p["node"], p["coordinate"]
+    return "element", p["element"], p["deformation"]
+
+
+# -- dynamics -----------------------------------------------------------------------------------------------------
+
+
+def lumped(r: Reading, s: Statement, p: Values) -> None:
+    """XM: mass of a translational node, rotary inertia of a rotational one."""
+    kind, values = r.kind_of(p["node"]), p["value"]
+    r.entries(p["node"], [], "node")
+    wanted = {"position": 1, "rotation": 1 if kind is ANGLE else 6}[kind.part]
+    if len(values) != wanted:
+        names = "mass" if kind.part == "position" else "J" if kind is ANGLE else "Ixx Ixy Ixz Iyy Iyz Izz"
+        raise Fault(f"{_part(kind)} node takes {wanted} ({names}), but {len(values)} are given")
+    r.once(s, p["node"])
+    if kind.part == "position":
+        if known(values[0]) and values[0] < 0:
+            raise Fault(f"mass must not be negative, but is {values[0]}; only a rotational node may have that")
+        r.builder.mass(str(p["node"]), values[0])
+    else:
+        r.builder.inertia(str(p["node"]), values[0] if kind is ANGLE else stack(values))
+
+
+def force(r: Reading, s: Statement, p: Values) -> None:
+    """XF, DELXF: forces; of a spatial rotation 3 moment components, or 4 duals of the Euler parameters."""
+    kind, values, increment = r.kind_of(p["node"]), p["value"], s.keyword == "DELXF"
+    r.entries(p["node"], [], "node")
+    spatial = kind is ROTATION3
+    if spatial and len(values) not in (3, 4):
+        raise Fault(
+            f"rotational node takes 3 moment components, or 4 duals of the Euler parameters; {len(values)} are given"
+        )
+    if len(values) > kind.size:
+        raise Fault(f"{_part(kind)} node takes at most {kind.size} components, but {len(values)} are given")
+    moment = spatial and len(values) == 3
+    r.once(s, p["node"], moment)
+    # Components that are not given are zero.
+    values = values if moment else values + [0.0] * (kind.size - len(values))
+    (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
+
+
+def motion(r: Reading, s: Statement, p: Values) -> None:
+    """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
+    kind, of, component = _target(p)
+    r.require(of, component, kind, Role.PRESCRIBED)
+    r.once(s, of, component)
+    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
+    r.builder.prescribe(str(of), component, p["value"] - start, kind=kind)
+    rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
+    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
+    if any(not known(rate) or rate != 0 for rate in rates):
+        r.warnings.append((s, "velocity and acceleration are for modes 1 and 4; static analyses do not use them"))
+
+
+def motion_increment(r: Reading, s: Statement, p: Values) -> None:
+    """DELINPX, DELINPE: increment of a prescribed value over the load path."""
+    kind, of, component = _target(p)
+    r.require(of, component, kind, Role.PRESCRIBED)
+    r.once(s, of, component)
+    r.builder.prescribe(str(of), component, p["increment"], increment=True, kind=kind)
+
+
+def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., dict[int, float]]) -> list[float]:
+    """Values of an element's deformations; ``spread`` makes those of a spectral beam of those of a beam."""
+    of, values = p["element"], p["value"]
+    roles = r.entries(of, list(range(1, len(values) + 1)), "element")
+    r.once(s, of)
+    member = r.builder.members[str(of)]
+    if member.element.fields:
+        start, end = (r.builder.nodes[member.nodes[k]].start for k in (0, 2))
+        length = sum((q - p) ** 2 for p, q in zip(start, end, strict=True)) ** 0.5
+        try:
+            own = spread(member.element, length, values)
+        except ValueError as fault:
+            raise Fault(str(fault)) from None
+        values = [own.get(n, 0.0) for n in range(1, max(own, default=1) + 1)]
+        roles = member.roles[: len(values)]
+    numbered = enumerate(zip(roles, values, strict=True), 1)
+    held = [i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)]
+    if held:
+        listed = f"{'deformation' if len(held) == 1 else 'deformations'} {', '.join(map(str, held))}"
+        r.warnings.append((s, f"{listed} of element {of} cannot give way, so that the value there has no effect"))
+    return values
+
+
+def prestress(r: Reading, s: Statement, p: Values) -> None:
+    """ESIG, DELESIG: stress resultants added to those of the stiffness."""
+    values = _element_values(r, s, p, series.resultants)
+    r.builder.prestress(str(p["element"]), *values, increment=s.keyword == "DELESIG")
+
+
+def strain(r: Reading, s: Statement, p: Values) -> None:
+    """EINIT: deformations without stress."""
+    r.builder.strain(str(p["element"]), *_element_values(r, s, p, series.strains))
+
+
+def gravity(r: Reading, s: Statement, p: Values) -> None:
+    """GRAVITY: acceleration."""
+    r.once(s)
+    values = [p[name] for name in ("gx", "gy", "gz") if name in p]
+    if r.builder.dimension == 3 and len(values) != 3:
+        raise Fault("a spatial mechanism needs three components: gx gy gz")
+    if r.builder.dimension == 2 and any(not known(value) or value != 0 for value in values[2:]):
+        raise Fault(f"a planar mechanism has no third axis: gz must be 0, but is {values[2]}")
+    r.builder.gravity(values[: r.builder.dimension])
+
+
+# -- settings -----------------------------------------------------------------------------------------------------
+
+
+def setting(r: Reading, s: Statement, p: Values) -> None:
+    """TIMESTEP, ERROR, ITERSTEP: numbers for an analysis."""
+    r.once(s)
+    for name in ("end", "absolute", "relative", "tolerance"):
+        if name in p and known(p[name]) and p[name] <= 0:
+            raise Fault(f"{name} must be positive, but is {p[name]}")
+    r.settings[s.keyword] = Setting(s.line, p)
+    if s.keyword == "ITERSTEP":
+        r.warnings.append((s, "has no effect: a path (mode 10) finds its own load steps and iterates to round-off"))
+
+
+def start_value(r: Reading, s: Statement, p: Values) -> None:
+    """STARTDX, STARTDE: start values of a degree of freedom."""
+    kind, of, component = _target(p)
+    r.require(of, component, kind, Role.DOF)
+    r.once(s, of, component)
+    velocity = p.get("velocity", 0.0)
+    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], velocity))
+    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
+    r.builder.start(str(of), component, p["value"] - start, velocity, kind=kind)
+
+
+def routine(r: Reading, s: Statement, p: Values) -> None:
+    """USERSIG, USERINP: a Python function given beside the file."""
+    r.once(s)
+    if p["name"] not in r.callables:
+        name = shown(p["name"])
+        raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
+    r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
+    r.warnings.append(
+        (s, "the function is kept in settings and acts in no analysis by itself: hand it to simulate (loads=, motion=)")
+    )
+
+
+def log_level(r: Reading, s: Statement, p: Values) -> None:
+    """OUTLEVEL, LEVELLOG: how much the predecessor wrote to its log."""
+    r.settings[s.keyword] = (p["log"], p["store"])
+    r.warnings.append((s, "has no effect: all transfer functions are always available"))
+
+
+def drawing(r: Reading, s: Statement) -> None:
+    """A line of the visualization section, kept as it stands."""
+    r.settings.setdefault(DRAWING.upper(), []).append(s.raw)
+    r.drawn.append(s)
+
+
+# -- inputs and outputs -------------------------------------------------------------------------------------------
+
+QUANTITIES = {
+    "OUTX": "position",
+    "OUTXP": "velocity",
+    "OUTXDP": "acceleration",
+    "OUTE": "deformation",
+    "OUTEP": "deformation rate",
+    "OUTEDP": "deformation acceleration",
+    "OUTS": "stress",
+}
+
+
+EULER = {
+    "input": "a coordinate of a spatial rotation is an Euler parameter: the input is the force dual to it, twice a"
+    ' moment at an unturned node; in Python, input(node, "rx") is a moment',
+    "output": "a coordinate of a spatial rotation is an Euler parameter: half an angle at an unturned node; in Python,"
+    ' output(node, "rx") is a rotation',
+}
+
+
+def signal(r: Reading, s: Statement, p: Values) -> None:
+    """INPUTF, INPUTS, OUTX, OUTE and the like: one input or output, added when all are known."""
+    kind, of, component = _target(p)
+    side = "input" if s.keyword.startswith("IN") else "output"
+    number_signal(r, s, p["number"])
+    r.single(of, component, kind)
+    quantity = QUANTITIES.get(s.keyword)
+    if kind == "node" and r.kind_of(of) is ROTATION3:
+        r.warnings.append((s, EULER[side]))
+    if side == "input" and kind == "node" and r.entries(of, [component], kind)[0] in (Role.FIXED, Role.PRESCRIBED):
+        raise Fault(f"coordinate {component} is held, so that a force on it does nothing; let it act on one that moves")
+
+    def add():
+        what = quantity or ("force" if kind == "node" else "stress")
+        label, known = f"{what} {of}.{component}", r.builder.signals[side]
+        name = f"{label} ({p['number']})" if label in {signal.name for signal in known} else label
+        known.append(NamedSignal(name, what, (kind, str(of), component)))
+
+    r.signals[side][p["number"]] = s, add
+
+
+def number_signal(r: Reading, s: Statement, number: int) -> None:
+    """Take a number of an input or output, of which each is used once.
+
+    Args:
+        r: State.
+        s: The line.
+        number: Its number.
+    """
+    side = "input" if s.keyword.startswith("IN") else "output"
+    first = r.signals[side].get(number)
+    if first is not None:
+        raise Fault(
+            f"{side} {number} is defined already on line {first[0].line}; inputs share one numbering, so do outputs"
+        )
+    r.signals[side][number] = s, None

@@ -1,0 +1,162 @@
+"""The SPACAR Light interface as functions: a script carries over line by line."""
+
+import dataclasses
+import warnings as python_warnings
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..control.state_space import to_statespace
+from ..errors import AnalysisError, ModelError
+from ..linear.linearize import Linearization, linearize
+from ..linear.modes import modes
+from ..model.model import Model
+from .light_checks import check
+from .light_input import Script, read
+from .light_input import Struct as Struct
+from .light_input import StructArray as StructArray
+from .light_model import build
+from .light_results import LightResults as LightResults
+
+LOAD_STEPS = 10
+# Diagonals of stiffness and mass below these many units of round-off are a sign of wrong units.
+TINY_STIFFNESS, TINY_MASS = 15, 150
+
+
+def spacar_light(
+    nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
+) -> LightResults:
+    """Analyse a mechanism that is described in the predecessor's SPACAR Light.
+
+    Names and meaning are those of SPACAR Light: fields of nodes fix, fix_pos, fix_orien, fix_x .., fix_warp, force,
+    moment, displ_x .., rot_x .., rot, each of the loads also with _initial, mass, mominertia, transfer_in,
+    transfer_out; of element sets elems, emod, smod, dens, cshape, dim, orien, nbeams, flex, warping, cw, type; options
+    gravity, loadsteps, rls, transfer, calcbuck, calccompl, showinputonly, silent. What is for pictures is named in a
+    warning.
+
+    Loads called initial rise first, from zero to their value in ``loadsteps`` steps (10), then the others. Gravity
+    comes with the initial loads, and is whole from the start where there are none.
+
+    Different from it, and better: rot_x and rot prescribe the angle itself, past full turns; buckling multipliers keep
+    their sign; reaction moments are right at turned nodes; with transfer the mechanism may be loaded, and the state
+    space is that about the last step; warping is the closed form of a leaf spring clamped where a support or a rigid
+    element is. The axis of an element of type "hinge" is its orien. ``silent`` leaves out warnings, not checks.
+
+    Args:
+        nodes: Positions, one row a node, (n, 3) [m]; or the whole script in one struct (a Struct or a dictionary) with
+            the fields coordinates, connect, nprops, eprops and, if wanted, opt.
+        elements: Numbers from 1 of the nodes of each element, (m, 2).
+        nprops: Properties of nodes: a StructArray, a dictionary by number, or a list whose first is node 1.
+        eprops: Properties of element sets, likewise.
+        opt: Options: a dictionary or a Struct.
+
+    Returns:
+        LightResults, with the results under the predecessor's names, the Model and its Builder.
+
+    Raises:
+        ModelError: A field is unknown or wrong, one line each, by node, element or set.
+        MechanismError: Under-constrained, or over-constrained beyond what can be released.
+        AnalysisError: No equilibrium at some load step.
+    """
+    script = read(nodes, elements, nprops, eprops, opt)
+    check(script)
+    builder, model, releases = build(script)
+    factors: list[tuple[float, float]] = []
+    found: list[Linearization] = []
+    if not script.opt.get("showinputonly"):
+        factors = load_steps(script)
+        for i, (initial, increment) in enumerate(factors, 1):
+            found.append(_linearize(model, i, len(factors), initial, increment))
+    light = LightResults(script, builder, model, releases, factors, found)
+    if found:
+        light.warnings += _suspicions(light)
+        if script.opt.get("transfer"):
+            light.statespace = to_statespace(_damped(found[-1], *script.opt["transfer"][1:]))
+    if not script.opt.get("silent"):
+        for text in light.warnings:
+            python_warnings.warn(text, stacklevel=2)
+    return light
+
+
+def spacar_light_model(
+    nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
+) -> Model:
+    """The mechanism of a SPACAR Light script, to differentiate, batch and analyse by flexmb's own functions.
+
+    Every number of the script may be traced. With traced node positions, releases are not found: ``opt.rls`` must be
+    given, such as ``overconstraints`` of an untraced :func:`spacar_light`.
+
+    Args:
+        nodes: See :func:`spacar_light`.
+        elements: See :func:`spacar_light`.
+        nprops: See :func:`spacar_light`.
+        eprops: See :func:`spacar_light`.
+        opt: See :func:`spacar_light`.
+
+    Returns:
+        Model. Node 3 is "n3", the beams of element 2 are "e2.1", "e2.2" and so on.
+
+    Raises:
+        ModelError: See :func:`spacar_light`.
+        MechanismError: See :func:`spacar_light`.
+    """
+    script = read(nodes, elements, nprops, eprops, opt)
+    check(script)
+    return build(script)[1]
+
+
+def load_steps(script: Script) -> list[tuple[float, float]]:
+    """Factors of the initial and of the incremental loads at every step.
+
+    The initial loads rise first, then the others; each in ``loadsteps`` steps with the state they start from. Gravity
+    comes with the initial loads, and is whole where there are none.
+
+    Args:
+        script: Checked script.
+    """
+    moving = [
+        name for own in script.nprops.values() for name in own if name.startswith(("force", "moment", "displ", "rot"))
+    ]
+    initial, increment = (any(("_initial" in name) is wanted for name in moving) for wanted in (True, False))
+    steps = script.opt.get("loadsteps", LOAD_STEPS)
+    rising = np.linspace(0.0, 1.0, steps).tolist() if steps > 1 else [1.0]
+    found = [(s, 0.0) for s in rising] if initial else []
+    if increment:
+        found += [(1.0, s) for s in (rising[1:] if initial and steps > 1 else rising)]
+    return found or [(1.0, 0.0)]
+
+
+def _linearize(model: Model, step: int, steps: int, initial: float, increment: float) -> Linearization:
+    try:
+        return linearize(model, load_factor=initial, increment=0.0 if model.parameters.increment is None else increment)
+    except AnalysisError as fault:
+        at = f"At load step {step} of {steps}, initial loads times {initial:.3g} and the others times {increment:.3g}: "
+        hint = " fm.path(fm.spacar_light_model(..)) follows the loads past such a point."
+        raise AnalysisError(fault.code, at + str(fault) + hint) from None
+
+
+def _suspicions(light: LightResults) -> list[str]:
+    """What the numbers give reason to warn of."""
+    found = []
+    first, eps = light.linearizations[0].matrices, np.finfo(float).eps
+    for name, matrix, tiny in (("stiffness", first.K0, TINY_STIFFNESS), ("mass", first.M0, TINY_MASS)):
+        largest = np.max(np.abs(np.asarray(matrix)), initial=0.0)
+        if light.ndof and largest < tiny * eps:
+            found.append(f"The {name} of every degree of freedom is below {tiny * eps:.0e}: check the units.")
+    unstable = [i for i in range(light.freq.shape[1]) if np.any(light.freq[:, i] < 0)]
+    if unstable:
+        found.append(f"From load step {unstable[0] + 1} on, a motion has no stiffness left: it may have buckled.")
+    return found
+
+
+def _damped(lin: Linearization, ratio: float = 0.0) -> Linearization:
+    """The same with a damping ratio in every mode: D0 = M0 V 2 ratio sqrt(values) V^T M0, V mass-normalised."""
+    if ratio == 0.0:
+        return lin
+    if not lin.matrices.symmetric:
+        raise ModelError("opt.transfer: a damping ratio needs normal modes, which moments in space rule out.")
+    found, mass = modes(lin), np.asarray(lin.matrices.M0)
+    values, shapes = np.asarray(found.eigenvalues), mass @ np.asarray(found.q_shapes)
+    damping = shapes * (2 * ratio * np.sqrt(np.maximum(values, 0.0))) @ shapes.T
+    return Linearization(dataclasses.replace(lin.matrices, D0=jnp.asarray(damping)), lin.model)

@@ -1,0 +1,288 @@
+"""A SPACAR Light script as a Builder: its beams, supports and loads, and which deformations are released."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import jax
+import numpy as np
+
+from ..build.assemble import is_concrete
+from ..build.builder import Builder
+from ..checks.mobility import mobility, removals
+from ..elements import spatial
+from ..elements.sections import Circle, Material, Rectangle, Rigidity, Section
+from ..errors import MechanismError, ModelError
+from ..model.model import Model
+from .light_checks import acts, rotations
+from .light_input import AXES, INPUTS, OUTPUTS, Script
+
+Releases = Mapping[int, tuple[int, ...]]
+
+
+def node_name(node: int) -> str:
+    """Name in the Builder of a node of the script.
+
+    Args:
+        node: Its number.
+    """
+    return f"n{node}"
+
+
+def beam_names(script: Script, element: int) -> list[str]:
+    """Names in the Builder of the beams, or of the hinge, that an element of the script becomes.
+
+    Args:
+        script: Script.
+        element: Its number.
+    """
+    own = script.properties(element)
+    return [f"e{element}.{i + 1}" for i in range(own.get("nbeams", 1) if script.flexible(element) else 1)]
+
+
+def build(script: Script) -> tuple[Builder, Model, Releases]:
+    """Mechanism of a script, with over-constraints released.
+
+    Which deformations are released depends on the geometry alone, so that sections, loads and masses may be traced.
+
+    Args:
+        script: Checked script.
+
+    Returns:
+        Builder, Model, and the released deformations of each element.
+
+    Raises:
+        ModelError: The geometry is traced and ``opt.rls`` is not given.
+        MechanismError: Under-constrained; over-constrained beyond what may be released.
+    """
+    releases: Releases = script.opt.get("rls", {})
+    if is_concrete((script.nodes, [own.get("orien") for own in script.eprops.values()])):
+        # Nothing here is traced, so that it is computed at once even where the rest is.
+        with jax.ensure_compile_time_eval():
+            releases = _complete(script, releases)
+    elif "rls" not in script.opt:
+        raise ModelError(
+            "The geometry (nodes or orien) is traced, so that over-constraints cannot be looked for: give opt.rls,"
+            " which may be what `overconstraints` of an untraced run says, or {} for none."
+        )
+    builder = describe(script, releases)
+    return builder, builder.build(dofs="named", check=False), releases
+
+
+# -- releases -----------------------------------------------------------------------------------------------------
+
+
+def _complete(script: Script, releases: Releases) -> Releases:
+    """Releases of a script, found where they are not given."""
+    bare = describe(script, releases, bare=True).build(dofs="named", check=False)
+    last = {beam_names(script, k)[-1]: k for k in script.numbers()}
+    candidates = {(beam, i) for beam, k in last.items() for i in script.flexible(k) if i not in releases.get(k, ())}
+    found = mobility(bare)
+    removed = removals(bare, candidates) if found.overconstraints else ()
+    proposed: dict[int, tuple[int, ...]] = {}
+    for beam, i in (r for r in removed if r is not None):
+        proposed[last[beam]] = tuple(sorted((*proposed.get(last[beam], ()), i)))
+    if found.underconstraints:
+        raise MechanismError("underconstrained" if not found.overconstraints else "both", _loose(found))
+    if None in removed:
+        raise MechanismError("overconstrained", _redundant(script, {**releases, **proposed}, removed.count(None)))
+    if removed and "rls" in script.opt:
+        lines = [f"  opt.rls({k}).def = {list(numbers)} more" for k, numbers in proposed.items()]
+        raise MechanismError(
+            "overconstrained",
+            f"The mechanism is over-constrained with opt.rls as given ({len(removed)} times). Leave opt.rls out to have"
+            " it released automatically, or add, for example:\n" + "\n".join(lines),
+        )
+    return {k: releases.get(k, ()) + proposed.get(k, ()) for k in script.numbers() if k in releases or k in proposed}
+
+
+def _loose(found) -> str:
+    lines = [f"The mechanism is under-constrained, motions held by nothing: {found.underconstraints}."]
+    for i in range(found.underconstraints):
+        moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in found.motions(i)))
+        parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in found.motions(i)[:6])
+        lines.append(f"  motion {i + 1} of {', '.join(moving[:6])}: {parts}")
+    return "\n".join([*lines, "Fix or support these nodes (n3 is node 3), or join them to the rest."])
+
+
+def _redundant(script: Script, releases: Releases, count: int) -> str:
+    """What holds what, after all has been released that may be."""
+    found = mobility(describe(script, releases, bare=True).build(dofs="named", check=False))
+    lines = [f"The mechanism is over-constrained, and no deformation in flex can be released for it ({count} times)."]
+    for i in range(found.overconstraints):
+        shares = [s for s in found.stresses(i) if s.of[0] == "e" and not s.of.endswith(".pin")]
+        held: dict[int, set[int]] = {}
+        for share in shares:
+            held.setdefault(int(share.of[1:].split(".")[0]), set()).add(share.component)
+        soft = {
+            k: sorted(n - set(script.flexible(k))) for k, n in sorted(held.items()) if "flex" in script.properties(k)
+        }
+        advice = [f"add one of {numbers} to flex of element {k}" for k, numbers in soft.items() if numbers]
+        lines.append(
+            f"  elements {', '.join(str(k) for k in sorted(held))} hold each other: "
+            + ("; or ".join(advice) if advice else "they form a loop of rigid elements; make one of them flexible")
+        )
+    return "\n".join(lines)
+
+
+# -- the mechanism ------------------------------------------------------------------------------------------------
+
+
+def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
+    """Builder of a script. DOFs are the deformations in flex, but for those released.
+
+    Args:
+        script: Checked script.
+        releases: Released deformations of the last beam of each element.
+        bare: Geometry and supports only, without any number that may be traced.
+
+    Returns:
+        Builder.
+    """
+    b = Builder()
+    for i in range(1, len(script.nodes) + 1):
+        b.node(node_name(i), list(script.nodes[i - 1]))
+    for k in script.numbers():
+        if script.is_hinge(k):
+            _add_hinge(b, script, k)
+        else:
+            _add_beams(b, script, k, bare)
+    for i, own in sorted(script.nprops.items()):
+        _support(b, node_name(i), own, bare)
+        if not bare:
+            _load(b, node_name(i), own)
+    for k in script.numbers():
+        beams = beam_names(script, k)
+        for beam in beams:
+            free = releases.get(k, ()) if beam is beams[-1] else ()
+            rest = [i for i in script.flexible(k) if i not in free]
+            if free:
+                b.release(beam, *free)
+            if rest:
+                b.dof(beam, *rest)
+    if not bare and "gravity" in script.opt and acts(script.opt["gravity"]):
+        b.gravity(list(script.opt["gravity"]))
+    return b
+
+
+def _add_hinge(b: Builder, script: Script, k: int) -> None:
+    """A hinge between the rotations of two nodes at one place, which is tied to be one place."""
+    p, q = (node_name(i) for i in script.ends(k))
+    b.add(spatial.hinge, p, q, name=f"e{k}.1", axis=script.properties(k)["orien"], released=())
+    b.add(spatial.rigid_beam, p, q, name=f"e{k}.pin")
+
+
+def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
+    own, beams = script.properties(k), beam_names(script, k)
+    p, q = script.ends(k)
+    start, end = script.nodes[p - 1], script.nodes[q - 1]
+    y = own.get("orien", np.array([0.0, 1.0, 0.0])) if "flex" in own or "dens" in own else None
+    section = None if bare else section_of(script, k)
+    ends = [node_name(p)]
+    for i in range(1, len(beams)):
+        ends.append(b.node(f"e{k}.n{i}", list(start + (end - start) * (i / len(beams)))))
+    ends.append(node_name(q))
+    for beam, one, other in zip(beams, ends[:-1], ends[1:], strict=True):
+        b.add(spatial.beam, one, other, name=beam, section=section, y=y, released=())
+
+
+def section_of(script: Script, k: int) -> Section | None:
+    """Section of an element; of a rigid one its mass alone, none without density.
+
+    Args:
+        script: Checked script.
+        k: Number of the element.
+    """
+    own = script.properties(k)
+    flexible = bool(script.flexible(k))
+    if not flexible and "dens" not in own:
+        return None
+    dim = own["dim"]
+    material = Material(E=own["emod"], G=own["smod"], rho=own["dens"]) if flexible else Material(1.0, 1.0, own["dens"])
+    if own["cshape"] == "circ":
+        section: Section = Circle(dim[0], material, shear=True)
+    else:
+        clamped = _clamped_ends(script, k) if flexible else None
+        length = None if clamped is None else _length(script, k)
+        section = Rectangle(
+            dim[0],
+            dim[1],
+            material,
+            shear=True,
+            warping_length=length,
+            clamped_ends=clamped or 0,
+            warping_modulus="beam",
+        )
+    if flexible:
+        return section
+    s = section.rigidity()
+    return Rigidity(mass=s.mass, Jx=s.Jx, Jy=s.Jy, Jz=s.Jz)
+
+
+def _length(script: Script, k: int) -> Any:
+    p, q = script.ends(k)
+    along = script.nodes[q - 1] - script.nodes[p - 1]
+    return (along @ along) ** 0.5
+
+
+def _clamped_ends(script: Script, k: int) -> int | None:
+    """At how many ends of an element warping is restrained; None where it is not asked for.
+
+    ``cw`` is the closed form for both ends. ``warping`` had a coordinate a node in the predecessor; here a support or a
+    rigid element restrains it, and the element's closed form takes its place.
+    """
+    own = script.properties(k)
+    if own.get("cw"):
+        return 2
+    if not own.get("warping"):
+        return None
+    clamped = 0
+    for node in script.ends(k):
+        others = [j for j in script.at(node) if j != k and not script.is_hinge(j)]
+        supported = any(name in script.nprops.get(node, {}) for name in ("fix", "fix_warp"))
+        if supported or any(not script.flexible(j) for j in others):
+            clamped += 1
+        elif shared := [j for j in others if script.properties(j).get("warping")]:
+            raise ModelError(
+                f"Elements {k} and {shared[0]}: share their warping at node {node}, which is not offered. Model them"
+                " as one element with nbeams, or leave out warping."
+            )
+    return clamped
+
+
+def _support(b: Builder, node: str, own: dict[str, Any], bare: bool) -> None:
+    for name, parts in (("fix", ()), ("fix_pos", ("position",)), ("fix_orien", ("rotation",))):
+        if name in own:
+            b.fix(node, *parts)
+    for axis in AXES:
+        if f"fix_{axis}" in own:
+            b.fix(node, axis)
+    for when, increment in (("_initial", False), ("", True)):
+        for axis in AXES:
+            value = own.get(f"displ{when}_{axis}")
+            if value is not None:
+                b.prescribe(node, axis, 0.0 if bare else value, increment=increment)
+    for name, (axis, value) in rotations(own).items():
+        # One axis given by its letter leaves the tilt free, as in the predecessor; a full rotation holds it.
+        if axis in AXES:
+            about, angle, tilt = np.eye(3)[AXES.index(axis)], value, "free"
+        else:
+            about, angle, tilt = value[1:] / (value[1:] @ value[1:]) ** 0.5, value[0], "fixed"
+        about, angle = (np.eye(3)[0], 0.0) if bare and tilt == "fixed" else (about, 0.0 if bare else angle)
+        b.prescribe(node, "rotation", angle, axis=list(about), tilt=tilt, increment="initial" not in name)
+
+
+def _load(b: Builder, node: str, own: dict[str, Any]) -> None:
+    if acts(own.get("mass")):
+        b.mass(node, own["mass"])
+    if acts(own.get("mominertia")):
+        b.inertia(node, own["mominertia"])
+    for when, increment in (("_initial", False), ("", True)):
+        if acts(own.get(f"force{when}")):
+            b.force(node, list(own[f"force{when}"]), increment=increment)
+        if acts(own.get(f"moment{when}")):
+            b.moment(node, own[f"moment{when}"], increment=increment)
+    for word in (w for w in INPUTS if w in own.get("transfer_in", ())):
+        b.input(node, word[-1], name=f"{word.replace('_', '-')} {node}")
+    for word in (w for w in OUTPUTS if w in own.get("transfer_out", ())):
+        quantity = "position" if word.startswith("displ") else "velocity"
+        b.output(node, word[-1], quantity, name=f"{word.replace('_', '-')} {node}")

@@ -1,0 +1,340 @@
+"""What a SPACAR Light run answers, by the predecessor's names, read from the linearisation at every load step."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+
+from .. import __version__
+from ..build.builder import Builder
+from ..linear.buckling import multipliers_about
+from ..linear.compliance import compliance
+from ..linear.linearize import Linearization
+from ..linear.modes import modes
+from ..linear.stress import Stress, stress, without_shape
+from ..math.rotation import initial_frame, rotation_matrix
+from ..model.model import Model
+from .light_input import Script
+from .light_model import Releases, beam_names, node_name
+
+if TYPE_CHECKING:
+    import control
+
+
+# A load multiplier beyond this is that of round-off in the geometric stiffness: no load acts.
+NO_LOAD = 1e12
+
+
+class LightResults:
+    """What :func:`spacar_light` answers. Arrays over the load steps have them last.
+
+    Attributes:
+        version: Of flexmb.
+        model: The mechanism; differentiate its parameters, or follow it with ``path`` and the rest of flexmb.
+        builder: Its Builder, to change or add to. Node 3 is "n3", the beams of element 2 are "e2.1", "e2.2" and so on.
+        ndof: Number of degrees of freedom.
+        load_factors: Factors of the initial and of the incremental loads, (2, steps) [-].
+        linearizations: Linearised equations of motion at every step.
+        freq: Natural frequencies, negative where a motion grows, infinite where it has no mass, (ndof, steps) [Hz].
+        buck: Load multipliers by magnitude with their sign, of the total load at that step, infinite where no load
+            acts, (ndof, steps) [-]; None without ``calcbuck``.
+        stressmax: Largest von Mises stress, (steps,) [Pa]; None where no element is flexible.
+        statespace: State-space model about the last step; None without ``transfer``.
+        overconstraints: Deformations of the last beam of each element that were released, as ``opt.rls`` takes them.
+        warnings: What was unusual or without effect.
+    """
+
+    def __init__(
+        self, script: Script, builder: Builder, model: Model, releases: Releases, load_factors, linearizations
+    ):
+        self.version = __version__
+        self.script, self.builder, self.model = script, builder, model
+        self.ndof = model.topology.n_q
+        self.overconstraints = dict(releases)
+        self.warnings = script.warnings
+        self.load_factors = np.reshape(np.asarray(load_factors, float), (-1, 2)).T
+        self.linearizations: Sequence[Linearization] = linearizations
+        self.statespace: control.StateSpace | None = None
+        self._spectra = [spectrum(lin) for lin in linearizations]
+        self.freq = _columns([hertz for hertz, _ in self._spectra], self.ndof)
+        self._stresses = _stresses(linearizations)
+        self.stressmax = None
+        if self._stresses is not None:
+            self.stressmax = np.array([float(found.maximum) for found in self._stresses])
+        self.buck = None
+        if script.opt.get("calcbuck"):
+            found = [
+                multipliers_about(lin.model.topology, lin.model.parameters, lin.matrices) for lin in linearizations
+            ]
+            self.buck = _columns(found, self.ndof)
+            self.buck[np.abs(self.buck) > NO_LOAD] = np.inf
+
+    def node(self, number: int) -> "LightNode":
+        """Results of a node at all steps.
+
+        Args:
+            number: Number of the node, from 1.
+        """
+        return LightNode(self, number, None)
+
+    def element(self, number: int) -> "LightElement":
+        """Results of an element at all steps.
+
+        Args:
+            number: Number of the element, from 1.
+        """
+        return LightElement(self, number, None)
+
+    def step(self, number: int) -> "LightStep":
+        """Results of one load step.
+
+        Args:
+            number: Number of the step, from 1.
+        """
+        return LightStep(self, number)
+
+    def values(self, name: str) -> np.ndarray:
+        """One of the arrays of all linearisations.
+
+        Args:
+            name: Such as "x", "e", "sigma" or "reactions".
+
+        Returns:
+            (steps, n) [SI].
+        """
+        return np.stack([np.asarray(getattr(lin.matrices, name)) for lin in self.linearizations])
+
+
+def _columns(vectors: Sequence, size: int) -> np.ndarray:
+    """Vectors side by side, (size, n)."""
+    return np.reshape(np.array([np.asarray(v) for v in vectors]), (len(vectors), size)).T
+
+
+def _stresses(linearizations: Sequence[Linearization]) -> list[Stress] | None:
+    """Stress at every step; None where no element is flexible or a section has no shape."""
+    if not linearizations:
+        return None
+    model = linearizations[0].model
+    shaped = any(any(names) for names in model.labels.stressed) and not without_shape(model)
+    return [stress(lin.model, at=lin) for lin in linearizations] if shaped else None
+
+
+def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and mode shapes, also where moments make the stiffness unsymmetric.
+
+    Args:
+        lin: Linearization.
+
+    Returns:
+        Frequencies with the sign of the eigenvalue's real part, infinite without mass, (ndof,) [Hz]; shapes in the
+        degrees of freedom, (ndof, ndof), zero where there is no mass.
+    """
+    n = lin.matrices.M0.shape[0]
+    hertz, shapes = np.full(n, np.inf), np.zeros((n, n))
+    if lin.matrices.symmetric:
+        found = modes(lin)
+        values, vectors = np.asarray(found.frequencies), np.asarray(found.q_shapes)
+    else:
+        found = scipy.linalg.eig(np.linalg.solve(lin.matrices.K, lin.matrices.M0))
+        inverse, vectors = np.asarray(found[0]), np.asarray(found[1])
+        massive = np.abs(inverse) > 100 * n * np.finfo(float).eps * np.max(np.abs(inverse), initial=0.0)
+        order = np.flatnonzero(massive)[np.argsort((1 / inverse[massive]).real)]
+        eigenvalues, vectors = 1 / inverse[order], np.real(vectors[:, order])
+        values = np.sign(eigenvalues.real) * np.sqrt(np.abs(eigenvalues.real)) / (2 * np.pi)
+        mass = np.einsum("iv,ij,jv->v", vectors, np.asarray(lin.matrices.M0), vectors)
+        vectors = vectors / np.sqrt(np.where(mass > 0, mass, 1.0))
+    hertz[: len(values)], shapes[:, : len(values)] = values, vectors
+    return hertz, shapes
+
+
+class _Part:
+    """A node or an element, at one step or at all."""
+
+    def __init__(self, light: LightResults, number: int, step: int | None):
+        count = len(light.script.nodes) if isinstance(self, LightNode) else len(light.script.elements)
+        if not 1 <= number <= count:
+            raise IndexError(f"{type(self).__name__[5:]}s are numbered from 1 to {count}, so that {number} is none.")
+        self._light, self.number, self._step = light, number, step
+
+    def _at(self, every: np.ndarray) -> np.ndarray:
+        """Steps last; or the one step."""
+        return np.moveaxis(every, 0, -1) if self._step is None else every[self._step]
+
+
+class LightNode(_Part):
+    """Results of a node; without the last axis for one step.
+
+    Attributes:
+        number: Number of the node.
+        name: Its name in the Builder.
+    """
+
+    @property
+    def name(self) -> str:
+        """Its name in the Builder."""
+        return node_name(self.number)
+
+    def _values(self, quantity: str, of: str) -> np.ndarray:
+        return self._light.values(quantity)[:, self._light.model.labels.known(of)]
+
+    @property
+    def p(self) -> np.ndarray:
+        """Position, (3, steps) [m]."""
+        return self._at(self._values("x", self.name))
+
+    @property
+    def r_quat(self) -> np.ndarray:
+        """Euler parameters, the scalar first, (4, steps) [-]."""
+        return self._at(self._values("x", f"{self.name}.rotation"))
+
+    @property
+    def r_axang(self) -> np.ndarray:
+        """Rotation as an angle up to a full turn and its axis, (4, steps) [rad, -]; axis x where unturned."""
+        lam = self._values("x", f"{self.name}.rotation")
+        size = np.linalg.norm(lam[:, 1:], axis=1)
+        axes = np.where(size[:, None] > 0, lam[:, 1:] / np.where(size > 0, size, 1.0)[:, None], np.eye(3)[0])
+        return self._at(np.concatenate([2 * np.arctan2(size, lam[:, 0])[:, None], axes], axis=1))
+
+    @property
+    def r_eulzyx(self) -> np.ndarray:
+        """Rotations about z, the turned y and the turned x, one after the other, (3, steps) [rad]."""
+        r = np.stack([np.asarray(rotation_matrix(jnp.asarray(q))) for q in self._values("x", f"{self.name}.rotation")])
+        about_y = np.arcsin(np.clip(-r[:, 2, 0], -1, 1))
+        angles = [np.arctan2(r[:, 1, 0], r[:, 0, 0]), about_y, np.arctan2(r[:, 2, 1], r[:, 2, 2])]
+        return self._at(np.stack(angles, axis=1))
+
+    @property
+    def Freac(self) -> np.ndarray:
+        """Force of the support on the node, zero where it is free, (3, steps) [N]."""
+        return self._at(self._values("reactions", self.name))
+
+    @property
+    def Mreac(self) -> np.ndarray:
+        """Moment of the support on the node about global axes, zero where it is free, (3, steps) [N m]."""
+        # The moment that prescribes a rotation comes in through the frame of its hinge. Neither that nor a rotation
+        # that is FIXED ever turns, so that the forces dual to its Euler parameters are (0, 2 M).
+        parts = [f"{self.name}.rotation", f"frame of {self.name}"]
+        held = [part for part in parts if self._light.model.labels.coordinates(part)]
+        return self._at(np.sum([self._values("reactions", part)[:, 1:] for part in held], axis=0) / 2)
+
+    @property
+    def CMglob(self) -> np.ndarray | None:
+        """Compliance, displacements and rotations by forces and moments, (6, 6, steps); None without calccompl."""
+        return self._compliance(False)
+
+    @property
+    def CMloc(self) -> np.ndarray | None:
+        """Compliance in axes that turn with the node, (6, 6, steps); None without calccompl."""
+        return self._compliance(True)
+
+    def _compliance(self, local: bool) -> np.ndarray | None:
+        if not self._light.script.opt.get("calccompl", True):
+            return None
+        lins = self._light.linearizations if self._step is None else [self._light.linearizations[self._step]]
+        found = [np.asarray(compliance(lin, self.name, local=local)) for lin in lins]
+        return found[0] if self._step is not None else np.stack(found, axis=-1)
+
+
+class LightElement(_Part):
+    """Results of an element; without the last axis for one step.
+
+    Attributes:
+        number: Number of the element.
+        names: Names of its beams in the Builder.
+    """
+
+    @property
+    def names(self) -> list[str]:
+        """Names of its beams, or of its hinge, in the Builder."""
+        return beam_names(self._light.script, self.number)
+
+    @property
+    def L0(self) -> float:
+        """Undeformed length, () [m]."""
+        p, q = self._ends()
+        return float(np.linalg.norm(q - p))
+
+    @property
+    def Ri(self) -> np.ndarray:
+        """Local axes in the undeformed mechanism as columns, the first along the beam or hinge, (3, 3) [-]."""
+        own = self._light.builder.members[self.names[0]].properties
+        (p, q), across = self._ends(), own.get("y")
+        if "axis" in own:
+            p, q = np.zeros(3), np.asarray(own["axis"])
+        return np.asarray(
+            initial_frame(jnp.asarray(p), jnp.asarray(q), None if across is None else jnp.asarray(across))
+        )
+
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        p, q = self._light.script.ends(self.number)
+        return np.asarray(self._light.script.nodes[p - 1]), np.asarray(self._light.script.nodes[q - 1])
+
+    @property
+    def e(self) -> np.ndarray:
+        """Deformations, one row a beam, (beams, 6, steps) [m]; of a hinge (1, 3, steps) [rad]."""
+        entries, every = self._light.model.labels.e, self._light.values("e")
+        rows = [[i for i, entry in enumerate(entries) if entry.of == name] for name in self.names]
+        return self._at(every[:, np.array(rows)])
+
+    @property
+    def stressmax(self) -> np.ndarray | None:
+        """Largest von Mises stress in its beams, (steps,) [Pa]; None where no element of the script is flexible."""
+        every = self._light._stresses
+        if every is None:
+            return None
+        own = [i for i, name in enumerate(every[0].names) if name in self.names]
+        found = [np.max(np.asarray(step.by_element)[own], initial=0.0) for step in every]
+        return self._at(np.array(found))
+
+
+class LightStep:
+    """Results of one load step.
+
+    Attributes:
+        number: Number of the step, from 1.
+        lin: Its linearisation.
+    """
+
+    def __init__(self, light: LightResults, number: int):
+        if not 1 <= number <= len(light.linearizations):
+            raise IndexError(f"Steps are numbered from 1 to {len(light.linearizations)}, so that {number} is none.")
+        self._light, self.number = light, number
+        self.lin = light.linearizations[number - 1]
+
+    def node(self, number: int) -> LightNode:
+        """Results of a node at this step.
+
+        Args:
+            number: Number of the node, from 1.
+        """
+        return LightNode(self._light, number, self.number - 1)
+
+    def element(self, number: int) -> LightElement:
+        """Results of an element at this step.
+
+        Args:
+            number: Number of the element, from 1.
+        """
+        return LightElement(self._light, number, self.number - 1)
+
+    @property
+    def freq(self) -> np.ndarray:
+        """Natural frequencies, (ndof,) [Hz]."""
+        return self._light.freq[:, self.number - 1]
+
+    @property
+    def freqmodes(self) -> np.ndarray:
+        """Mass-normalised mode shapes in the degrees of freedom, one a column, (ndof, ndof)."""
+        return self._light._spectra[self.number - 1][1]
+
+    @property
+    def buck(self) -> np.ndarray | None:
+        """Load multipliers, (ndof,) [-]."""
+        return None if self._light.buck is None else self._light.buck[:, self.number - 1]
+
+    @property
+    def stressmax(self) -> float | None:
+        """Largest von Mises stress, () [Pa]."""
+        return None if self._light.stressmax is None else float(self._light.stressmax[self.number - 1])

@@ -1,0 +1,144 @@
+"""Deformation numbers of spectral beams in SPACAR input files.
+
+A file speaks of a spectral beam as of a beam: the beam's numbers, up to 3 in the plane and 6 in space, stand for whole
+strain fields (1 elongation, 2 torsion, 3 or 4 and 5 or 6 the two bendings; in the plane 1, and 2 or 3). The closure,
+which has these numbers in ``e``, is always FIXED and needs none. The numbers after them are single coefficients.
+"""
+
+import math
+
+from ..elements.element import Element
+from .lines import known
+
+FIELDS = {
+    2: ("elongation", "bending"),
+    3: ("elongation", "torsion", "bending about y", "bending about z", "shear along y", "shear along z"),
+}
+# Fields that move with each number of the beam: a beam that bends along z shears along z too.
+_PARTS: dict[int, tuple[tuple[int, ...], ...]] = {
+    2: ((0,), (1,), (1,)),
+    3: ((0,), (1,), (2, 5), (2, 5), (3, 4), (3, 4)),
+}
+# Fields of the bendings, the beam's number of each at end p, and the sign of the beam's against the curvature.
+_BENDINGS = {2: ((1, 2, -1.0),), 3: ((2, 3, 1.0), (3, 5, 1.0))}
+
+
+def closure(element: Element) -> int:
+    """Number of deformations that close a spectral beam; none for any other element.
+
+    Args:
+        element: Element type.
+    """
+    return element.fields[0][0] - 1 if element.fields else 0
+
+
+def _dimension(element: Element) -> int:
+    return next(iter(element.nodes.values())).dimension
+
+
+def meant(element: Element, number: int) -> tuple[int, ...]:
+    """Deformations that a number in a file stands for.
+
+    Args:
+        element: Element type.
+        number: As the file gives it, from 1.
+    """
+    if number > closure(element):
+        return (number,)
+    parts = _PARTS[_dimension(element)][number - 1]
+    return tuple(n for k in parts if k < len(element.fields) for n in element.fields[k])
+
+
+def shortened(element: Element, numbers: list[int]) -> list[int]:
+    """Numbers for a file that stand for the given deformations, in their order, whole fields by the beam's.
+
+    Args:
+        element: Element type.
+        numbers: Deformations, each once, from 1.
+    """
+    found, left = [], list(numbers)
+    beam = range(1, closure(element) + 1)
+    while left:
+        whole = next((n for n in beam if tuple(left[: len(meant(element, n))]) == meant(element, n)), None)
+        found.append(left[0] if whole is None else whole)
+        left = left[1 if whole is None else len(meant(element, whole)) :]
+    return found
+
+
+def arranged(element: Element, numbers: list[int]) -> list[int]:
+    """Deformations in an order in which :func:`shortened` finds the whole fields.
+
+    Args:
+        element: Element type.
+        numbers: Deformations, each once, from 1.
+    """
+    order = [n for k in range(1, closure(element) + 1) for n in meant(element, k)]
+    return sorted(numbers, key=lambda n: order.index(n) if n in order else 0)
+
+
+def resultants(element: Element, length: float, values: list[float]) -> dict[int, float]:
+    """Stress resultants of the coefficients that do the same work as those of a beam.
+
+    Args:
+        element: Element type.
+        length: Of the beam [m].
+        values: As ESIG gives them: of the beam's deformations, then of the coefficients.
+
+    Returns:
+        Nonzero values by number of the deformation.
+
+    Source:
+        The beam's deformations are, to first order, integrals of the strains: e1 of the elongation, e2 of the twist
+        times the length, those of bending of the curvature times the length times the distance from the other end.
+    """
+    return _spread(element, values, (length, length / 2, length / 6))
+
+
+def strains(element: Element, length: float, values: list[float]) -> dict[int, float]:
+    """Coefficients of the strains that a beam has with given deformations.
+
+    Args:
+        element: Element type.
+        length: Of the beam [m].
+        values: As EINIT gives them: deformations of the beam, then coefficients.
+
+    Returns:
+        Nonzero values by number of the deformation.
+
+    Source:
+        Inverse of the integrals of :func:`resultants`, for a curvature that is linear along the beam.
+    """
+    return _spread(element, values, (1 / length, 1 / length, 3 / length))
+
+
+def _spread(element: Element, values: list[float], factors: tuple[float, float, float]) -> dict[int, float]:
+    twist, mean, slope = factors
+    own = dict(enumerate(values, 1))
+    found = {n: v for n, v in own.items() if n > closure(element)}
+
+    def add(number, value):
+        found[number] = found.get(number, 0.0) + value
+
+    fields, dimension = element.fields, _dimension(element)
+    add(fields[0][0], own.get(1, 0.0))
+    if dimension == 3:
+        add(fields[1][0], twist * own.get(2, 0.0))
+    for k, at_p, sign in _BENDINGS[dimension]:
+        p, q = own.get(at_p, 0.0), own.get(at_p + 1, 0.0)
+        add(fields[k][0], sign * mean * (p + q))
+        if len(fields[k]) > 1:
+            add(fields[k][1], sign * slope * (q - p))
+        elif known(p - q) and not math.isclose(p, q):
+            raise ValueError(f"values {at_p} and {at_p + 1} differ: a bending that varies needs p from 2")
+    return {n: v for n, v in found.items() if not known(v) or v != 0}
+
+
+def described(element: Element) -> str:
+    """Which deformations belong to what, for the log.
+
+    Args:
+        element: Type of a spectral beam.
+    """
+    names = FIELDS[_dimension(element)]
+    parts = [f"{name} {own[0]} to {own[-1]}" for name, own in zip(names, element.fields, strict=False)]
+    return ", ".join([f"closure 1 to {closure(element)}", *parts])

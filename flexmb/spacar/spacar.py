@@ -1,0 +1,454 @@
+"""SPACAR input files (.dat) to a Builder.
+
+Every line is acted on, refused, or named in a warning: ROWS says what is done with a keyword in a block, DRAWN what is
+warned of, REFUSED what is refused and why. What ROWS reads without effect warns by itself (OUTLEVEL, ITERSTEP and the
+like). Some lines act in some modes only: TIMESTEP, ERROR, STARTDX, STARTDE, and velocities of INPUTX and INPUTE in 1
+and 4, inputs and outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
+"""
+
+import dataclasses
+import difflib
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..build.builder import Builder
+from ..elements import spatial
+from ..errors import ModelError, SpacarError, shown
+from ..model.roles import Role
+from . import actions as act
+from .keywords import FORMS, KINDS
+from .lines import (
+    BLOCKS,
+    DRAWING,
+    DYNAMICS,
+    KINEMATICS,
+    SIGNALS,
+    Fault,
+    Statement,
+    first_parameter,
+    known,
+    parse,
+    placeholders,
+    read_text,
+    statements,
+    whole_number,
+)
+from .reading import AlreadyReported, Declared, Reading
+from .write import write_spacar as write_spacar
+
+# When a line is acted on: nodes follow from elements, properties and positions must be known before they are built.
+DECLARE, DESCRIBE, APPLY = range(3)
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One keyword in one block.
+
+    Attributes:
+        keyword: Keyword.
+        block: Block it stands in.
+        form: Its parameters; see spacar_lines.parse.
+        action: What it does.
+        stage: When.
+    """
+
+    keyword: str
+    block: str
+    form: str
+    action: Callable[[Reading, Statement, dict[str, Any]], None]
+    stage: int = APPLY
+
+
+ROWS = (
+    *(
+        Row(
+            keyword,
+            KINEMATICS,
+            form,
+            partial(act.declare, kinds=tuple(k for k in KINDS if k.keyword == keyword)),
+            DECLARE,
+        )
+        for keyword, form in FORMS.items()
+    ),
+    Row("X", KINEMATICS, "node x [y] [z]", act.position, DESCRIBE),
+    Row("FIX", KINEMATICS, "node [coordinate ...]", act.fix),
+    Row("RLSE", KINEMATICS, "element deformation ...", act.release),
+    Row("DYNX", KINEMATICS, "node coordinate ...", act.degree_of_freedom),
+    Row("DYNE", KINEMATICS, "element deformation ...", act.degree_of_freedom),
+    Row("INPUTX", KINEMATICS, "node coordinate ...", act.prescribed),
+    Row("INPUTE", KINEMATICS, "element deformation ...", act.prescribed),
+    *(
+        Row(keyword, block, "log store", act.log_level)
+        for keyword in ("OUTLEVEL", "LEVELLOG")
+        for block in (KINEMATICS, DYNAMICS)
+    ),
+    Row("ESTIFF", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("EM", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("EDAMP", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("XM", DYNAMICS, "node value ...", act.lumped),
+    Row("XF", DYNAMICS, "node value ...", act.force),
+    Row("DELXF", DYNAMICS, "node value ...", act.force),
+    Row("ESIG", DYNAMICS, "element value ...", act.prestress),
+    Row("DELESIG", DYNAMICS, "element value ...", act.prestress),
+    Row("EINIT", DYNAMICS, "element value ...", act.strain),
+    Row("INPUTX", DYNAMICS, "node coordinate value [velocity] [acceleration]", act.motion),
+    Row("INPUTE", DYNAMICS, "element deformation value [velocity] [acceleration]", act.motion),
+    Row("DELINPX", DYNAMICS, "node coordinate increment", act.motion_increment),
+    Row("DELINPE", DYNAMICS, "element deformation increment", act.motion_increment),
+    Row("GRAVITY", DYNAMICS, "gx gy [gz]", act.gravity),
+    Row("ITERSTEP", DYNAMICS, "iterations steps tolerance [fourth] [path] [initial]", act.setting),
+    Row("TIMESTEP", DYNAMICS, "end steps", act.setting),
+    Row("ERROR", DYNAMICS, "absolute relative", act.setting),
+    Row("STARTDX", DYNAMICS, "node coordinate value [velocity]", act.start_value),
+    Row("STARTDE", DYNAMICS, "element deformation value [velocity]", act.start_value),
+    Row("USERSIG", DYNAMICS, "name", act.routine),
+    Row("USERINP", DYNAMICS, "name", act.routine),
+    *(Row(keyword, SIGNALS, "number node coordinate", act.signal) for keyword in ("INPUTF", "OUTX", "OUTXP", "OUTXDP")),
+    *(
+        Row(keyword, SIGNALS, "number element deformation", act.signal)
+        for keyword in ("INPUTS", "OUTE", "OUTEP", "OUTEDP", "OUTS")
+    ),
+)
+_TABLE = {(row.keyword, row.block): row for row in ROWS}
+
+DRAWN = (
+    *("VISUALIZATION", "INITIAL", "COLOR", "BEAMPROPS", "CROSSTYPE", "CROSSDIM", "GRAPHICS", "FACECOLOR", "OPACITY"),
+    *("DONOTDRAW", "VIBRATIONMODE", "VIBREND", "ENLARGEFACTOR", "TRANSPARENCY", "BEAMVIS", "TRUSSVIS"),
+)
+
+_LATER = "is not available yet"
+_UNCLEAR = "is refused, since its form is not known; use an element of flexmb through the Python Builder"
+_KINEMATIC = (
+    "is refused: no analysis here holds a degree of freedom out of the dynamic set; use DYNX/DYNE or INPUTX/INPUTE"
+)
+_INVERSE = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
+REFUSED = {
+    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE", "LEAF", "PLLEAF"), f"element type {_LATER}"),
+    "SECTION": f"(a section by its dimensions) {_LATER}",
+    **dict.fromkeys(("TRAJX", "TRAJE"), f"(a trajectory) {_LATER}"),
+    **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
+    **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
+    **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), _INVERSE),
+    **dict.fromkeys(("TROT", "TREPMAX", "TRM", "TRFRONT"), _INVERSE),
+    **dict.fromkeys(("ENHC", "TIMENORM", "INTEGRAL"), "is refused, since its meaning is not known"),
+    **dict.fromkeys(("INX", "INE"), f"(prescribed motion as an input of the state space) {_LATER}"),
+    "OUTF": f"(a force as an output of the state space) {_LATER}",
+}
+
+KEYWORDS = tuple(dict.fromkeys([row.keyword for row in ROWS] + [*REFUSED, *DRAWN, "END", "HALT"]))
+"""All keywords that are known."""
+
+# Nobody reads more, and a file of another kind has one in each line.
+MOST_FAULTS = 1000
+SHOWN_LINES = 20
+
+
+@dataclasses.dataclass(frozen=True)
+class SpacarModel:
+    """What a SPACAR input file says.
+
+    Attributes:
+        builder: The mechanism; nodes and elements are named by their numbers, "3" and "1".
+        warnings: What was read without effect, one text each with file, line and keyword.
+        name: Name of the file.
+        settings: What is not part of the mechanism, by keyword: TIMESTEP, ERROR and ITERSTEP as dictionaries; STARTDX,
+            STARTDE as lists of (node or element, component, value, velocity); INPUTX, INPUTE as lists of (.., value,
+            velocity, acceleration); USERSIG, USERINP as (name, function); VISUALIZATION as a list of lines.
+        text: What was read.
+        parameters: Names in the placeholders of the file.
+    """
+
+    builder: Builder
+    warnings: list[str]
+    name: str
+    settings: dict[str, Any]
+    text: str = ""
+    parameters: tuple[str, ...] = ()
+
+
+def read_spacar(
+    path_or_text: str | os.PathLike,
+    *,
+    callables: Mapping[str, Callable[..., Any]] | None = None,
+    numbers: Mapping[str, Any] | None = None,
+) -> SpacarModel:
+    """Read a SPACAR input file.
+
+    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Two keywords are our own: PLSBEAM
+    and SBEAM, spectral beams of order p, 4 unless given; RLSE, DYNE, ESIG and EINIT take the numbers of a beam's
+    deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients. So are the
+    form of PLBELT, with radii positive where the belt runs to the left of the centre on the way from p to q, and the
+    deformations of SCREW: 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and 6
+    tilt.
+
+    Args:
+        path_or_text: Path of a file, or its text if it has more than one line.
+        callables: User routines by the names that USERSIG and USERINP give.
+        numbers: What placeholders such as "{t}" or "{E*w*t**3/12}" stand for, by name; they may be traced.
+
+    Returns:
+        SpacarModel with an unbuilt Builder, so that more can be added.
+
+    Raises:
+        SpacarError: The file is wrong: one line a fault, each with file, line number and keyword.
+        OSError: The file cannot be read.
+        TypeError, ValueError: A number or a user routine is none.
+    """
+    _check_arguments(callables or {}, numbers or {})
+    name, text = _source(path_or_text)
+    faults = _Faults()
+    r = Reading(dict(callables or {}))
+    found = statements(text, numbers)
+    try:
+        _read(r, found, faults)
+    except _Enough:
+        pass
+    if faults:
+        more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(faults) >= MOST_FAULTS)
+        raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
+    warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
+    parameters = placeholders(found)
+    warnings += [f"{name}: parameter '{shown(n)}' is in no line" for n in numbers or {} if n not in parameters]
+    return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
+
+
+def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+    for name, value in callables.items():
+        if not callable(value):
+            raise TypeError(f"Argument `callables`: '{shown(name)}' must be a function, but is {shown(value)}.")
+    for name, value in numbers.items():
+        scalar = isinstance(value, Real) or getattr(value, "shape", None) == ()
+        if not scalar or isinstance(value, bool) or (known(value) and np.asarray(value).dtype.kind not in "iuf"):
+            raise TypeError(f"Argument `numbers`: '{shown(name)}' must be a real number, but is {shown(value)}.")
+        if known(value) and not np.isfinite(float(value)):
+            raise ValueError(f"Argument `numbers`: '{shown(name)}' must be a finite number, but is {shown(value)}.")
+
+
+def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
+    """Name and text of what is to be read."""
+    if isinstance(path_or_text, str) and ("\n" in path_or_text or not path_or_text.strip()):
+        return "text", path_or_text.removeprefix("\ufeff")
+    return shown(Path(path_or_text).name), read_text(path_or_text)
+
+
+class _Enough(Exception):
+    """More faults than anyone reads."""
+
+
+class _Faults(list[tuple[int, str]]):
+    """Faults so far: line and text."""
+
+    def blame(self, s: Statement, text: str, form: str = "") -> None:
+        """Add a fault, with the node or element that a line is about."""
+        about = first_parameter(form)
+        if about == "number":
+            about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
+        if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
+            subject = f"{about} {shown(s.words[0])}"
+            text = f"{subject}: {text.removeprefix(subject).lstrip()}"
+        self.append((s.line, f"{shown(s.keyword)}: {text}"))
+        if len(self) >= MOST_FAULTS:
+            raise _Enough
+
+
+def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
+    """Act on all lines, in the order in which they build on each other."""
+    placed = list(_Blocks(r, faults).rows(found))
+    for stage in (DECLARE, DESCRIBE):
+        _run(r, placed, stage, faults)
+    _build(r, faults)
+    _run(r, placed, APPLY, faults)
+    _connect_signals(r, faults)
+    _warn_of_screws(r)
+    _warn_of_drawing(r)
+    if not r.elements and not faults:
+        what = "has no element" if found else "is empty"
+        faults.append((1, f"file {what}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
+
+
+class _Blocks:
+    """Where in the file a line stands: in a block, after END, or in the visualization section."""
+
+    def __init__(self, r: Reading, faults: _Faults):
+        self.reading, self.faults = r, faults
+        self.block, self.ends, self.drawing = 0, 0, False
+
+    def rows(self, found: list[Statement]) -> Iterator[tuple[Row, Statement]]:
+        """Rows of the keyword table for the lines that have one; the others are acted on here."""
+        for s in found:
+            try:
+                row = self._row(s)
+            except Fault as fault:
+                self.faults.blame(s, str(fault), _form(s.keyword))
+                if _may_declare(s.keyword):
+                    self.reading.excused |= s.numbers
+            else:
+                if row is not None:
+                    yield row, s
+        if found and self.ends < 2:
+            last = Statement(found[-1].line, "END", (), "")
+            self.reading.warnings.append((last, f"{2 - self.ends} END missing at the end; read as if it stood there"))
+
+    def _row(self, s: Statement) -> Row | None:
+        if s.keyword in ("END", "HALT"):
+            parse(s.keyword, "", s.words)
+            return self._end() if s.keyword == "END" else self._halt(s)
+        self.drawing = self.drawing or s.keyword == DRAWING.upper()
+        if s.keyword in DRAWN or (self.drawing and not _homes(s.keyword)):
+            return act.drawing(self.reading, s)
+        if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
+            if s.keyword in ("INX", "INE", "OUTF") and s.words and (number := whole_number(s.words[0])):
+                act.number_signal(self.reading, s, number)
+            raise Fault(REFUSED.get(s.keyword, _INVERSE))
+        if self.drawing:
+            raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
+        if self.ends and _homes(s.keyword):
+            self._resume(s)
+        return _row(s, BLOCKS[self.block])
+
+    def _end(self) -> None:
+        self.ends += 1
+        if self.ends > 2 and not self.drawing:
+            raise Fault("stands after the last END; a file ends with END END")
+
+    def _halt(self, s: Statement) -> None:
+        if self.block + 1 == len(BLOCKS):
+            raise Fault(f"announces another block, but none is known after {BLOCKS[-1]}")
+        if self.ends != 1:
+            self.faults.blame(s, "must follow the END of a block" if not self.ends else "stands after the last END")
+        self.block, self.ends = self.block + 1, 0
+
+    def _resume(self, s: Statement) -> None:
+        """Go on after END as if HALT stood there, so that one missing line is one fault."""
+        later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
+        if self.ends > 1 or not later:
+            raise Fault("stands after END; only HALT and a later block, or a VISUALIZATION section, may follow")
+        self.faults.blame(s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
+        self.block, self.ends = later[0], 0
+
+
+def _homes(keyword: str) -> list[str]:
+    return [row.block for row in ROWS if row.keyword == keyword]
+
+
+def _form(keyword: str) -> str:
+    """Form of a keyword; of a refused one, what it is about."""
+    if keyword in REFUSED:
+        numbered = ("INX", "INE", "OUTF", "NOM", "REF")
+        return "number" if keyword.startswith(numbered) else "node" if keyword in ("KINX", "TRAJX") else "element"
+    return next((row.form for row in ROWS if row.keyword == keyword), "")
+
+
+def _near(keyword: str) -> str | None:
+    if len(keyword) > 2 * max(map(len, KEYWORDS)):
+        return None
+    return next(iter(difflib.get_close_matches(keyword, KEYWORDS, 1, 0.7)), None)
+
+
+def _may_declare(keyword: str) -> bool:
+    """Whether a line that is not understood may have been one that names nodes and elements first."""
+    near = _near(keyword)
+    return near is None or near in REFUSED or near in {kind.keyword for kind in KINDS}
+
+
+def _row(s: Statement, block: str) -> Row:
+    if (s.keyword, block) in _TABLE:
+        return _TABLE[s.keyword, block]
+    if homes := _homes(s.keyword):
+        raise Fault(f"belongs in the {homes[0]} block, but stands in the {block} block; END, HALT lie between them")
+    near = _near(s.keyword)
+    raise Fault("unknown keyword" + (f"; did you mean {near}?" if near else ""))
+
+
+def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _Faults) -> None:
+    """Act on the lines of one stage, each by itself."""
+    for row, s in placed:
+        if row.stage != stage:
+            continue
+        try:
+            row.action(r, s, parse(row.keyword, row.form, s.words))
+        except AlreadyReported:
+            pass
+        except (Fault, ModelError) as fault:
+            faults.blame(s, _without_name(str(fault)), row.form)
+            if stage == DECLARE:
+                r.excused |= s.numbers
+            elif row.action is act.position:
+                r.misplaced |= s.numbers
+
+
+def _without_name(text: str) -> str:
+    """A message without the name of the element, which stands before it."""
+    return re.sub(r"^Element '\d+' (\(\w+\) )?", "", text)
+
+
+def _build(r: Reading, faults: _Faults) -> None:
+    """Nodes in the order of their numbers, then elements in the order of the file."""
+    first = next(iter(r.elements.values()), None)
+    r.builder.dimension = first.kind.dimension if first else None
+    for number, (kind, line) in sorted(r.nodes.items()):
+        if kind.part == "rotation":
+            r.builder.rotation(str(number))
+            continue
+        if number in r.misplaced:
+            # Anywhere, but apart from the others, so that further faults of its elements are found too.
+            r.positions.setdefault(number, [float(number) ** (i + 1) for i in range(kind.size)])
+        if number not in r.positions:
+            r.warnings.append((line, f"node {number} has no X and stands at the origin"))
+        r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
+    for number, declared in r.elements.items():
+        kind, names = declared.kind, [str(n) for n in declared.nodes]
+        try:
+            _check_rigid(r, declared)
+            lines = r.lines.get(number, {})
+            element = kind.element_of(declared.order, lines.get("ESTIFF", []))
+            properties = kind.properties(lines, declared.vector, declared.numbers)
+            r.builder.add(element, *names, name=str(number), released=(), **properties)
+        except (Fault, ModelError) as fault:
+            if r.misplaced.isdisjoint(declared.nodes):
+                faults.blame(declared.statement, _without_name(str(fault)), kind.form)
+
+
+def _check_rigid(r: Reading, declared: Declared) -> None:
+    """A rigid beam needs a length, though its element type does not."""
+    if declared.kind.keyword in ("RBEAM", "PLRBEAM"):
+        p, q = (r.builder.nodes[str(n)].start for n in (declared.nodes[0], declared.nodes[-1]))
+        if all(map(known, (*p, *q))) and not np.linalg.norm(np.subtract(q, p)):
+            pin = "PINBODY" if declared.kind.dimension == 3 else "PLPINBODY"
+            raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
+
+
+def _warn_of_screws(r: Reading) -> None:
+    """A screw that cannot turn is a weld, which nobody writes as a screw."""
+    for number, declared in r.elements.items():
+        member = r.builder.members.get(str(number))
+        if declared.kind.element is spatial.screw and member is not None and member.roles[1] is Role.FIXED:
+            text = f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
+            r.warnings.append((declared.statement, text))
+
+
+def _warn_of_drawing(r: Reading) -> None:
+    """One warning names all lines that draw."""
+    if r.drawn:
+        named = [f"{shown(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
+        named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
+        text = f"drawing keywords are kept in settings and have no effect on results: {', '.join(named)}"
+        r.warnings.append((r.drawn[0], text))
+
+
+def _connect_signals(r: Reading, faults: _Faults) -> None:
+    """Add inputs and outputs in the order of their numbers, which must be complete."""
+    for side, signals in r.signals.items():
+        for place, (number, (s, add)) in enumerate(sorted(signals.items()), 1):
+            if number > place and place not in signals:
+                faults.blame(s, f"{side} {place} is missing; {side}s are numbered from 1 without gap", "number")
+                break
+            if add is not None:
+                add()

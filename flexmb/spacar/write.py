@@ -1,0 +1,356 @@
+"""A Builder as a SPACAR input file."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..build.assemble import is_concrete
+from ..build.builder import Builder, Member
+from ..elements import planar, spatial
+from ..elements.element import Element
+from ..elements.nodes import ROTATION3
+from ..errors import ModelError, shown
+from ..model.roles import Role
+from . import series as series
+from .actions import QUANTITIES
+from .keywords import KINDS, NOTHING, ElementKind
+from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
+
+if TYPE_CHECKING:
+    from .spacar import SpacarModel
+
+_MASS = (planar.mass, spatial.mass)
+_INERTIA = (planar.inertia, spatial.inertia)
+
+
+def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
+    """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
+
+    Nodes and elements that are not named by numbers are numbered; comments say which is which. Sections are written
+    as their rigidities. Comments of a file that was read, names of inputs and outputs, and user routines themselves
+    are not kept.
+
+    Args:
+        model: Builder, or what read_spacar returned, whose settings are written too.
+        path: Where; the file appears whole or not at all.
+
+    Raises:
+        ModelError: Something that the format cannot express, by name.
+        OSError: The folder is missing or not writable.
+    """
+    from ..files import write_whole
+
+    builder = model if isinstance(model, Builder) else getattr(model, "builder", None)
+    if not isinstance(builder, Builder):
+        raise ModelError(f"write_spacar takes a Builder or what read_spacar returns, not {type(model).__name__}.")
+    settings = {} if isinstance(model, Builder) else model.settings
+    text = "\n".join(_Writer(builder, settings).lines()) + "\n"
+    write_whole(path, text.encode())
+
+
+def _line(keyword: str, *values: Any) -> str:
+    """One line; real numbers with all their digits."""
+    words = [str(v) if isinstance(v, int | str) else repr(float(v)) for v in values]
+    line = " ".join([keyword, *words])
+    for value in values:
+        if not isinstance(value, int | str) and not within(value):
+            raise ModelError(
+                f"'{shown(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
+                f" {LARGEST:g} in size."
+            )
+    return line
+
+
+def _numbers(value: Any) -> list[float]:
+    return np.ravel(np.asarray(value, float)).tolist()
+
+
+def _trimmed(values: list[float]) -> list[float]:
+    """Without zeros at the end, but for the first."""
+    while len(values) > 1 and values[-1] == 0:
+        values = values[:-1]
+    return values
+
+
+def _numbered(names: list[str]) -> dict[str, int]:
+    """Number of each name: its own if it is one, else the next that is free."""
+    own = {name: int(name) for name in names if re.fullmatch("[1-9][0-9]{0,8}", name)}
+    taken, last = set(own.values()), max(own.values(), default=0)
+    free = (n for n in itertools.chain(range(last + 1, MOST + 1), itertools.count(1)) if n not in taken)
+    return {name: own[name] if name in own else next(free) for name in names}
+
+
+class _Nodes(dict[str, int]):
+    """Number of each node that the format has a number for."""
+
+    def __missing__(self, name: str):
+        raise ModelError(
+            f"'{name}' is named, coordinates that an element owns, for which a SPACAR input file has no number; name"
+            " the deformations of the element instead."
+        )
+
+
+class _Writer:
+    """Lines of the file, block by block."""
+
+    def __init__(self, builder: Builder, settings: dict[str, Any]):
+        numbers = [n.start for n in builder.nodes.values()], [m.properties for m in builder.members.values()]
+        if not is_concrete((numbers, builder.loads)):
+            raise ModelError("The model has traced numbers; write it outside of the transformation.")
+        self.builder, self.settings = builder, settings
+        self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
+        self.hidden = [m for m in builder.members.values() if m.hidden]
+        self.node = _Nodes(_numbered([n for n, node in builder.nodes.items() if node.kind.part != "internal"]))
+        self.element = _numbered(list(self.shown))
+        self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
+        self._check()
+
+    def lines(self) -> list[str]:
+        """All lines."""
+        signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
+        third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
+        return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
+
+    def _kind(self, name: str, member: Member) -> ElementKind:
+        found = [kind for kind in KINDS if kind.stands_for(member.element)]
+        if not found:
+            known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
+            raise ModelError(
+                f"Element '{name}' ({member.element.name}) has no keyword in a SPACAR input file; it has: {known}."
+            )
+        if member.properties.get("second_order", True) is not True:
+            raise ModelError(
+                f"Element '{name}' ({member.element.name}) has second_order=False, which a SPACAR input file cannot"
+                " express."
+            )
+        if member.properties.get("curvature") is not None:
+            raise ModelError(
+                f"Element '{name}' ({member.element.name}) has an initial curvature, which a SPACAR input file cannot"
+                " express."
+            )
+        if found[0].series is not None:
+            return found[0]
+        # A rigid beam without length is what the format calls a pinned body.
+        p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
+        return found[-1] if len(found) > 1 and np.array_equal(p, q) else found[0]
+
+    def _check(self) -> None:
+        """Refuse what the format has no words for."""
+        joined = {node for m in self.shown.values() for node in m.nodes}
+        if not self.shown:
+            raise ModelError("The model has no elements. Add at least one.")
+        for m in self.builder.members.values():
+            if m.element in (planar.follower_force, spatial.follower_force, spatial.follower_moment):
+                raise ModelError(f"The load that follows node '{m.nodes[0]}' cannot be expressed in a SPACAR file.")
+        for name, m in self.shown.items():
+            self._check_closure(name, m)
+        for name, node in self.builder.nodes.items():
+            if name not in joined:
+                raise ModelError(f"Node '{name}' is in no element, so a SPACAR input file cannot have it.")
+            if node.kind.part == "rotation" and tuple(_numbers(node.start)) != node.kind.start:
+                raise ModelError(f"Node '{name}' starts turned, which a SPACAR input file cannot express.")
+        if "gravity" in self.builder.loads["increment"]:
+            raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
+
+    def _check_closure(self, name: str, m: Member) -> None:
+        """Numbers up to those of the closure stand for strain fields in a file, so that nothing can be said of it."""
+        closed = range(1, series.closure(m.element) + 1)
+        values = [
+            *(k for sets in self.builder.loads.values() for load in sets.values() for k, v in load.items() if v != 0),
+            *(signal.key for signals in self.builder.signals.values() for signal in signals),
+        ]
+        if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
+            raise ModelError(
+                f"Element '{name}' ({m.element.name}) has a role, a load or a signal at its closure, deformations 1 to"
+                f" {len(closed)}, which a SPACAR input file cannot express."
+            )
+
+    def _legend(self) -> list[str]:
+        """Which number is which name, where they differ."""
+        both = (("node", self.node), ("element", self.element))
+        return [
+            f"% {what} {number}: {' '.join(name.split())}"
+            for what, numbers in both
+            for name, number in numbers.items()
+            if str(number) != name
+        ]
+
+    # -- kinematics -----------------------------------------------------------------------------------------------
+
+    def _kinematics(self) -> list[str]:
+        lines = []
+        for name, m in self.shown.items():
+            keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
+            if keyword == "RBEAM" or (keyword == "SBEAM" and vector is None):
+                vector = self._across(m)
+            nodes = [
+                self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if k.part != "internal"
+            ]
+            order = [len(m.element.fields[0])] if m.element.fields else []
+            across = [] if vector is None else _numbers(vector)
+            own = [float(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
+        for name, node in self.builder.nodes.items():
+            if node.kind.part == "position":
+                lines.append(_line("X", self.node[name], *_numbers(node.start)))
+        for name, node in self.builder.nodes.items():
+            if node.kind.part != "internal" or any(role is not Role.DEPENDENT for role in node.roles):
+                lines += self._roles(self.node[name], node.roles, {Role.FIXED: "FIX", Role.PRESCRIBED: "INPUTX"})
+        for name, m in self.shown.items():
+            keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
+            lines += self._roles(self.element[name], m.roles, keywords, m.element)
+        # One line each, since their order is that of q.
+        for (kind, of), numbers in self._dofs():
+            if kind == "node":
+                lines += [_line("DYNX", self.node[of], number) for number in numbers]
+            else:
+                numbers = series.shortened(self.shown[of].element, numbers)
+                lines += [_line("DYNE", self.element[of], number) for number in numbers]
+        return lines
+
+    def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
+        """Degrees of freedom that follow each other at one node or element."""
+        runs = itertools.groupby(self.builder.dofs, key=lambda key: key[:2])
+        return [(of, [number for *_, number in run]) for of, run in runs]
+
+    def _across(self, m: Member) -> np.ndarray:
+        """A local y vector for a beam that needs none here but has one in the format; the one taken without."""
+        p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (m.nodes[0], m.nodes[-1]))
+        return np.eye(3)[np.argmin(np.abs(q - p))]
+
+    @staticmethod
+    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[str]:
+        lines = []
+        for role, keyword in keywords.items():
+            having = [i for i, r in enumerate(roles, 1) if r is role]
+            if having:
+                whole = keyword == "FIX" and len(having) == len(roles)
+                if element is not None and keyword == "RLSE":
+                    having = [n for n in having if n not in element.measured]
+                    having = series.shortened(element, series.arranged(element, having))
+                lines += [_line(keyword, number, *([] if whole else having))] if having else []
+        return lines
+
+    # -- dynamics -------------------------------------------------------------------------------------------------
+
+    def _dynamics(self) -> list[str]:
+        lines = [line for name, m in self.shown.items() for line in self._section(name, m)]
+        lines += self._lumped() + self._moments()
+        for increment, prefix in (("initial", ""), ("increment", "DEL")):
+            lines += self._loads(self.builder.loads[increment], prefix)
+        return lines + self._settings()
+
+    def _section(self, name: str, m: Member) -> list[str]:
+        kind, number, lines = self.kinds[name], self.element[name], []
+        if "stiffness" in kind.stiffness:
+            for keyword, given in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
+                if given is not None:
+                    values = np.broadcast_to(np.ravel(np.asarray(given, float)), (len(kind.stiffness),)).tolist()
+                    lines.append(_line(keyword, number, *_trimmed(values)))
+            return lines
+        section, damping = m.properties.get("section"), m.properties.get("damping")
+        if section is not None:
+            s = section.rigidity()
+            stiffness, mass = (
+                [0.0 if n == NOTHING else float(np.asarray(getattr(s, n))) for n in names]
+                for names in (kind.stiffness, kind.mass)
+            )
+            lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
+            lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
+        if damping is not None:
+            values = [float(np.asarray(getattr(damping, n))) for n in kind.damping]
+            lines.append(_line("EDAMP", number, *_trimmed(values)))
+        return lines
+
+    def _lumped(self) -> list[str]:
+        """Masses and rotary inertias; several on one node add up."""
+        totals: dict[str, Any] = {}
+        for m in self.hidden:
+            if m.element in (*_MASS, *_INERTIA):
+                (node,) = m.nodes
+                value = m.properties["mass" if m.element in _MASS else "inertia"]
+                totals[node] = totals.get(node, 0.0) + np.asarray(value, float)
+                if m.element in _MASS and totals[node] < 0:
+                    raise ModelError(f"Node '{node}' has a negative mass, which a SPACAR input file does not take.")
+        return [_line("XM", self.node[n], *_numbers(v)) for n, v in totals.items()]
+
+    def _moments(self) -> list[str]:
+        """Moments about fixed axes; several on one node add up."""
+        totals: dict[tuple[str, str], Any] = {}
+        for m in self.hidden:
+            if m.element is spatial.moment:
+                key = ("DELXF" if m.properties.get("incremental") else "XF"), m.nodes[0]
+                totals[key] = totals.get(key, 0.0) + np.asarray(m.properties["moment"], float)
+        return [_line(keyword, self.node[n], *_numbers(v)) for (keyword, n), v in totals.items()]
+
+    def _loads(self, loads: dict[str, dict], prefix: str) -> list[str]:
+        lines = []
+        for of, values in _rows(loads.get("force", {})).items():
+            size = 4 if self.builder.nodes[of[1]].kind is ROTATION3 else 0
+            lines.append(_line(f"{prefix}XF", self.node[of[1]], *_filled(values, size)))
+        for load, keyword in (("prestress", f"{prefix}ESIG"), ("strain", "EINIT")):
+            for of, values in _rows(loads.get(load, {})).items():
+                lines.append(_line(keyword, self.element[of[1]], *_filled(values)))
+        for (kind, of, number), value in loads.get("prescribed", {}).items():
+            start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
+            letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+            if prefix:
+                lines.append(_line(f"DELINP{letter}", at, number, value))
+            else:
+                lines.append(_line(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
+        if "gravity" in loads:
+            lines.append(_line("GRAVITY", *loads["gravity"]["all"]))
+        return lines
+
+    def _rates(self, letter: str, of: int, number: int) -> list[float]:
+        given = self.settings.get(f"INPUT{letter}", [])
+        rates = next((g[3:] for g in given if g[:2] == (of, number)), ())
+        return list(rates) if any(rates) else []
+
+    def _settings(self) -> list[str]:
+        lines = []
+        for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
+            if keyword in self.settings:
+                lines.append(_line(keyword, *self.settings[keyword].values()))
+        for (kind, of, number), (value, velocity) in self.builder.starts.items():
+            start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
+            letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+            lines.append(_line(f"STARTD{letter}", at, number, start + value, velocity))
+        for keyword in ("USERSIG", "USERINP"):
+            lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
+        return lines
+
+    # -- inputs and outputs ---------------------------------------------------------------------------------------
+
+    def _signals(self) -> list[str]:
+        keywords = {quantity: keyword for keyword, quantity in QUANTITIES.items()}
+        keywords |= {"force": "INPUTF", "stress": "OUTS"}
+        lines = []
+        for side in ("input", "output"):
+            for i, (name, quantity, (kind, of, number), axis, _) in enumerate(self.builder.signals[side], 1):
+                if axis is not None:
+                    raise ModelError(
+                        f"The {side} '{name}' is about an axis, which a SPACAR input file cannot express: there the"
+                        " components of a rotation in space are Euler parameters."
+                    )
+                keyword = "INPUTS" if (side, quantity) == ("input", "stress") else keywords[quantity]
+                lines.append(_line(keyword, i, (self.node if kind == "node" else self.element)[of], number))
+        return lines
+
+
+def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
+    """Values by owner and number."""
+    rows: dict[tuple[str, str], dict[int, Any]] = {}
+    for (kind, of, number), value in entries.items():
+        rows.setdefault((kind, of), {})[number] = value
+    return rows
+
+
+def _filled(values: dict[int, Any], size: int = 0) -> list[float]:
+    """Values in order, zero where none is given."""
+    return [float(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]

@@ -1,0 +1,1 @@
+"""Equilibrium under loads, and where coordinates lie at given degrees of freedom."""

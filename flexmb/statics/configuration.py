@@ -1,0 +1,201 @@
+"""Configuration of the mechanism at given degrees of freedom: x = F(q), and its velocity."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_numbers
+from ..compilation.compile import jit
+from ..compilation.record import Record, static
+from ..math.indices import put
+from ..mechanics.deformation import deformation_jacobian, zero_near
+from ..mechanics.extent import sizes_of
+from ..mechanics.loads import LoadFactors
+from ..mechanics.transfer import correction, held_rows, transfer
+from ..model.model import Labels, Model, as_determined
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS, check
+from .equilibrium import held_values
+
+# Degrees of freedom go from their start values in steps of this share of the mechanism's extent, or radians.
+STEP = 0.2
+# 20 000 radians or extents; what is further away is out of reach, and no step is made.
+MOST_STEPS = 1e5
+CORRECTIONS = 8
+TOLERANCE = 1e-12
+
+
+class Configuration(Record):
+    """Coordinates, deformations and velocities at given degrees of freedom.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        xd: Their velocities, (n_x,) [1/s].
+        e: Deformations, (n_e,) [m, rad].
+        result: Code of RESULTS.
+        labels: Names.
+    """
+
+    x: Float[Array, "n_x"]
+    xd: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    result: Int[Array, ""]
+    labels: Labels = static()
+
+    def at(self, node: str) -> Float[Array, "n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation".
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.x[self.labels.known(node)]
+
+
+class _Walk(NamedTuple):
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    step: Int[Array, ""]
+    regular: Array
+
+
+def _wanted(topology, parameters, q):
+    """Coordinates and deformations that are given, the others as undeformed."""
+    return _with_freedoms(topology, held_values(topology, parameters, LoadFactors(1.0, 0.0)), q)
+
+
+def _with_freedoms(topology, given, q):
+    x, e = given
+    n = topology.x.dof.shape[0]
+    return put(x, topology.x.dof, x[topology.x.dof] + q[:n]), put(e, topology.e.dof, q[n:])
+
+
+def _corrected(topology, parameters, x, near, wanted_x, wanted_e):
+    """One step of Newton's method, the deformations before it, and the transfer functions there."""
+    given = jnp.concatenate([topology.x.fixed, topology.x.prescribed, topology.x.dof])
+    shift = put(jnp.zeros(topology.n_x), given, (wanted_x - x)[given])
+    e, jacobian = deformation_jacobian(topology, parameters, x, near)
+    tangent = transfer(topology, jacobian)
+    excess = e - wanted_e + jacobian @ shift
+    return x + correction(topology, tangent, excess, shift), e, tangent
+
+
+def configured(
+    topology: Topology,
+    parameters: Parameters,
+    given: tuple[Float[Array, "n_x"], Float[Array, "n_e"]],
+    q: Float[Array, "n_q"],
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+    """One step of Newton's method towards the configuration at given degrees of freedom.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        given: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
+        q: Degrees of freedom, (n_q,) [m, rad].
+        x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+
+    Returns:
+        Nodal coordinates, and the deformations at the guess.
+    """
+    x, e, _ = _corrected(topology, parameters, x, near, *_with_freedoms(topology, given, q))
+    return x, e
+
+
+def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], qd: Float[Array, "n_q"]):
+    """Configuration and velocity at given degrees of freedom; part of the compiled kernels.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        q: Degrees of freedom, coordinates as displacements from their start, (n_q,) [m, rad].
+        qd: Their rates, (n_q,) [1/s].
+
+    Returns:
+        x (n_x,), xd (n_x,), e (n_e,), and a code of RESULTS.
+    """
+    sizes = sizes_of(topology, parameters)
+    n = topology.x.dof.shape[0]
+    relative = jnp.concatenate([q[:n] / sizes[topology.x.dof], q[n:]])
+    needed = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / STEP) + 1
+    within = needed <= MOST_STEPS
+    steps = jnp.where(within, needed, 0).astype(jnp.int32)
+    settled = jax.lax.stop_gradient((parameters, q))
+
+    def turn(walk: _Walk) -> _Walk:
+        parameters, q = settled
+        wanted_x, wanted_e = _wanted(topology, parameters, q * ((walk.step + 1).astype(float) / steps.astype(float)))
+        x, near, regular = walk.x, walk.near, walk.regular
+
+        def corrected(_, carried):
+            x, near, regular = carried
+            x, e, tangent = _corrected(topology, parameters, x, near, wanted_x, wanted_e)
+            return x, e, regular & tangent.regular
+
+        x, near, regular = jax.lax.fori_loop(0, CORRECTIONS, corrected, (x, near, regular))
+        return _Walk(x, near, walk.step + 1, regular)
+
+    start = _Walk(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(True))
+    end = jax.lax.stop_gradient(jax.lax.while_loop(lambda w: w.step < steps, turn, start))
+    # One more step, which derivatives pass through: they are those of the implicit function.
+    wanted_x, wanted_e = _wanted(topology, parameters, q)
+    x, _, _ = _corrected(topology, parameters, end.x, end.near, wanted_x, wanted_e)
+    e, jacobian = deformation_jacobian(topology, parameters, x, end.near)
+    tangent = transfer(topology, jacobian)
+    off = jnp.max(jnp.abs((e - wanted_e)[held_rows(topology)]), initial=0.0) / jnp.max(sizes)
+    result = jnp.where(within & (off < TOLERANCE**0.5), RESULTS.successful, RESULTS.out_of_reach)
+    astray = within & ~(tangent.regular & jnp.isfinite(off))
+    result = jnp.where(astray, RESULTS.singular_configuration, result)
+    return x, tangent.DFx @ qd, e, result.astype(jnp.int32)
+
+
+_configure = jit(configure)
+
+
+def configuration(
+    model: Model, q: Float[Array, "n_q"] | None = None, qd: Float[Array, "n_q"] | None = None, *, throw: bool = True
+) -> Configuration:
+    """Where the mechanism is, and how it moves, at given degrees of freedom.
+
+    Args:
+        model: Mechanism; differentiable in its parameters.
+        q: Degrees of freedom in the order of ``model.q_labels``; coordinates as displacements from their start,
+            (n_q,) [m, rad]. None: the start values that the builder named, or zero.
+        qd: Their rates, (n_q,) [1/s]; None likewise.
+        throw: Raise where there is no such configuration; otherwise the code is in ``result``.
+
+    Returns:
+        Configuration with x and xd (n_x,), e (n_e,).
+
+    Raises:
+        ValueError: q or qd has not one number for each degree of freedom.
+        AnalysisError: singular_configuration or out_of_reach.
+
+    Source:
+        FORMULATION.md 4: Newton's method on D(x) = e, in steps.
+    """
+    start = as_determined(model, "configuration").parameters.start
+    zero = jnp.zeros(model.topology.n_q)
+    given = (zero, zero) if start is None else start
+    for name, value in (("q", q), ("qd", qd)):
+        if value is not None:
+            check_numbers(f"Argument `{name}`", value)
+    values = [g if v is None else jnp.asarray(v, float) for v, g in zip((q, qd), given, strict=True)]
+    for name, value in zip(("q", "qd"), values, strict=True):
+        if value.shape != zero.shape:
+            raise ValueError(
+                f"Argument `{name}` must have one number for each of the {zero.shape[0]} degrees of freedom"
+                f" ({', '.join(model.q_labels)}), but has shape {value.shape}."
+            )
+    x, xd, e, result = _configure(model.topology, model.parameters, *values)
+    found = Configuration(x, xd, e, result, model.labels)
+    check(found.result, throw)
+    return found

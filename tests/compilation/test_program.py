@@ -1,0 +1,79 @@
+"""Equations are merged where they mean the same, not where they print alike."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.compilation.program import split
+
+
+def weighted(weights):
+    """A compiled helper that captures an array; two of them print alike."""
+    weights = jnp.asarray(weights)
+    return jax.jit(lambda x: jnp.sum(weights * jnp.stack([x, x**2])))
+
+
+def equations(function, *arguments):
+    return str(jax.make_jaxpr(function)(*arguments)).count(" = ")
+
+
+def test_helpers_that_capture_different_arrays_are_kept_apart():
+    first, second = weighted([1.0, 0.0]), weighted([0.0, 1.0])
+    early, late = split(lambda x, c: jnp.stack([first(x) * c, second(x) * c]), (1.0,), (2.0,))
+    np.testing.assert_array_equal(late(3.0, *early(2.0)), [6.0, 18.0])
+
+
+def test_constants_that_print_alike_are_kept_apart():
+    # The sign of zero, and the last digit of a number.
+    def function(x, c):
+        return jnp.stack([x / 0.0, x / -0.0, x * 0.1, x * np.nextafter(0.1, 1.0)])
+
+    early, late = split(function, (1.0,), (2.0,))
+    np.testing.assert_array_equal(late(1.0, *early(2.0)), [np.inf, -np.inf, 0.1, np.nextafter(0.1, 1.0)])
+
+
+def test_equal_operations_are_done_once():
+    shared = weighted([1.0, 2.0])
+
+    def once(x, c):
+        return jnp.sin(x) + shared(x)
+
+    def twice(x, c):
+        return jnp.stack([jnp.sin(x) + shared(x), jnp.sin(x) + shared(x)])
+
+    counts = [equations(split(f, (1.0,), (1.0,))[1], 1.0) for f in (once, twice)]
+    # Besides the stack of two: broadcasts and a concatenation.
+    assert counts[1] <= counts[0] + 4
+
+
+def test_element_of_two_helpers_moves_as_the_same_element_written_out():
+    """A mass on an element with two springs, k1 d and k2 (d + d^2), each by a helper of its own."""
+    weights = np.array([[1.0, 0.0], [1.0, 1.0]])
+    helpers = [weighted(row) for row in weights]
+
+    def by_helpers(p: planar.Point2, q: planar.Point2, *, ref):
+        d = q[0] - p[0] - ref.q[0] + ref.p[0]
+        return jnp.stack([helper(d) for helper in helpers])
+
+    def written_out(p: planar.Point2, q: planar.Point2, *, ref):
+        d = q[0] - p[0] - ref.q[0] + ref.p[0]
+        return jnp.stack([d, d + d**2])
+
+    def stiffness(*, ref):
+        return jnp.diag(jnp.array([10.0, 30.0]))
+
+    def moved(element):
+        b = fm.Builder()
+        b.node("wall", (0, 0))
+        b.node("mass", (1, 0))
+        b.add(fm.Element(element, stiffness=stiffness), "wall", "mass", name="spring")
+        b.fix("wall")
+        b.fix("mass", "y")
+        b.mass("mass", 1.0)
+        b.force("mass", (-3.0, 0.0))
+        return fm.simulate(b.build(), [0.0, 0.5]).at("mass")[-1, 0] - 1.0
+
+    assert float(moved(by_helpers)) == pytest.approx(float(moved(written_out)), rel=1e-9)

@@ -1,0 +1,205 @@
+"""Motions without stiffness, without mass or with a negative one: named, and no number that is none."""
+
+import jax
+import numpy as np
+import pytest
+from cases import mechanisms, motions
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.answers.answers import answer
+
+LEAF = mechanisms.leaf()
+EI = float(LEAF.rigidity().EIy)
+
+
+# -- negative mass ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def negative():
+    # The bar turns with both of its ends: 2 * 0.01 kg m^2 less than the half millionth that the rest of it has.
+    return mechanisms.planar_guide(elongation=True, inertia=-0.01).build()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        fm.frequencies,
+        lambda model: fm.frequencies(model, count=1),
+        fm.modes,
+        fm.poles,
+        fm.state_matrices,
+        fm.to_statespace,
+        lambda model: fm.frequencies(fm.linearize(model)),
+        lambda model: fm.frequency_like(model, np.array([1.0, 0, 0])),
+    ],
+    ids=["frequencies", "count", "modes", "poles", "state_matrices", "to_statespace", "of linearisation", "like"],
+)
+def test_a_negative_mass_is_refused_by_the_name_of_its_nodes(negative, ask):
+    with pytest.raises(fm.AnalysisError, match=r"negative mass.*(left1|right1)\.rotation\.phi") as fault:
+        ask(negative)
+    assert fault.value.code == "singular_mass"
+
+
+@pytest.mark.parametrize("mode", [7, 8, 9, 10])
+def test_a_negative_mass_on_the_command_line(mode):
+    builder = mechanisms.planar_guide(elongation=True, inertia=-0.01, force=(0, -1.0))
+    found = answer(builder, "guide", mode)
+    assert found.exit_status == 1
+    assert found.data["status"] == "singular_mass"
+    assert "left1.rotation.phi" in found.data["message"]
+
+
+def test_a_code_says_so_where_nothing_is_raised(negative):
+    def code(model):
+        with pytest.raises(fm.AnalysisError) as fault:
+            fm.frequencies(model)
+        return fault.value.code
+
+    assert code(negative) == "singular_mass"
+    # Within a compiled function of designs the code is collected.
+    assert np.all(np.isfinite(fm.frequencies(negative, throw=False)[:2]))
+
+
+@pytest.mark.parametrize("inertia", [-1e-7, -1e-5])
+def test_negative_rotary_inertia_is_legal_while_the_mass_matrix_is_positive(inertia):
+    """The tutorial's trick (3.9): the rotary inertia of a leaf spring's end taken off; against SciPy."""
+    import scipy.linalg
+
+    lin = fm.linearize(mechanisms.planar_guide(elongation=True, inertia=inertia).build())
+    values = scipy.linalg.eigh(np.asarray(lin.K), np.asarray(lin.M0), eigvals_only=True)
+    np.testing.assert_allclose(fm.frequencies(lin), np.sqrt(values) / (2 * np.pi), rtol=1e-9)
+
+
+def test_a_motion_without_mass_is_none_with_a_negative_one():
+    """Massless rotations, alone and combined with others, stay left out."""
+    b = fm.Builder()
+    for i in range(4):
+        b.node(f"{i}", (0.03 * i, 0))
+    for i in range(3):
+        b.add(planar.beam, f"{i}", f"{i + 1}", name=f"b{i}", section=fm.Rigidity(EA=1e6, EIy=1.0))
+    b.fix("0")
+    b.mass("3", 1.0)
+    model = b.build()
+    found = fm.modes(model)
+    # Tip mass on a cantilever: 3 EI/L^3, and EA/L.
+    expected = np.sqrt([3 / 0.09**3, 1e6 / 0.09]) / (2 * np.pi)
+    np.testing.assert_allclose(found.frequencies, expected, rtol=1e-8)
+    assert found.massless == 7
+    np.testing.assert_allclose(fm.frequencies(model, count=1), expected[:1], rtol=1e-8)
+
+
+# -- no mass ------------------------------------------------------------------------------------------------------
+
+
+def test_what_carries_no_mass_is_named_in_a_simulation():
+    b = motions.pendulum()
+    b.members = {name: member for name, member in b.members.items() if not member.hidden}
+    for form in ("coordinates", "reduced"):
+        with pytest.raises(fm.AnalysisError, match=r"without mass: .*mass\.(x|y)|rod\.phi") as fault:
+            fm.simulate(b.build(), [0, 1.0], form=form)
+        assert fault.value.code == "singular_mass"
+    # One of two motions.
+    b = motions.double_pendulum()
+    b.members = {name: m for name, m in b.members.items() if not (m.hidden and "lower" in m.nodes)}
+    with pytest.raises(fm.AnalysisError, match=r"without mass: .*(lower\.x|second\.phi)"):
+        fm.simulate(b.build(), [0, 1.0])
+
+
+def test_a_motion_with_neither_mass_nor_stiffness_is_named():
+    with pytest.raises(fm.AnalysisError, match=r"arm\.phi") as fault:
+        fm.frequencies(with_free_arm(mass=None))
+    assert fault.value.code == "singular_stiffness"
+
+
+# -- no stiffness -------------------------------------------------------------------------------------------------
+
+
+def with_free_arm(mass=1.0):
+    """A cantilever, and beside it an arm that turns freely."""
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0.1, 0), "P": (0, 0.1), "Q": (0, 0.2)}.items():
+        b.node(name, place)
+    b.add(planar.beam, "A", "B", name="leaf", section=LEAF)
+    b.fix("A")
+    b.mass("B", 1.0, inertia=1e-4)
+    b.rotation("arm")
+    b.add(planar.rigid_beam, "P", "arm", "Q", name="bar")
+    b.fix("P", "position")
+    if mass:
+        b.mass("Q", mass)
+    return b.build()
+
+
+def test_compliance_beside_a_free_motion():
+    model = with_free_arm()
+    # Of a cantilever: EA/L, 3 EI/L^3, 2 EI/L^2, EI/L.
+    bending = np.array([[0.1**3 / 3, 0.1**2 / 2], [0.1**2 / 2, 0.1]]) / EI
+    found = fm.compliance(model, "B")
+    np.testing.assert_allclose(found[1:, 1:], bending, rtol=1e-9)
+    assert fm.stiffness(model, "B", "y") == pytest.approx(1 / bending[0, 0], rel=1e-9)
+    for ask in (lambda: fm.compliance(model, "Q"), lambda: fm.stiffness(model, "Q", "x")):
+        with pytest.raises(fm.AnalysisError, match=r"'Q'.* arm\.phi") as fault:
+            ask()
+        assert fault.value.code == "singular_stiffness"
+    with pytest.warns(fm.FlexmbWarning, match=r"unbounded.* arm\.phi"):
+        each = fm.directional_compliance(model)
+    np.testing.assert_allclose(each["B"][1], bending[0, 0], rtol=1e-9)
+    np.testing.assert_allclose(each["B.rotation"], bending[1, 1], rtol=1e-9)
+    # The arm stands upright: its end moves along x, and not along y.
+    np.testing.assert_array_equal(np.isinf(each["Q"]), [True, False])
+    np.testing.assert_allclose(each["Q"][1], 0, atol=1e-15)
+    assert np.isinf(each["arm"][0])
+    np.testing.assert_array_equal(each["A"], 0)
+
+
+def test_compliance_of_a_free_motion_in_a_path_is_null_with_a_warning():
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0.1, 0), "P": (0, 0.1), "Q": (0, 0.2)}.items():
+        b.node(name, place)
+    b.add(planar.beam, "A", "B", name="leaf", section=LEAF)
+    b.fix("A")
+    b.rotation("arm")
+    b.add(planar.rigid_beam, "P", "arm", "Q", name="bar")
+    b.fix("P", "position")
+    b.mass("Q", 1.0)
+    b.force("B", (0, 1e-3))
+    found = answer(b, "free", 10, dofs="auto").data
+    told = [text for text in found["warnings"] if "unbounded" in text]
+    assert len(told) == 1
+    assert "arm.phi" in told[0]
+    compliance = found["path"][0]["compliance"]
+    assert np.isfinite(compliance["B"]).all()
+    assert not np.any(np.isnan(compliance["Q"]))
+
+
+def test_compliance_of_slender_springs_is_not_called_free():
+    # EA L^2/EI of 1e9, coordinates in which stretching and bending mix.
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (0.6, 0.8))
+    b.add(planar.beam, "A", "B", section=fm.Rigidity(EA=1e9, EIy=1.0))
+    b.fix("A")
+    b.dof("B", "x", "y", "phi")
+    model = b.build()
+    along = np.array([0.6, 0.8])
+    expected = np.outer(along, along) / 1e9 + np.outer([-0.8, 0.6], [-0.8, 0.6]) / 3
+    # Round-off times the ratio of the stiffnesses.
+    np.testing.assert_allclose(fm.compliance(model, "B")[:2, :2], expected, rtol=1e-6)
+    assert np.all(np.isfinite(np.concatenate(list(fm.directional_compliance(model).values()))))
+
+
+def test_derivative_of_a_compliance_still_is():
+    def flexibility(thickness):
+        b = fm.Builder()
+        b.node("A", (0, 0, 0))
+        b.node("B", (0.1, 0, 0))
+        section = fm.Rectangle(0.018, thickness, mechanisms.steel())
+        b.add(spatial.beam, "A", "B", name="leaf", section=section, y=(0, 1, 0))
+        b.fix("A")
+        b.dof("leaf", 1, 2, 3, 4, 5, 6)
+        return fm.compliance(b.build(), "B")[2, 2]
+
+    # With the cube of the thickness.
+    assert jax.grad(flexibility)(5e-4) == pytest.approx(-3 * float(flexibility(5e-4)) / 5e-4, rel=1e-9)

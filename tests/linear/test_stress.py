@@ -1,0 +1,648 @@
+"""Section resultants and stress: closed forms, hand calculation, rods solved by shooting, balance, derivatives."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import mechanisms
+from references import shooting
+from references.rods import Assembly, Cantilever, PlanarRod, SpatialRod, column, matrix
+from scipy.spatial.transform import Rotation
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.answers.answers import answer
+
+EPS = np.finfo(float).eps
+L, W, T = mechanisms.LENGTH, mechanisms.WIDTH, mechanisms.THICKNESS
+LEAF = mechanisms.leaf()
+FIELDS = [0, 2, 4]  # normal force, shear along z, bending about y: what a planar element has
+
+
+def chain(element, points, section, **properties):
+    b = fm.Builder()
+    for i, point in enumerate(points):
+        b.node(str(i), point)
+    for i in range(len(points) - 1):
+        b.add(element, str(i), str(i + 1), name=f"leaf {i}", section=section, **properties)
+    b.fix("0")
+    return b
+
+
+def straight(n, space, length=L):
+    return [(length * i / n, 0, 0) if space else (length * i / n, 0) for i in range(n + 1)]
+
+
+# -- closed forms -------------------------------------------------------------------------------------------------
+
+CANTILEVERS = {
+    "planar, one": (planar.beam, 1),
+    "planar, four": (planar.beam, 4),
+    "planar, spectral": (planar.spectral_beam(5), 1),
+    "space, one": (spatial.beam, 1),
+    "space, four": (spatial.beam, 4),
+    "space, spectral": (spatial.spectral_beam(4), 1),
+}
+FORCE = 1e-4  # N: F L^2/EI = 2.5e-5, of which the square is what large deflection changes
+
+
+@pytest.mark.parametrize(("element", "n"), CANTILEVERS.values(), ids=CANTILEVERS)
+def test_cantilever_with_a_force_at_its_tip(element, n):
+    space = len(element.nodes["p"].start) == 3
+    b = chain(element, straight(n, space), LEAF, **({"y": (0, 1, 0)} if space else {}))
+    b.force(str(n), (0, 0, FORCE) if space else (0, FORCE))
+    found = fm.stress(b.build())
+    assert found.names == tuple(f"leaf {i}" for i in range(n))
+    # A force to +z compresses the fibres at +z: M = -F (L - x) about y.
+    x = (np.arange(n)[:, None] + np.asarray(found.places)) * L / n
+    values = np.asarray(found.resultants.values)
+    np.testing.assert_allclose(values[:, :, 4], -FORCE * (L - x), rtol=0, atol=1e-8 * FORCE * L)
+    np.testing.assert_allclose(values[:, :, 2], FORCE, rtol=1e-8)
+    # The force tilts into the normal force by the slope, below F L^2/2EI.
+    assert np.max(np.abs(values[:, :, [0, 1, 3, 5]])) < 2e-5 * FORCE
+    largest = 6 * FORCE * L / (W * T**2)
+    assert found.maximum == pytest.approx(largest, rel=1e-8)
+    assert found.where[:2] == ("leaf 0", 0.0)
+    np.testing.assert_allclose(
+        found.sigma_x[0, 0], largest * -np.array([1, 1, 1, 0, -1, -1, -1, 0]), atol=1e-6 * largest
+    )
+    # 3/2 V/A in the middle of the short sides, across which z runs: the parabola of the shear force.
+    np.testing.assert_allclose(
+        np.asarray(found.tau[0, 0])[[7, 3]], [1.5 * FORCE / W / T, -1.5 * FORCE / W / T], rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("element", [spatial.beam, spatial.spectral_beam(4)], ids=["beam", "spectral"])
+def test_force_bending_and_torsion_combined_by_hand(element):
+    w, t, force, torque = 0.02, 0.004, np.array([3.0, 0.05, 0.02]), 0.03
+    b = chain(element, straight(1, True), fm.Rectangle(w, t, mechanisms.steel()), y=(0, 1, 0))
+    b.force("1", force)
+    b.moment("1", (torque, 0, 0))
+    found = fm.stress(b.build(), points=2)
+    # Saint-Venant's constants of a strip of 5 to 1: 64/pi^5 and 8/pi^2 times sums that are those of the thin strip.
+    constant = w * t**3 * (1 / 3 - 0.2100 * t / w)
+    my, mz = -force[2] * L, force[1] * L
+    corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [w / 2, t / 2]
+    sigma = force[0] / w / t + my * corners[:, 1] / (w * t**3 / 12) - mz * corners[:, 0] / (t * w**3 / 12)
+    # Deflection and twist are 1e-5 and 1e-4, which turn the forces by as much; N w is 5e-4 of the bending moment F L.
+    np.testing.assert_allclose(np.asarray(found.sigma_x[0, 0])[::2], sigma, rtol=0, atol=1e-3 * np.max(sigma))
+    tau_long = torque * t / constant
+    expected = [-tau_long + 1.5 * force[1] / w / t, -tau_long - 1.5 * force[1] / w / t]
+    np.testing.assert_allclose(-np.asarray(found.tau[0, 0])[[1, 5]], expected, rtol=2e-3)
+    np.testing.assert_allclose(np.asarray(found.tau[0, 0])[::2], 0, atol=1e-9)
+    top = np.hypot(found.sigma_x[0, 0, 1], np.sqrt(3) * found.tau[0, 0, 1])
+    assert found.von_mises[0, 0, 1] == pytest.approx(float(top), rel=1e-12)
+
+
+def test_truss_has_a_normal_force_alone():
+    b = fm.Builder()
+    for name, place in {"a": (0, 0), "b": (1, 0), "c": (0.5, 0.5)}.items():
+        b.node(name, place)
+    b.add(planar.truss, "a", "c", name="left", section=fm.Circle(0.01, mechanisms.steel()))
+    b.add(planar.truss, "c", "b", name="right", section=fm.Tube(0.02, 0.001, mechanisms.steel()))
+    b.fix("a")
+    b.fix("b")
+    b.force("c", (0, -100.0))
+    found = fm.stress(b.build())
+    # Half the load on each, over the sine of 45 degrees; the strain is 5e-6.
+    push = -100 / np.sqrt(2)
+    np.testing.assert_allclose(found.resultants.values[:, :, 0], push, rtol=1e-5)
+    assert not np.any(found.resultants.values[:, :, 1:])
+    areas = np.pi / 4 * np.array([0.01**2, 0.02**2 - 0.018**2])
+    np.testing.assert_allclose(found.sigma_x, np.broadcast_to((push / areas)[:, None, None], (2, 5, 8)), rtol=1e-5)
+    np.testing.assert_allclose(found.by_element, -push / areas, rtol=1e-5)
+    assert found.where.element == "right"
+
+
+@pytest.mark.parametrize(
+    ("element", "n"), [(planar.beam, 16), (planar.spectral_beam(4), 1), (spatial.spectral_beam(4), 1)]
+)
+def test_roll_up_has_one_moment_everywhere(element, n):
+    # A4: no force anywhere, so the end moment goes through, exactly for any mesh.
+    space = len(element.nodes["p"].start) == 3
+    section = fm.Rigidity(EA=1e6, EIy=1.0, EIz=1.0, GIt=1.0)
+    b = chain(element, straight(n, space, 1.0), section, **({"y": (0, 1, 0)} if space else {}))
+    b.moment(str(n), (0, -2 * np.pi, 0) if space else 2 * np.pi)
+    values = np.asarray(fm.section_resultants(b.build()).values)
+    np.testing.assert_allclose(values[:, :, 4], -2 * np.pi, rtol=1e-9)
+    # Round-off of the elongation times EA is a force.
+    np.testing.assert_allclose(np.delete(values, 4, axis=2), 0, atol=1e-7)
+
+
+# -- large deflection ---------------------------------------------------------------------------------------------
+
+
+def sections_of_rod(problem, places, z):
+    """Resultants in axes of the section of a cantilever solved by shooting, (places, 6), in space."""
+    found = []
+    for s in places:
+        rod = dataclasses.replace(problem.rod, length=max(float(s), 1e-12) * problem.rod.length)
+        pose, n, m = rod.march(column(problem.root), column(z[:3]), column(z[3:6]), z[-1])
+        axes = matrix(pose[3:, 0])
+        found.append(np.r_[axes.T @ n[:, 0], axes.T @ m[:, 0]])
+    return np.array(found)
+
+
+def test_elastica_against_shooting():
+    rod = PlanarRod(1.0, 1.0, 1e4, load=(0.3, -0.8))
+    problem = Cantilever(rod, (0.0, 0.0, 0.0), force=(-1.0, 2.0), moment=(0.5,))
+    z = shooting.solve(problem)
+    b = chain(planar.spectral_beam(10), straight(1, False, 1.0), fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0))
+    b.force("1", (-1.0, 2.0))
+    b.moment("1", 0.5)
+    b.gravity(rod.load)
+    found = fm.section_resultants(b.build(), points=7)
+    errors = []
+    for s, values in zip(found.places, np.asarray(found.values[0]), strict=True):
+        part = dataclasses.replace(rod, length=max(float(s), 1e-12))
+        pose, n, m = part.march(column(problem.root), column(z[:2]), column(z[2:3]))
+        c, sn = np.cos(pose[2, 0]), np.sin(pose[2, 0])
+        expected = [c * n[0, 0] + sn * n[1, 0], c * n[1, 0] - sn * n[0, 0], -m[0, 0]]
+        errors.append(values[FIELDS] - expected)
+    # Order ten leaves 1e-9 in the pose and in forces and moments of order one; EA times round-off.
+    assert np.max(np.abs(errors)) < 2e-8, errors
+
+
+RODS = {  # element, initial curvature of the rod in its section's axes, shear rigidities, dead load per length
+    "twisted": (spatial.spectral_beam(8), (0.0, 0.0, 0.0), np.inf, (0.0, 0.0, 0.0)),
+    "arc with shear": (spatial.spectral_beam(8, shear=True), (0.0, 0.0, -0.6), 300.0, (0.0, 0.0, 0.0)),
+    "with weight": (spatial.spectral_beam(8), (0.0, 0.4, 0.3), np.inf, (0.2, -0.4, 0.3)),
+}
+
+
+@pytest.mark.parametrize(("element", "curvature", "shear", "load"), RODS.values(), ids=RODS)
+def test_rod_in_space_against_shooting(element, curvature, shear, load):
+    rod = SpatialRod(1.0, 0.8, 1.0, 2.5, 1e4, shear, shear, curvature=curvature, load=load)
+    force, moment = (-0.4, 0.9, 1.1), (0.5, -0.3, 0.2)
+    start = Rotation.from_rotvec([0.3, -0.5, 0.4])
+    root = (0.0, 0.0, 0.0, *start.as_quat(scalar_first=True))
+    problem = Cantilever(rod, root, force=force, moment=moment)
+    z = shooting.solve(problem)
+    unloaded = dataclasses.replace(rod, EA=np.inf, GAy=np.inf, GAz=np.inf, load=(0.0, 0.0, 0.0))
+    end = unloaded.march(column(root), np.zeros((3, 1)), np.zeros((3, 1)))[0][:3, 0]
+    compliance = {"shear_z": 1.0 / shear, "shear_y": 2.5 / shear} if np.isfinite(shear) else {}
+    section = fm.Rigidity(EA=1e4, GIt=0.8, EIy=1.0, EIz=2.5, mass=1.0, **compliance)
+    # The element's frame is that of the arc's middle: the y that makes it the rod's own.
+    bend = np.array(curvature)
+    y = (start * Rotation.from_rotvec(bend / 2)).as_matrix()[:, 1]
+    properties = {"curvature": curvature} if np.any(bend) else {}
+    b = chain(element, [np.zeros(3), end], section, y=y, **properties)
+    b.force("1", force)
+    b.moment("1", moment)
+    if any(load):
+        b.gravity(load)
+    found = fm.section_resultants(b.build(), points=6)
+    expected = sections_of_rod(problem, np.asarray(found.places), z)
+    # Order eight leaves 1e-7 of forces and moments of order one.
+    errors = np.max(np.abs(np.asarray(found.values[0]) - expected), axis=0)
+    assert np.all(errors < 3e-7), errors
+
+
+def test_cubic_beams_converge_with_order_two():
+    problem = Cantilever(PlanarRod(1.0, 1.0, 1e4), (0.0, 0.0, 0.0), force=(0.0, 2.0))
+    clamp = shooting.solve(problem)[2]
+    errors = []
+    for n in (4, 8, 16):
+        b = chain(planar.beam, straight(n, False, 1.0), fm.Rigidity(EA=1e4, EIy=1.0))
+        b.force(str(n), (0.0, 2.0))
+        errors.append(float(fm.section_resultants(b.build(), points=2).values[0, 0, 4]) + clamp)
+    ratios = np.array(errors[:-1]) / errors[1:]
+    np.testing.assert_allclose(ratios, 4, rtol=0.15)
+    assert abs(errors[-1]) < 1e-3 * clamp
+
+
+def bending_of(element):
+    """Numbers of the deformations that bending stiffens."""
+    starts = [np.array(kind.start) for kind in element.nodes.values()]
+    starts[2] = np.eye(len(starts[0]))[0]
+    stiffness = element.stiffness(ref=element.reference(starts), section=fm.Rigidity(EIy=1.0))
+    return tuple(np.flatnonzero(np.diag(stiffness)) + 1)
+
+
+GUIDES = {
+    "cubic": (planar.beam, 16, 2e-3),  # order two in the length of a beam
+    "spectral": (planar.spectral_beam(6), 1, 1e-6),
+}
+
+
+@pytest.mark.parametrize(("element", "n", "tolerance"), GUIDES.values(), ids=GUIDES)
+def test_guide_at_a_stroke_with_fixed_elongation(element, n, tolerance):
+    """B1: the normal force of a leaf spring that does not stretch is a multiplier."""
+    stroke, leaf, released = 0.1, PlanarRod(1.0), bending_of(element)
+    leaves = tuple((leaf, (x, 0.0, np.pi / 2), (x, 0.0, np.pi / 2)) for x in (-0.5, 0.5))
+    problem = Assembly(leaves, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), {0: stroke}, dead=(0.0, -3.0, 0.0))
+    z = shooting.solve(problem)
+    b = fm.Builder()
+    b.node("platform", (0, 1))
+    for name, x in (("left", -0.5), ("right", 0.5)):
+        for i in range(n + 1):
+            b.node(f"{name} {i}", (x, i / n))
+        for i in range(n):
+            section = fm.Rigidity(EA=1.0, EIy=1.0)
+            b.add(element, f"{name} {i}", f"{name} {i + 1}", name=f"{name} {i}", section=section, released=released)
+        b.fix(f"{name} 0")
+        b.add(planar.beam, "platform", f"{name} {n}", name=f"arm {name}")
+    b.prescribe("platform", "x", stroke)
+    b.force("platform", (0, -3.0))
+    found = fm.section_resultants(b.build(), points=3)
+    for k, name in enumerate(("left", "right")):
+        n_x, n_y, m = z[3 * k : 3 * k + 3]
+        at_foot = np.asarray(found.values[found.names.index(f"{name} 0"), 0])
+        # Section x is up, z to the left.
+        np.testing.assert_allclose(at_foot[FIELDS], [n_y, -n_x, -m], rtol=tolerance)
+
+
+# -- balance ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", [planar.beam, planar.spectral_beam(4)], ids=["beam", "spectral"])
+def test_plane_and_space_agree(element):
+    section = fm.Rectangle(W, T, mechanisms.steel())
+    other = {planar.beam: spatial.beam}.get(element, spatial.spectral_beam(4))
+    found = []
+    for kind, space in ((element, False), (other, True)):
+        b = chain(kind, straight(2, space), section, **({"y": (0, 1, 0)} if space else {}))
+        b.force("2", (0.3, 0, 2.0) if space else (0.3, 2.0))
+        b.moment("1", (0, -0.05, 0) if space else 0.05)
+        b.gravity((500.0, 0, -300.0) if space else (500.0, -300.0))
+        found.append(fm.stress(b.build(), points=3))
+    plane, space = found
+    scale = np.array([2.0, 2.0, 2.0, 0.2, 0.2, 0.2])
+    # Elongations, 1e-12 of the length by the Newton tolerance, times EA; the two integrate poses in different ways.
+    np.testing.assert_allclose(plane.resultants.values / scale, space.resultants.values / scale, atol=1e-6)
+    np.testing.assert_allclose(plane.von_mises, space.von_mises, rtol=1e-5, atol=1e-6 * float(space.maximum))
+
+
+def global_wrench(model, found, state, values, end):
+    """Force and moment about global axes of the resultants at an end of an element in space."""
+    p, rot_p, q, rot_q, *_ = next(nodes for name, _, nodes in model.labels.elements if name == found)
+    lam = {0: rot_p, 1: rot_q}[end]
+    start, there = (
+        np.asarray(x)[np.array(model.labels.coordinates(lam))] for x in (model.parameters.reference, state.x)
+    )
+    span = [np.asarray(model.parameters.reference)[np.array(model.labels.coordinates(n))] for n in (p, q)]
+    ex = (span[1] - span[0]) / np.linalg.norm(span[1] - span[0])
+    ez = np.cross(ex, [0, 0, 1.0])
+    ez /= np.linalg.norm(ez)
+    frame = np.stack([ex, np.cross(ez, ex), ez], axis=1)
+    turn = Rotation.from_quat(there, scalar_first=True) * Rotation.from_quat(start, scalar_first=True).inv()
+    axes = turn.as_matrix() @ frame
+    return np.r_[axes @ values[:3], axes @ values[3:]]
+
+
+@pytest.mark.parametrize("element", [spatial.beam, spatial.spectral_beam(4)], ids=["beam", "spectral"])
+def test_ends_balance_at_a_node_with_a_load(element):
+    """A bent frame in space: what one leg hands on, less the load on the corner, the other takes up."""
+    section = fm.Rectangle(0.01, 0.001, mechanisms.steel())
+    points = [(0, 0, 0), (0.1, 0, 0), (0.1, 0.08, 0)]
+    b = chain(element, points, section, y=(0, 0, 1))
+    load, moment = np.array([1.0, -2.0, 3.0]), np.array([0.01, 0.02, -0.03])
+    b.force("1", load)
+    b.moment("1", moment)
+    b.force("2", (2.0, 1.0, 1.5))
+    model = b.build()
+    state = fm.equilibrium(model)
+    values = np.asarray(fm.section_resultants(model, at=state, points=2).values)
+    one, other = (global_wrench(model, f"leaf {i}", state, values[i, end], end) for i, end in ((0, 1), (1, 0)))
+    # The residual of Newton's last step, 1e-9 of the stiffness EA times the length.
+    np.testing.assert_allclose(one, other + np.r_[load, moment], atol=1e-8)
+    root = global_wrench(model, "leaf 0", state, values[0, 0], 0)
+    np.testing.assert_allclose(-root[:3], state.reactions[np.array(model.labels.coordinates("0"))], atol=1e-8)
+    tip = global_wrench(model, "leaf 1", state, values[1, 1], 1)
+    np.testing.assert_allclose(tip, [2.0, 1.0, 1.5, 0, 0, 0], atol=1e-8)
+
+
+# -- distributed loads --------------------------------------------------------------------------------------------
+
+LIGHT = 9.81e-2  # m/s^2: a leaf spring five times as thick sinks by 1e-6 of its length
+THICK = fm.Rectangle(W, 5 * T, mechanisms.steel(), rotary=False)
+WEIGHT = 7850 * LIGHT * W * 5 * T
+LOADED = {
+    "planar, one": (planar.beam, 1),
+    "planar, three": (planar.beam, 3),
+    "planar, spectral": (planar.spectral_beam(1), 1),
+    "space, one": (spatial.beam, 1),
+    "space, three": (spatial.beam, 3),
+    "space, spectral": (spatial.spectral_beam(2), 1),
+}
+
+
+def heavy(element, n, pull, **load):
+    """A chain along x under its own weight; gravity pulls along ``pull`` in axes of the section."""
+    space = len(element.nodes["p"].start) == 3
+    b = chain(element, straight(n, space), THICK, **({"y": (0, 1, 0)} if space else {}))
+    # In the plane the section's z is the global y.
+    b.gravity(LIGHT * np.array(pull if space else (pull[0], pull[2])), **load)
+    return b
+
+
+@pytest.mark.parametrize(("element", "n"), LOADED.values(), ids=LOADED)
+def test_cantilever_under_its_own_weight(element, n):
+    """Lying, hanging and at a slant at once, and one of each: statics of what lies beyond a place."""
+    space = len(element.nodes["p"].start) == 3
+    pull = np.array([0.6, 0.48, -0.64]) if space else np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5)])
+    found = fm.stress(heavy(element, n, pull).build())
+    beyond = L - (np.arange(n)[:, None] + np.asarray(found.places)) * L / n
+    n_x, v_y, v_z = WEIGHT * pull[:, None, None] * beyond
+    expected = np.stack([n_x, v_y, v_z, 0 * beyond, -v_z * beyond / 2, v_y * beyond / 2], axis=-1)
+    # It tilts and sinks by 1e-6, and the forces with it; the round-off of elongations is 1e-6 in the normal force.
+    scale = WEIGHT * L * np.array([1, 1, 1, L, L, L])
+    np.testing.assert_allclose(np.asarray(found.resultants.values) / scale, expected / scale, rtol=0, atol=1e-5)
+    # The largest stress is at the clamp, in space in a corner, where both moments and the normal force add up.
+    corner = WEIGHT / (W * 5 * T) * np.abs(pull) @ [L, 3 * L**2 / W, 3 * L**2 / (5 * T)]
+    assert found.maximum == pytest.approx(corner, rel=1e-5)
+    assert found.where[:2] == ("leaf 0", 0.0)
+
+
+@pytest.mark.parametrize(("element", "n"), [(planar.beam, 1), (planar.beam, 3), (planar.spectral_beam(3), 1)])
+def test_weight_between_two_supports(element, n):
+    # M = w L^2 s (1 - s)/2 of a bar on two pins, V = w L (1/2 - s), closed form.
+    b = fm.Builder()
+    for i, point in enumerate(straight(n, False)):
+        b.node(str(i), point)
+    for i in range(n):
+        b.add(element, str(i), str(i + 1), section=THICK)
+    b.fix("0", "x", "y")
+    b.fix(str(n), "y")
+    b.gravity((0, -LIGHT))
+    found = fm.section_resultants(b.build())
+    s = (np.arange(n)[:, None] + np.asarray(found.places)) / n
+    scale = WEIGHT * L
+    np.testing.assert_allclose(found.values[:, :, 2] / scale, s - 0.5, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(found.values[:, :, 4] / scale / L, -s * (1 - s) / 2, rtol=0, atol=1e-5)
+
+
+def test_truss_under_its_own_weight_hangs():
+    b = chain(planar.truss, [(0, 0), (0, -L)], THICK)
+    b.fix("1", "x")
+    b.gravity((0, -LIGHT))
+    found = fm.section_resultants(b.build())
+    expected = WEIGHT * L * (1 - np.asarray(found.places))
+    np.testing.assert_allclose(found.values[0, :, 0], expected, rtol=0, atol=1e-5 * WEIGHT * L)
+    assert not np.any(found.values[0, :, 1:])
+
+
+def test_weight_among_the_incremental_loads_counts_by_its_factor():
+    b = heavy(planar.beam, 1, (0.0, 0.0, -1.0), increment=True)
+    b.gravity((0, -LIGHT))
+    model = b.build()
+    path = fm.path(model, step=0.5)
+    for at, factor in [
+        (fm.equilibrium(model, increment=0.5), 1.5),
+        (fm.linearize(model, load_factor=0.5, increment=0.0), 0.5),
+    ] + [(path.linearization(i), 1 + share) for i, share in enumerate(np.asarray(path.load_factor))]:
+        clamp = fm.section_resultants(model, at=at, points=2).values[0, 0]
+        np.testing.assert_allclose(clamp[4], factor * WEIGHT * L**2 / 2, rtol=1e-5)
+
+
+def test_heavy_cubic_beams_converge_with_order_two():
+    """A tip that sinks by half the length, at a slant, against shooting: at the clamp and in the middle."""
+    rod = PlanarRod(1.0, 1.0, 1e4, load=(3.0, -6.0))
+    problem = Cantilever(rod, (0.0, 0.0, 0.0))
+    z = shooting.solve(problem)
+    middle = dataclasses.replace(rod, length=0.5).march(column(problem.root), column(z[:2]), column(z[2:3]))[2][0, 0]
+    errors = []
+    for n in (4, 8, 16):
+        b = chain(planar.beam, straight(n, False, 1.0), fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0))
+        b.gravity(rod.load)
+        values = fm.section_resultants(b.build(), points=2).values[:, 0, 4]
+        errors.append([float(values[0]) + z[2], float(values[n // 2]) + middle])
+    errors = np.abs(errors)
+    np.testing.assert_allclose(errors[:-1] / errors[1:], 4, rtol=0.2)
+    assert np.all(errors[-1] < 1e-3 * abs(z[2]))
+
+
+def test_derivatives_of_the_stress_under_own_weight():
+    def largest(numbers):
+        length, rho = numbers
+        section = fm.Rectangle(W, 5 * T, fm.Material(E=210e9, G=80e9, rho=rho))
+        b = chain(spatial.beam, straight(1, True, length), section, y=(0, 1, 0))
+        b.dof("leaf 0", 1, 2, 3, 4, 5, 6)
+        b.gravity((0, 0, -LIGHT))
+        return fm.stress(b.build(), points=3).maximum
+
+    at = np.array([L, 7850.0])
+    value, slope = jax.value_and_grad(largest)(at)
+    # 3 rho g L^2/t: powers two and one; what sinks by 1e-6 of the length changes them by as much.
+    np.testing.assert_allclose(slope * at / value, [2.0, 1.0], rtol=1e-5)
+    for i in range(2):
+        up, down = (float(largest(at * (1 + sign * 1e-2 * np.eye(2)[i]))) for sign in (1, -1))
+        # No truncation but that of what sinks, 1e-4 of 1e-6.
+        assert slope[i] * at[i] == pytest.approx((up - down) / 2e-2, rel=1e-7)
+
+
+# Elements that stretch alone, so that they turn as rigid bars and their bending moments are multipliers.
+STIFF = {
+    "planar": (planar.beam, (1,)),
+    "planar, spectral": (planar.spectral_beam(3), (4, 5, 6)),
+    "space": (spatial.beam, (1,)),
+    "space, spectral": (spatial.spectral_beam(2), (7, 8)),
+}
+
+
+def hinged(element, released):
+    space = len(element.nodes["p"].start) == 3
+    b = fm.Builder()
+    for name, place in (("pivot", 0.0), ("tip", L)):
+        b.node(name, (place, 0, 0) if space else (place, 0))
+    if space:
+        b.node("axle", (0, 0, 0))
+        b.add(spatial.hinge, "axle", "pivot", axis=(0, 0, 1))
+        b.fix("axle")
+    b.fix("pivot", "position")
+    b.add(element, "pivot", "tip", name="bar", section=THICK, released=released, **({"y": (0, 0, -1)} if space else {}))
+    return b, space
+
+
+@pytest.mark.parametrize(("element", "released"), STIFF.values(), ids=STIFF)
+def test_bar_that_falls_about_a_hinge(element, released):
+    """M = w L^2 s (1 - s)^2/4 as it starts from rest: weight less inertia, that of a falling chimney. Closed form."""
+    b, space = hinged(element, released)
+    b.gravity((0, -LIGHT, 0) if space else (0, -LIGHT))
+    model = b.build()
+    along = fm.linearize_motion(fm.simulate(model, np.array([0.0, 1e-3])))
+    found = fm.section_resultants(model, at=along.instant(0))
+    s, scale = np.asarray(found.places), WEIGHT * L
+    # Local z is the global y, and local y points into the plane, in space too.
+    np.testing.assert_allclose(found.values[0, :, 2] / scale, -(1 - s) * (1 - 3 * s) / 4, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(found.values[0, :, 4] / scale / L, -s * (1 - s) ** 2 / 4, rtol=0, atol=1e-5)
+
+
+# -- the maximum --------------------------------------------------------------------------------------------------
+
+
+def guide(thickness, stroke=0.01, load=-5.0, length=L, dofs=()):
+    b = fm.Builder()
+    section = fm.Rectangle(W, thickness, mechanisms.steel())
+    b.node("body", (0, length))
+    for name, x in (("left", -0.04), ("right", 0.05)):
+        b.node(f"{name} foot", (x, 0))
+        b.node(f"{name} top", (x, length))
+        b.add(planar.spectral_beam(4), f"{name} foot", f"{name} top", name=name, section=section)
+        b.fix(f"{name} foot")
+        b.add(planar.beam, "body", f"{name} top", name=f"arm {name}")
+    b.prescribe("body", "x", stroke)
+    b.force("body", (0, load))
+    for of, symbol in (name.split(".e") for name in dofs):
+        b.dof(of, int(symbol))
+    return b.build()
+
+
+@pytest.fixture(scope="module")
+def dofs():
+    """Degrees of freedom as found on concrete numbers; all are deformations."""
+    return guide(T).q_labels
+
+
+def test_derivatives_by_thickness_stroke_load_and_length(dofs):
+    def answers(numbers):
+        found = fm.stress(guide(*numbers, dofs=dofs))
+        return jnp.stack([found.maximum, found.smooth_maximum(), found.resultants.values[1, 0, 4]])
+
+    at = np.array([T, 0.01, -5.0, L])
+    size = np.asarray(answers(at))
+    forward, reverse = (np.asarray(fm.jit(d(answers))(at)) for d in (jax.jacfwd, jax.jacrev))
+    np.testing.assert_allclose(forward * at, reverse * at, rtol=1e-9, atol=1e-9 * size.max())
+    step = 1e-5
+    for i in range(4):
+        plus, minus = (np.asarray(answers(at + sign * step * at * np.eye(4)[i])) for sign in (1, -1))
+        # Truncation step^2; round-off of the stress, 1e-14 of it, over the step.
+        difference = (plus - minus) / (2 * step)
+        np.testing.assert_allclose(forward[:, i] * at[i] / size, difference / size, rtol=0, atol=1e-8)
+
+
+def test_maximum_is_a_number_of_the_batch_too(dofs):
+    thicknesses = jnp.array([0.4e-3, 0.5e-3, 0.6e-3])
+
+    def largest(t):
+        found = fm.stress(guide(t, dofs=dofs), points=3)
+        return found.maximum, found.smooth_maximum(200.0)
+
+    together = fm.jit(jax.vmap(largest))(thicknesses)
+    alone = [fm.stress(guide(float(t)), points=3) for t in thicknesses]
+    # Newton's tolerance of 1e-9, from other degrees of freedom.
+    np.testing.assert_allclose(together[0], [a.maximum for a in alone], rtol=1e-8)
+    np.testing.assert_allclose(together[1], [a.smooth_maximum(200.0) for a in alone], rtol=1e-8)
+
+
+def test_smooth_maximum_keeps_its_bound_and_scales():
+    rng = np.random.default_rng(3)
+    names = ("a", "b", "c")
+    blank = fm.SectionResultants(jnp.zeros((3, 4, 6)), jnp.linspace(0, 1, 4), jnp.zeros((), jnp.int32), names)
+    sigma, tau = rng.standard_normal((2, 3, 4, 8))
+
+    def of(factor):
+        return fm.Stress(factor * sigma, factor * tau, factor * jnp.sqrt(sigma**2 + 3 * tau**2), blank)
+
+    found = of(1.0)
+    for sharpness in (2.0, 20.0, 100.0, 1e4):
+        value = float(found.smooth_maximum(sharpness))
+        assert found.maximum <= value <= found.maximum * 96 ** (1 / sharpness)
+        for factor in (1e-9, 1e9):
+            assert of(factor).smooth_maximum(sharpness) == pytest.approx(factor * value, rel=1e-12)
+    # Two that change places: the derivative of the maximum jumps, that of the estimate is shared between them.
+    pair = jnp.zeros((3, 4, 8)).at[0, 0, 0].set(1.0).at[2, 1, 3].set(1.0)
+
+    def estimate(sigma):
+        return fm.Stress(sigma, 0 * sigma, jnp.abs(sigma), blank).smooth_maximum(50.0)
+
+    slope = jax.grad(estimate)(pair)
+    assert slope[0, 0, 0] == pytest.approx(float(slope[2, 1, 3]), rel=1e-12)
+    assert jnp.sum(slope * pair) == pytest.approx(float(estimate(pair)), rel=1e-12)
+    # Nothing stressed: zero, with a derivative.
+    assert estimate(0 * pair) == 0
+    assert np.all(np.isfinite(jax.grad(estimate)(0 * pair)))
+    assert found.where.element == names[np.argmax(np.max(np.asarray(found.von_mises), axis=(1, 2)))]
+
+
+# -- which elements, and what is refused ---------------------------------------------------------------------------
+
+
+def test_rows_are_in_the_order_of_the_model_and_leave_rigid_elements_out():
+    """Sections of three kinds in one block of beams, a rigid beam among them, and a truss in between."""
+    steel = mechanisms.steel()
+    sections = {
+        "strip": fm.Rectangle(0.01, 0.001, steel),
+        "wire": fm.Circle(0.002, steel),
+        "box": fm.HollowRectangle(0.01, 0.008, 0.001, 0.001, steel),
+        "strip too": fm.Rectangle(0.01, 0.002, steel),
+    }
+    b = fm.Builder()
+    b.node("0", (0, 0))
+    for i, (name, section) in enumerate(sections.items()):
+        b.node(str(i + 1), (0.1 * (i + 1), 0))
+        b.add(planar.beam, str(i), str(i + 1), name=name, section=section)
+        if name == "wire":
+            b.node("far", (0.2, 1.0))
+            b.add(planar.truss, "2", "far", name="stay", section=fm.Circle(0.001, steel))
+            b.fix("far")
+    b.node("end", (0.5, 0))
+    b.add(planar.beam, "4", "end", name="rigid", section=fm.Rigidity(mass=1.0), released=())
+    b.fix("0")
+    b.force("end", (10.0, 0))
+    found = fm.stress(b.build(), points=2)
+    assert found.names == ("strip", "wire", "stay", "box", "strip too")
+    areas = np.array([1e-5, np.pi * 1e-6, np.pi * 0.25e-6, 8e-5 - 8e-3 * 6e-3, 2e-5])
+    pulls = np.array([10, 10, 0, 10, 10])
+    # The stay takes 2e-3 N from a side deflection, which bends.
+    np.testing.assert_allclose(np.mean(found.sigma_x[:, 0], axis=1), pulls / areas, rtol=1e-4, atol=1e4)
+
+
+def test_state_of_a_path():
+    b = chain(planar.spectral_beam(4), straight(1, False), LEAF)
+    b.force("1", (0, 1.0))
+    model = b.build()
+    path = fm.path(model, step=0.5)
+    for i, factor in enumerate(path.load_factor):
+        at = fm.stress(model, at=path.linearization(i), points=2)
+        assert at.maximum == pytest.approx(
+            float(fm.stress(model, load_factor=float(factor), points=2).maximum), abs=1.0
+        )
+    with pytest.raises(ValueError, match=r"path.linearization\(step\)"):
+        fm.stress(model, at=path)
+
+
+def test_refusals():
+    b = chain(planar.beam, straight(2, False), LEAF)
+    b.node("far", (0.1, 0.1))
+    b.add(planar.beam, "2", "far", name="numbers", section=fm.Rigidity(EA=1e5, EIy=1.0))
+    b.force("far", (0, 0.1))
+    model = b.build()
+    with pytest.raises(fm.ModelError, match=r"section of element 'numbers' .* no shape"):
+        fm.stress(model)
+    assert fm.section_resultants(model).names == ("leaf 0", "leaf 1", "numbers")
+    with pytest.raises(ValueError, match="`points` must be at least 2"):
+        fm.section_resultants(model, points=1)
+    with pytest.raises(fm.ModelError, match="has no shape"):
+        fm.Rigidity().stress(jnp.zeros(6))
+    rigid = fm.Builder()
+    rigid.node("a", (0, 0))
+    rigid.node("b", (1, 0))
+    rigid.add(planar.beam, "a", "b", section=LEAF, released=())
+    rigid.fix("a", "position")
+    with pytest.raises(fm.ModelError, match="No flexible element has a section"):
+        fm.stress(rigid.build())
+
+
+def test_where_needs_concrete_numbers(dofs):
+    with pytest.raises(TypeError, match=r"outside jax\.jit"):
+        fm.jit(lambda t: fm.stress(guide(t, dofs=dofs)).where.place)(T)
+    found = fm.stress(guide(T))
+    with pytest.raises(ValueError, match="`sharpness` must be at least 2"):
+        found.smooth_maximum(1.0)
+
+
+def test_answers_have_the_stress_of_sections_with_a_shape():
+    b = mechanisms.planar_guide(force=(1.0, 0.0))
+    largest = fm.stress(b.build()).by_element
+    # Half of the force on each leaf spring, as S-shape: F L/4 at its ends; the normal force is a tenth of a percent.
+    np.testing.assert_allclose(largest, 6 * 0.25 * L / (W * T**2), rtol=5e-3)
+    for mode in (7, 10):
+        data = answer(b, "guide", mode).data
+        assert data["stress"]["maximum"] == pytest.approx(float(max(largest)), rel=1e-8)
+        assert (data["stress"]["element"], data["stress"]["place"] in (0, 1)) == ("left 1", True)
+    assert "stress" in data["path"][-1]
+    numbers = chain(planar.beam, straight(1, False), fm.Rigidity(EA=1.0, EIy=1.0, mass=1.0))
+    assert "stress" not in answer(numbers, "numbers", 7, dofs="auto").data
