@@ -1,4 +1,4 @@
-"""The command line as CLI.md fixes it: exit status, JSON keys, one line a fault, nothing written by half."""
+"""The command line: exit status, JSON keys, one line a fault, nothing written by half."""
 
 import json
 import os

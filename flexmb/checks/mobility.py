@@ -251,8 +251,8 @@ def mobility(model: Model) -> Mobility:
         Mobility: numbers, self-stresses (n_e, over) and motions (n_x, under), the largest entry of each 1 [SI].
 
     Source:
-        FORMULATION.md 8: singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the DEPENDENT
-        coordinates; left null vectors are over-constraints, right ones under-constraints.
+        THEORY.md 8, eq. (8.1): singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the
+        DEPENDENT coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
     found = constraints(as_model(model, "mobility"))
     matrix, held, free = _held_rows(model, found)

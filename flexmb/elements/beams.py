@@ -33,7 +33,7 @@ def bending_coefficients(ei, l0, shear) -> tuple:
         Two coefficients, () [N/m].
 
     Source:
-        Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor (FORMULATION.md 2).
+        Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor; THEORY.md 2, eq. (2.6) and (2.7).
     """
     phi = 12 * shear / l0**2
     first = ei / (l0**3 * (1 + phi))

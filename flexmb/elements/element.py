@@ -31,7 +31,7 @@ class Element:
         stiffness: ``f(*, ref, **properties) -> (n_e, n_e)``, stress resultants per deformation.
         damping: The same for deformation rates.
         inertia: ``f(*nodes, ref, **properties) -> (s, H)``: vectors s(x), (k, d), and a constant matrix H, (k, k),
-            with kinetic energy ``1/2 sum H[a, b] s_a_dot . s_b_dot`` (FORMULATION.md 3).
+            with kinetic energy ``1/2 sum H[a, b] s_a_dot . s_b_dot`` (THEORY.md 3, eq. (3.1)).
         force: ``f(*nodes, ref, **properties) -> (n_x,)``, nodal forces dual to the coordinates, for loads that
             depend on the configuration.
         energy: ``f(e, *, ref, **properties) -> ()`` [J], elastic energy, where stress is no constant matrix times

@@ -59,8 +59,8 @@ def _beam(
 ) -> Float[Array, "6"]:
     """Elongation, torsion and four bendings of a spatial beam.
 
-    Tutorial (4.1)-(4.6) with the second-order terms of FORMULATION.md 2: the shortening by bending, and the coupling
-    of torsion with bending in two planes.
+    Tutorial (4.1)-(4.6) with the second-order terms of THEORY.md 2, eq. (2.5): the shortening by bending, and the
+    coupling of torsion with bending in two planes.
     """
     l0 = beams.beam_length(ref)
     triads = _triads(rot_p, rot_q, ref, y)

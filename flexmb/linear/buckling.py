@@ -97,7 +97,7 @@ def scaled_stiffness(
         Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-].
 
     Source:
-        FORMULATION.md 7.
+        THEORY.md 7, eq. (7.4).
     """
     if parameters.increment is None:
         stays, scaled, sigma, moved = at.K0, at.G0, at.sigma, sizes_of(topology, parameters)

@@ -42,7 +42,7 @@ def compliance(model: Model | Linearization, node: str, *, local: bool = False) 
             the compliance is that of the rest.
 
     Source:
-        FORMULATION.md 7: (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
+        THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
     check_flag("local", local)
     lin = linearized(model, "compliance")

@@ -272,7 +272,7 @@ def linearize(
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
 
     Source:
-        FORMULATION.md 6; K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
+        THEORY.md 6, eq. (6.2) and (6.3); K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
     """
     target = load_factors_of(as_determined(model, "linearize"), load_factor, increment, "linearize")
     return _linearized(model, target, throw)
@@ -323,7 +323,8 @@ def second_transfer(
         TypeError: It is no Linearization.
 
     Source:
-        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, FORMULATION.md 4.
+        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations,
+        THEORY.md 4, eq. (4.4).
     """
     if not isinstance(lin, Linearization):
         raise TypeError(

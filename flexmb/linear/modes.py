@@ -71,7 +71,7 @@ def shift_to_definite(
         s, () [rad^2/s^2]; whether K itself is positive definite; whether an s was found.
 
     Source:
-        FORMULATION.md 7: a stated shift where K is not positive definite.
+        THEORY.md 7, eq. (7.2): a stated shift where K is not positive definite.
     """
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
@@ -110,7 +110,7 @@ def spectrum(
         (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue.
 
     Source:
-        FORMULATION.md 7.
+        THEORY.md 7, eq. (7.2).
     """
     shift, stable, found = shift_to_definite(k, m)
     n = k.shape[0]
@@ -197,7 +197,7 @@ def frequencies(
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
 
     Source:
-        FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
+        THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
     check_flag("sparse", sparse)
     count = None if count is None else check_whole("count", count, 1)
@@ -261,7 +261,7 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
         TypeError: Called under a trace; :func:`frequencies` can be.
 
     Source:
-        FORMULATION.md 7; tutorial WA 1239 (2012), eq. (A.1).
+        THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
     lin = linearized(model, "modes", throw)
     refuse_unsymmetric(lin.matrices.symmetric)
@@ -297,7 +297,7 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
         AnalysisError: The equilibrium was not found, or a motion has a negative mass.
 
     Source:
-        FORMULATION.md 7; companion form with the pencil's mass, solved by the QZ method.
+        THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method.
     """
     import scipy.linalg
 

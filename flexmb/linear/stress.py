@@ -245,7 +245,7 @@ def section_resultants(
         AnalysisError: As for ``equilibrium``.
 
     Source:
-        Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; FORMULATION.md 7.
+        Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; THEORY.md 7.
     """
     names, places, inputs, result = _state(model, points, at, load_factor, increment, throw, "section_resultants")
     return SectionResultants(_resultants(*inputs), jnp.asarray(places), result, names)

@@ -192,7 +192,7 @@ def deformation_curvature(
         (n_x, n_x) [N/m, N, N m], symmetric.
 
     Source:
-        FORMULATION.md 6: Hessian of the Lagrangian, element by element.
+        THEORY.md 6, eq. (6.3): Hessian of the Lagrangian, element by element.
     """
     pieces = curvature_pieces(topology, parameters, x, near, sigma)
     return scatter_matrix((topology.n_x, topology.n_x), pieces)

@@ -59,7 +59,7 @@ def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
         M, (n_x, n_x) [kg, kg m, kg m^2].
 
     Source:
-        FORMULATION.md 3.
+        THEORY.md 3, eq. (3.2).
     """
     return scatter_matrix((topology.n_x, topology.n_x), mass_pieces(topology, parameters, x))
 
@@ -79,7 +79,7 @@ def kinetic_energy(
         () [J].
 
     Source:
-        FORMULATION.md 3.
+        THEORY.md 3, eq. (3.1).
     """
     total = jnp.array(0.0)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):

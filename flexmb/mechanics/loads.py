@@ -117,7 +117,7 @@ def nodal_forces(
         f dual to x, (n_x,) [N, N m].
 
     Source:
-        FORMULATION.md 5.
+        THEORY.md 5, loads.
     """
     loads = scaled_loads(parameters, factors)
     force = jnp.zeros(topology.n_x) if loads.force is None else loads.force

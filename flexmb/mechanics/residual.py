@@ -82,7 +82,7 @@ def state(
         State.
 
     Source:
-        FORMULATION.md 5 and 6.
+        THEORY.md 5 and 6, eq. (5.1), (5.5), (6.2) and (6.3).
     """
     e, jacobian = deformation_jacobian(topology, parameters, x, near)
     tangent = transfer(topology, jacobian)
@@ -164,7 +164,7 @@ def reduced_response(
         Change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m].
 
     Source:
-        FORMULATION.md 6: the Hessian of the Lagrangian, projected with Z = DFx.
+        THEORY.md 6, eq. (6.3): the Hessian of the Lagrangian, projected with Z = DFx.
     """
     onto_constraints = correction(topology, at.transfer, excess, shift)
     # The stress of DOF deformations is that of their wanted values already.

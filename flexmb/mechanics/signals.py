@@ -24,7 +24,7 @@ def rotation_row(lam: Float[Array, "4"], axis: Any, local: bool) -> Float[Array,
         (4,) [rad].
 
     Source:
-        omega = 2 Lbar d(lambda)/dt, f = 2 Lbar^T M (FORMULATION.md 5); with L for axes of the body.
+        omega = 2 Lbar d(lambda)/dt, f = 2 Lbar^T M (THEORY.md 5, eq. (5.7)); with L for axes of the body.
     """
     return 2 * (lbody if local else lbar)(lam)[axis]
 
@@ -55,7 +55,7 @@ def input_row(signal: Signal, x, dfx, dfe) -> Float[Array, "n_q"]:
         dfe: DFe, (n_e, n_q).
 
     Source:
-        FORMULATION.md 7: forces by DFx^T, a stress adds to sigma: -DFe^T.
+        THEORY.md 6 and 7: forces by DFx^T, a stress adds to sigma: -DFe^T.
     """
     if signal.quantity == "stress":
         return -dfe[signal.index]

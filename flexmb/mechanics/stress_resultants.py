@@ -224,7 +224,7 @@ def stress_resultants(
         sigma without that of constant damping, (n_e,) [N, N m].
 
     Source:
-        FORMULATION.md 5.
+        THEORY.md 5, eq. (5.4).
     """
     strain = strain_of(parameters, e)
     sigma = stiffness @ strain

@@ -48,7 +48,7 @@ def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
         DFx = -A^-1 dD/dq-part, DFe = D_x DFx.
 
     Source:
-        FORMULATION.md 4; tutorial WA 1239 (2012), ch. 1 and reference [10] there.
+        THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and reference [10] there.
     """
     rows, dependent = held_rows(topology), topology.x.dependent
     held = jacobian[rows]
@@ -86,7 +86,7 @@ def multipliers(
         sigma, (n_e,) [N, N m].
 
     Source:
-        FORMULATION.md 5: multipliers of the FIXED deformations are their stress resultants.
+        THEORY.md 5, eq. (5.5): multipliers of the FIXED deformations are their stress resultants.
     """
     fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
     sigma = put(sigma, fixed, 0.0)
@@ -110,7 +110,7 @@ def correction(
         Change of x, (n_x,) [m, rad, -].
 
     Source:
-        Newton's corrector of FORMULATION.md 4.
+        Newton's corrector of THEORY.md 4, eq. (4.2).
     """
     right = -excess[held_rows(topology)]
     return accumulate(shift, topology.x.dependent, tangent.factors.solve(right))

@@ -4,7 +4,7 @@ import enum
 
 
 class Role(enum.Enum):
-    """Role of a coordinate or deformation (FORMULATION.md 1).
+    """Role of a coordinate or deformation (THEORY.md 1).
 
     FIXED: a coordinate at its start value, a deformation at zero. DEPENDENT: found from the others ("released" for a
     deformation). DOF: a degree of freedom. PRESCRIBED: a given value.

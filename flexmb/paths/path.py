@@ -166,8 +166,9 @@ def path(
         ValueError: max_steps or step is not positive.
 
     Source:
-        FORMULATION.md 7. A critical point is where an eigenvalue of K changes sign; from psi^T (K t + r_load t_load)
-        = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a bifurcation.
+        THEORY.md 7, eq. (7.8) and (7.9). A critical point is where an eigenvalue of K changes sign; from
+        psi^T (K t + r_load t_load) = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a
+        bifurcation.
     """
     as_determined(model, "path")
     check_number("step", step)

@@ -129,7 +129,7 @@ def load_response(
         dx, (n_x,) [m, rad, -], and dr, (n_q,) [N, N m].
 
     Source:
-        Loads are linear in their factors (FORMULATION.md 5).
+        Loads are linear in their factors (THEORY.md 5).
     """
     wanted_x, wanted_e = held_values(topology, parameters, ramp.rate)
     shift = wanted_x - parameters.reference

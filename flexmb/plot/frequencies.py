@@ -33,7 +33,7 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_
         KeyError: No such coordinate.
 
     Source:
-        FORMULATION.md 7.
+        THEORY.md 7.
     """
     if isinstance(found, Path):
         along, label, hertz = np.asarray(found.load_factor), "load factor [-]", np.asarray(found.frequencies)

@@ -180,7 +180,7 @@ def configuration(
         AnalysisError: singular_configuration or out_of_reach.
 
     Source:
-        FORMULATION.md 4: Newton's method on D(x) = e, in steps.
+        THEORY.md 4, eq. (4.2): Newton's method on D(x) = e, in steps.
     """
     start = as_determined(model, "configuration").parameters.start
     zero = jnp.zeros(model.topology.n_q)

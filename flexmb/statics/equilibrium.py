@@ -272,7 +272,7 @@ def change_of_equations(
         them: the particular solution keeps the DOF deformations.
 
     Source:
-        Implicit function theorem on FORMULATION.md 5.
+        Implicit function theorem on THEORY.md 5, eq. (5.1); THEORY.md 10, eq. (10.1).
     """
 
     def equations(parameters, target):
@@ -429,7 +429,7 @@ def equilibrium(
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
 
     Source:
-        FORMULATION.md 4, 5 and 7.
+        THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
     """
     check_flag("sparse", sparse)
     (as_model if sparse else as_determined)(model, "equilibrium")

@@ -386,7 +386,7 @@ def sparse_eigenvalues(model: Model, target: LoadFactors, count: int) -> Float[A
         AnalysisError: singular_stiffness or not_converged.
 
     Source:
-        Shift-inverted Lanczos method of ARPACK; FORMULATION.md 6 with multipliers in place of degrees of freedom.
+        Shift-inverted Lanczos method of ARPACK; THEORY.md 6 with multipliers in place of degrees of freedom.
     """
     refuse_what_is_not_sparse(model)
     at = _balance(model.topology, model.parameters, target)

@@ -58,7 +58,7 @@ def test_report_says_what_is_left_out(lean_guide):
 
 
 def test_lean_model_moves_as_the_full_one(nineteen, lean_guide):
-    """A stroke of 2 mm: the bar sinks by 0.6 d^2/L, FORMULATION.md 4, in both."""
+    """A stroke of 2 mm: the bar sinks by 0.6 d^2/L, THEORY.md 4, in both."""
 
     def at_stroke(model):
         force = np.zeros(model.topology.n_x)

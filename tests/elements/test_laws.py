@@ -601,7 +601,7 @@ def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
 
 
 def local_frame(axis: np.ndarray, y: np.ndarray | None) -> np.ndarray:
-    """SPACAR.md 3.2: local x along the axis, y as near as can be to the vector given."""
+    """Local x along the axis, y as near as can be to the vector given."""
     ex = axis / np.linalg.norm(axis)
     across = np.eye(3)[np.argmin(np.abs(ex))] if y is None else np.asarray(y)
     ez = np.cross(ex, across)

@@ -25,7 +25,7 @@ def torsion_of_rectangle(w, t, terms=400):
     return w * t**3 * (1 / 3 - 64 / np.pi**5 * (t / w) * np.sum(np.tanh(n * np.pi * w / (2 * t)) / n**5))
 
 
-# -- T7 and the oracles of SPACAR.md 8 ------------------------------------------------------------------------------
+# -- T7, and the sections of REFERENCES.md S1 ------------------------------------------------------------------------
 
 
 def test_torsion_constants_of_the_leaf_spring():
@@ -70,7 +70,7 @@ def test_two_clamped_ends_are_two_halves_with_one():
 
 
 def test_leaf_spring_oracles():
-    # SPACAR.md 8, to half a unit of the last digit written there.
+    # REFERENCES.md S1, to half a unit of the last digit written there.
     s = fm.Rectangle(WIDTH, THICKNESS, STEEL, shear=True).rigidity()
     assert s.EA == pytest.approx(1.89e6, rel=1e-12)
     assert s.EIy == pytest.approx(0.039375, rel=1e-12)

@@ -120,7 +120,7 @@ def test_princeton_beam(angle):
 
 @pytest.mark.parametrize(("order", "load"), [(2, 4.485), (4, 4.0164), (6, 4.0127)])
 def test_lateral_buckling_by_one_element(order, load):
-    # A11-lateral: 4.0125993436 for a thin section. The values of FORMULATION.md 2, rounded there to what is shown; the
+    # A11-lateral: 4.0125993436 for a thin section. The values of THEORY.md 2, rounded there to what is shown; the
     # SPACAR beam gives 6.00, 4.29 and 4.07 with 1, 2 and 4 elements.
     section = fm.Rigidity(EA=STIFF, EIy=1e6, EIz=1.0, GIt=1.0)
     b = chain(spatial.spectral_beam(order), straight(1, space=True), section, y=(0, 1, 0))

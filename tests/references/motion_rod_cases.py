@@ -1,7 +1,7 @@
 """Rods in motion: spin-up, slider-crank with a flexible rod, elbow, spaghetti; problem data in, states at times out.
 
-`python -m references.motion_rod_cases`, in `tests`, writes `motion_rod_references.py` anew, which takes some minutes; the
-tests hold a part of it against these functions.
+`python -m references.motion_rod_cases`, in `tests`, writes `motion_rod_references.py` anew, which takes some minutes;
+the tests hold a part of it against these functions.
 """
 
 import runpy

@@ -1,6 +1,7 @@
 """Problems of REFERENCE in `rod_references.py`, solved by shooting: problem data in, rows out.
 
-`python -m references.rod_cases`, in `tests`, writes that file anew; `test_rods.py` holds its rows against these functions.
+`python -m references.rod_cases`, in `tests`, writes that file anew; `test_rods.py` holds its rows against these
+functions.
 """
 
 import itertools

@@ -134,7 +134,7 @@ def test_lateral_buckling_by_one_beam_of_the_usual_order(tmp_path):
     path, log = tmp_path / "lateral.dat", tmp_path / "lateral.log"
     path.write_text(LATERAL)
     data = run(path, 8, "--log", log)
-    # FORMULATION.md 2: 4.0164 with four coefficients (exact 4.0126), to a unit of the last digit printed there.
+    # THEORY.md 2: 4.0164 with four coefficients (exact 4.0126), to a unit of the last digit printed there.
     np.testing.assert_allclose(np.abs(data["load_multipliers"][:2]), 4.0164, rtol=0, atol=1e-4)
     # DYNE names a field by any number of the beam for it and makes all coefficients degrees of freedom.
     assert [d["component"] for d in data["dofs"]] == list(range(7, 7 + 4 * 4))
