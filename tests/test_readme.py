@@ -19,6 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmb.cli import app
+from flexmb.spacar.spacar import DRAWN, REFUSED, ROWS
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("flexmb", "tests", "benchmarks", "notebooks")
@@ -59,10 +60,10 @@ def agree(number: str, other: str) -> bool:
 def check_printed(printed: str, said: str) -> None:
     """Compare what was printed with what a manual says, word for word, and numbers to the digits that both have."""
     printed, said = (re.sub(r" ?([\[\]]) ?", r"\1", " ".join(text.split())) for text in (printed, said))
-    parts = re.split(f"({NUMBER}|\\.\\.\\.)", said)
-    numbers = [part for part in parts[1::2] if part != "..."]
+    parts = re.split(f"({NUMBER}| ?\\.\\.\\. ?)", said)
+    numbers = [part for part in parts[1::2] if "..." not in part]
     words = [re.escape(part) for part in parts[::2]] + [""]
-    kinds = [".*?" if part == "..." else f"({NUMBER})" for part in parts[1::2]] + [""]
+    kinds = [".*?" if "..." in part else f"({NUMBER})" for part in parts[1::2]] + [""]
     match = re.fullmatch("".join(word + kind for word, kind in zip(words, kinds, strict=False)), printed)
     assert match, f"printed:\n{printed}\nbut the manual says:\n{said}"
     for number, other in zip(match.groups(), numbers, strict=True):
@@ -160,3 +161,17 @@ def test_links_and_pictures_exist(manual):
 
 def test_the_door_is_small():
     assert len((ROOT / "README.md").read_text().splitlines()) <= LONGEST_DOOR
+
+
+def test_the_map_lists_every_file():
+    listed = set(re.findall(r"^\| \[\w+\]\((\S+\.py)\) \|", (ROOT / "flexmb/README.md").read_text(), re.MULTILINE))
+    files = {path.relative_to(ROOT / "flexmb").as_posix() for path in (ROOT / "flexmb").rglob("[!_]*.py")}
+    assert listed == files
+
+
+def test_the_manual_of_files_lists_every_keyword():
+    text = (ROOT / "flexmb/spacar/README.md").read_text()
+    rows = re.findall(r"^\| (kinematics|dynamics|inputs and outputs) \| ([A-Z, ]+) \| (.*?) \|", text, re.MULTILINE)
+    told = {(keyword, block, form.replace("`", "")) for block, names, form in rows for keyword in names.split(", ")}
+    assert told == {(row.keyword, row.block, row.form.replace(" | ", " or ")) for row in ROWS}
+    assert {keyword for keyword in (*REFUSED, *DRAWN) if not re.search(rf"\b{keyword}\b", text)} == set()
