@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import is_concrete as is_concrete
+from ..arguments import is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.sections import Rigidity
@@ -19,9 +19,7 @@ from ..model.model import Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
 from ..model.roles import Role
 from ..model.topology import Block, RoleIndices, Topology
-
-if TYPE_CHECKING:
-    from .builder import Builder
+from .description import Description
 
 UNIT_NORM = Element(unit_norm)
 
@@ -46,7 +44,7 @@ def stack(values: Sequence[Any]) -> Any:
     return jnp.stack([jnp.asarray(v, float) for v in values])
 
 
-def assemble(builder: Builder) -> Model:
+def assemble(builder: Description) -> Model:
     """Model of a builder's contents, unchecked.
 
     Args:

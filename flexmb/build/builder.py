@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import copy
-import dataclasses
-import difflib
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
@@ -14,59 +11,21 @@ import numpy as np
 from ..arguments import check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
 from ..elements.element import ALL, COMPANIONS, Element
-from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, NodeKind
+from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3
 from ..errors import ModelError
 from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
+from .description import TURNS, Description, Key, Member, NamedSignal
 from .dofs import check_inputs, complete
-from .given import listed, named, number_in, released_in, some_of
+from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations
 
-AXES = ("x", "y", "z")
-# Rotations in space about the axes, as inputs and outputs name them.
-TURNS = ("rx", "ry", "rz")
-# Euler parameters off the unit norm by more than this are no rotation.
-UNIT = 1e-9
 
-# "node" or "element", its name, and the number of a coordinate or deformation from 1.
-Key = tuple[str, str, int]
-
-
-class NamedSignal(NamedTuple):
-    """An input or output as it was named, see :class:`flexmb.model.model.Signal`."""
-
-    name: str
-    quantity: str
-    key: Key
-    axis: int | None = None
-    local: bool = False
-
-
-@dataclasses.dataclass
-class Node:
-    """A node: its kind, start coordinates and the role of each."""
-
-    kind: NodeKind
-    start: Any
-    roles: list[Role]
-
-
-@dataclasses.dataclass
-class Member:
-    """An element: its type, nodes, properties and the role of each deformation."""
-
-    element: Element
-    nodes: tuple[str, ...]
-    properties: dict[str, Any]
-    roles: list[Role]
-    hidden: bool = False
-
-
-class Builder:
+class Builder(Description):
     """Describe a mechanism by named nodes and elements.
 
     A node has a position; its rotation, named "name.rotation", exists once an element asks for it. Everything that is
@@ -91,14 +50,7 @@ class Builder:
                 "flexmb needs double precision: a leaf spring is 1e5 times stiffer in tension than in bending."
                 " Call flexmb.enable_x64() before building a model."
             )
-        self.nodes: dict[str, Node] = {}
-        self.members: dict[str, Member] = {}
-        self.dofs: list[Key] = []
-        self.loads: dict[str, dict[str, Any]] = {"initial": {}, "increment": {}}
-        self.signals: dict[str, list[NamedSignal]] = {"input": [], "output": []}
-        self.starts: dict[Key, tuple[Any, Any]] = {}
-        self.dimension: int | None = None
-        self._clamped: set[str] = set()
+        super().__init__()
 
     # -- nodes and elements ------------------------------------------------------------------------------------
 
@@ -196,16 +148,6 @@ class Builder:
         self.members[name] = Member(element, resolved, properties, roles)
         return name
 
-    def release(self, element: str, *deformations: int) -> None:
-        """Let deformations of an element change (DEPENDENT).
-
-        Args:
-            element: Name of the element.
-            deformations: Numbers from 1.
-        """
-        given = some_of("release", element, deformations)
-        self._set_roles([self._entry(element, i, "element") for i in given], Role.DEPENDENT)
-
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
 
     def fix(self, node: str, *components: str | int) -> None:
@@ -229,25 +171,6 @@ class Builder:
         there = [part for part in parts if part in self.nodes or word == "rotation"]
         self._set_roles([("node", p, i + 1) for p in there for i in range(self._kind_of(p).size)], Role.FIXED)
         self._clamped.update(part for part in parts if part not in there)
-
-    def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
-        """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
-
-        Coordinates come before deformations in q, each in the order given.
-
-        Args:
-            of: Name of a node or an element.
-            components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1.
-            kind: "node" or "element", where both bear the name.
-        """
-        keys: list[Key] = []
-        for component in some_of("dof", of, components):
-            key = self._entry(of, component, kind)
-            if key in (*self.dofs, *keys):
-                raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
-            keys.append(key)
-        self._set_roles(keys, Role.DOF)
-        self.dofs += keys
 
     def prescribe(
         self,
@@ -614,48 +537,7 @@ class Builder:
             return note(model)
         return check_inputs(note(complete(self, model, dofs, release)))
 
-    def copy(self) -> Builder:
-        """A builder with the same contents, to vary."""
-        twin = copy.copy(self)
-        for field in ("nodes", "members"):
-            contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
-            setattr(twin, field, contents)
-        twin.dofs, twin._clamped, twin.starts = list(self.dofs), set(self._clamped), dict(self.starts)
-        twin.loads = {k: {n: dict(v) for n, v in sets.items()} for k, sets in self.loads.items()}
-        twin.signals = {k: list(v) for k, v in self.signals.items()}
-        return twin
-
     # -- helpers ------------------------------------------------------------------------------------------------
-
-    def _load(self, kind: str, increment: bool) -> dict:
-        return self.loads["increment" if increment else "initial"].setdefault(kind, {})
-
-    def _dimension_for(self, name: str) -> int:
-        if self.dimension is None:
-            raise ModelError(f"Node '{name}': add a node with a position first; it decides plane or space.")
-        return self.dimension
-
-    def _new_node(self, name: str, kind: NodeKind, start: list) -> None:
-        if name in self.nodes:
-            raise ModelError(f"Node '{name}' is defined twice. Give each node its own name.")
-        if self.dimension is not None and kind.dimension != self.dimension:
-            raise ModelError(
-                f"Node '{name}' has {kind.size} coordinates, but the mechanism is"
-                f" {'planar' if self.dimension == 2 else 'spatial'}."
-            )
-        if len(start) != kind.size:
-            raise ModelError(
-                f"Node '{name}' must have {kind.size} coordinate{'s' if kind.size > 1 else ''}, but has {len(start)}."
-            )
-        check_numbers(f"Node '{name}'", start, fault=ModelError)
-        if kind is ROTATION3 and is_concrete(start) and abs(np.linalg.norm(np.asarray(start, float)) - 1) > UNIT:
-            raise ModelError(
-                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have"
-                f" {np.linalg.norm(np.asarray(start, float)):.6g}."
-            )
-        self.dimension = kind.dimension
-        role = Role.FIXED if name in self._clamped else Role.DEPENDENT
-        self.nodes[name] = Node(kind, start, [role] * kind.size)
 
     def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> Key:
         """What is prescribed in place of a node's rotation: the angle in the plane, that of a hinge in space."""
@@ -711,13 +593,6 @@ class Builder:
         if len(acceleration) != (self.dimension or len(acceleration)) or len(acceleration) not in (2, 3):
             raise ModelError(f"Gravity must have {self.dimension or '2 or 3'} components, but has {len(acceleration)}.")
 
-    def _free_name(self, before: str) -> str:
-        """A name with a number that no element has yet."""
-        number = len(self.members) + 1
-        while f"{before} {number}" in self.members:
-            number += 1
-        return f"{before} {number}"
-
     def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
         node = nodes[0]
         element = getattr(planar if self.dimension == 2 else spatial, kind)
@@ -725,35 +600,6 @@ class Builder:
         for part in nodes:
             self._owner(("node", part, 1))
         self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
-
-    def _unknown_node(self, name: str, where: str) -> Any:
-        near = difflib.get_close_matches(name, self.nodes, 1)
-        hint = f" Did you mean '{near[0]}'?" if near else " Add it with node() first."
-        raise ModelError(f"No node {shown(name)} ({where}).{hint}")
-
-    def _position(self, node: str) -> str:
-        """Name of a node that has a position."""
-        node = str(node)
-        if node not in self.nodes:
-            self._unknown_node(node, "position")
-        if self.nodes[node].kind.part != "position":
-            raise ModelError(f"Node '{node}' has no position: it is a {self.nodes[node].kind.part} node.")
-        return node
-
-    def _kind_of(self, part: str) -> NodeKind:
-        """Kind of a node, or of a rotation that is not there yet."""
-        return self.nodes[part].kind if part in self.nodes else ANGLE if self.dimension == 2 else ROTATION3
-
-    def _rotation_name(self, node: str) -> str:
-        """Name that a node's rotation has or will have."""
-        if node in self.nodes and self.nodes[node].kind.part == "rotation":
-            return node
-        owner = node.removesuffix(".rotation")
-        if f"{node}.rotation" not in self.nodes:
-            if owner not in self.nodes:
-                self._unknown_node(node, "rotation")
-            self._position(owner)
-        return f"{owner}.rotation"
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
         """One node for each positional parameter of an element; rotations and own coordinates may not be there yet."""
@@ -800,92 +646,9 @@ class Builder:
                 raise ModelError(f"Node '{node}' is defined twice. Give each element its own name.")
         return (*found, *own)
 
-    def _part_kind(self, node: str, kind: NodeKind) -> str | None:
-        """Whether a name can stand for a node of this kind."""
-        if node not in self.nodes:
-            return node if kind.part == "rotation" and node.endswith(".rotation") else None
-        own = self.nodes[node].kind.part
-        return node if own == kind.part or (own == "position" and kind.part == "rotation") else None
-
     def _check_member(self, element: Element, name: str, references: list, properties: dict) -> None:
         if element.check is None or not is_concrete((references, properties)):
             return
         ref = element.reference([np.asarray(r, float) for r in references])
         for fault in element.check(ref=ref, **(element.arguments(element.check, properties) or {})):
             raise ModelError(f"Element '{name}' {fault}.")
-
-    def _member(self, name: str) -> Member:
-        name = str(name)
-        if name not in self.members or self.members[name].hidden:
-            near = difflib.get_close_matches(name, [n for n, m in self.members.items() if not m.hidden], 1)
-            raise ModelError(f"No element {shown(name)}." + (f" Did you mean '{near[0]}'?" if near else ""))
-        return self.members[name]
-
-    def _owner(self, key: Key) -> Node | Member:
-        """Node or element of a coordinate or deformation; a rotation is made if it is not there yet."""
-        kind, of, _ = key
-        if kind == "node" and of not in self.nodes:
-            self.rotation(of)
-        return (self.members if kind == "element" else self.nodes)[of]
-
-    def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
-        """Node, which may be a rotation that is not there yet, and number of a coordinate named by letter or number."""
-        part, number = node, number_in(component)
-        letter = isinstance(component, str) and number is None
-        if node not in self.nodes:
-            part = (
-                self._rotation_name(node)
-                if node.endswith(".rotation")
-                else self._unknown_node(node, f"coordinate {shown(component)}")
-            )
-        elif letter and self.nodes[node].kind.part == "position" and component not in AXES:
-            part = self._rotation_name(node)
-        kind = self._kind_of(part)
-        if letter:
-            if component not in kind.components:
-                names = ", ".join(kind.components)
-                raise ModelError(f"Node '{part}' has no coordinate {shown(component)}. It has: {names}.")
-            return part, kind.components.index(str(component)) + 1
-        if number is None or not 1 <= number <= kind.size:
-            raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {shown(component)}.")
-        return part, number
-
-    def _check_kind(self, kind: Any) -> None:
-        if kind is not None and not (isinstance(kind, str) and kind in ("node", "element")):
-            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
-
-    def _entry(self, of: str, component: str | int, kind: str | None = None) -> Key:
-        """Kind and name of the owner, and number, of a coordinate or a deformation."""
-        self._check_kind(kind)
-        of = str(of)
-        is_element = of in self.members and not self.members[of].hidden
-        if kind is None and is_element and of in self.nodes:
-            raise ModelError(
-                f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
-            )
-        if kind == "element" or (kind is None and is_element):
-            count, number = len(self._member(of).roles), number_in(component)
-            if number is None or not 1 <= number <= count:
-                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
-            return "element", of, number
-        return "node", *self._coordinate(of, component)
-
-    def _role(self, key: Key) -> Role:
-        """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""
-        kind, of, number = key
-        if kind == "node" and of not in self.nodes:
-            return Role.FIXED if of in self._clamped else Role.DEPENDENT
-        return self._owner(key).roles[number - 1]
-
-    def _set_roles(self, keys: list[Key], role: Role) -> None:
-        """Give a role to coordinates or deformations, to all of them or, where one has another, to none."""
-        for key in keys:
-            kind, of, number = key
-            present, free = self._role(key), (Role.DEPENDENT,) if kind == "node" else (Role.FIXED, Role.DEPENDENT)
-            if present is not role and present not in free:
-                what = "Coordinate" if kind == "node" else "Deformation"
-                raise ModelError(
-                    f"{what} {number} of '{of}' is {present.value} already and cannot be {role.value} too."
-                )
-        for key in keys:
-            self._owner(key).roles[key[2] - 1] = role

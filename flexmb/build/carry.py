@@ -3,14 +3,12 @@
 import contextlib
 import contextvars
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..model.model import Model
-
-if TYPE_CHECKING:
-    from .builder import Builder
+from .description import Description
 
 _RECORD: contextvars.ContextVar[list[Model] | None] = contextvars.ContextVar("record", default=None)
 _REPLAY: contextvars.ContextVar[Iterator[Model] | None] = contextvars.ContextVar("replay", default=None)
@@ -62,7 +60,7 @@ def next_carried() -> Model | None:
     return None if replay is None else next(replay, None)
 
 
-def as_in(builder: "Builder", model: Model) -> "Builder":
+def as_in(builder: Description, model: Model) -> Description:
     """A builder whose coordinates and deformations have the roles of a model with the same nodes and elements.
 
     Args:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..checks.mobility import constraints, mobility, motions_of
@@ -12,16 +10,14 @@ from ..math.subspace import independent_rows
 from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble
-
-if TYPE_CHECKING:
-    from .builder import Builder
+from .description import Description
 
 # What must be left of a candidate once those already chosen are taken out, of 1.
 INDEPENDENT = 1e-5
 CANNOT_MOVE = 1e-7
 
 
-def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
+def complete(builder: Description, model: Model, dofs: str, release: str) -> Model:
     """Check a model, find degrees of freedom where none are named, release over-constraints on request.
 
     Args:
@@ -59,7 +55,7 @@ def complete(builder: Builder, model: Model, dofs: str, release: str) -> Model:
     return model
 
 
-def check_inputs(model: Model, builder: Builder | None = None) -> Model:
+def check_inputs(model: Model, builder: Description | None = None) -> Model:
     """Refuse inputs on what is held: there they do nothing.
 
     Args:
@@ -92,7 +88,7 @@ def check_inputs(model: Model, builder: Builder | None = None) -> Model:
     return model
 
 
-def complete_series(builder: Builder, model: Model) -> Model:
+def complete_series(builder: Description, model: Model) -> Model:
     """Make degrees of freedom of those coefficients of spectral beams that the named ones leave undetermined.
 
     Args:
@@ -116,7 +112,7 @@ def _coefficients(model: Model) -> list[int]:
     return found
 
 
-def _with_coefficients(builder: Builder, model: Model, motions: np.ndarray) -> Model:
+def _with_coefficients(builder: Description, model: Model, motions: np.ndarray) -> Model:
     """In a loop no choice of whole strain fields may have the right number; single coefficients make it up."""
     missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
     if missing <= 0 or not candidates:
@@ -189,7 +185,7 @@ def _check_named(model: Model, motions: np.ndarray) -> None:
         )
 
 
-def _release_all(builder: Builder, model: Model) -> tuple[Model, Builder]:
+def _release_all(builder: Description, model: Model) -> tuple[Model, Description]:
     builder = builder.copy()
     while (found := mobility(model)).overconstraints:
         proposal = found.release[0]

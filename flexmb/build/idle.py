@@ -1,18 +1,14 @@
 """What a Builder describes that does nothing."""
 
-from typing import TYPE_CHECKING
-
 from ..arguments import is_concrete
 from ..errors import warn
 from ..model.roles import Role
-
-if TYPE_CHECKING:
-    from .builder import Builder
+from .description import Description
 
 HELD = (Role.FIXED, Role.PRESCRIBED)
 
 
-def warn_of_idle(builder: "Builder") -> None:
+def warn_of_idle(builder: Description) -> None:
     """Warn of stress, strain and damping that act on deformations which are all held.
 
     Args:

@@ -18,7 +18,7 @@ from ..linear.buckling import buckling_loads
 from ..linear.modes import frequencies
 from ..linear.stress import stress
 from ..model.model import Model
-from ..spacar.spacar import read_spacar
+from ..spacar.read import read_spacar
 from ..statics.equilibrium import equilibrium
 from .objectives import mass, stiffness
 

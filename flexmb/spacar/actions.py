@@ -7,13 +7,13 @@ from collections.abc import Callable
 from typing import Any
 
 from ..build.assemble import stack
-from ..build.builder import NamedSignal
+from ..build.description import NamedSignal
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..elements.spectral import LARGEST_ORDER
 from ..errors import shown
 from ..model.roles import Role
 from . import series as series
-from .keywords import NOTHING, ElementKind
+from .kinds import NOTHING, ElementKind
 from .lines import DRAWING, Fault, Statement, known
 from .reading import Declared, Reading, Setting
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..build.assemble import is_concrete
+from ..arguments import is_concrete
 from ..errors import ModelError, shown
 from .light_input import AXES, COUNTS, INPUTS, OUTPUTS, Script, in_form, numbered
 from .lines import LARGEST, SMALLEST, within

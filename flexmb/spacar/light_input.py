@@ -13,7 +13,8 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..build.assemble import is_concrete, stack
+from ..arguments import is_concrete
+from ..build.assemble import stack
 from ..errors import ModelError, shown
 from .lines import LARGEST, MOST, SMALLEST, within
 

@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..build.assemble import is_concrete
+from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..checks.mobility import mobility, removals
 from ..elements import spatial

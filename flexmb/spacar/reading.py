@@ -8,7 +8,7 @@ from ..build.builder import Builder
 from ..elements.nodes import NodeKind
 from ..model.roles import Role
 from . import series as series
-from .keywords import ElementKind
+from .kinds import ElementKind
 from .lines import Fault, Statement
 
 

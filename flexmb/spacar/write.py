@@ -5,24 +5,24 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..build.assemble import is_concrete
-from ..build.builder import Builder, Member
+from ..arguments import is_concrete
+from ..build.builder import Builder
+from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
 from ..errors import ModelError, shown
+from ..files import write_whole
 from ..model.roles import Role
 from . import series as series
 from .actions import QUANTITIES
-from .keywords import KINDS, NOTHING, ElementKind
+from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
-
-if TYPE_CHECKING:
-    from .spacar import SpacarModel
+from .read import SpacarModel
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
@@ -43,8 +43,6 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
         ModelError: Something that the format cannot express, by name.
         OSError: The folder is missing or not writable.
     """
-    from ..files import write_whole
-
     builder = model if isinstance(model, Builder) else getattr(model, "builder", None)
     if not isinstance(builder, Builder):
         raise ModelError(f"write_spacar takes a Builder or what read_spacar returns, not {type(model).__name__}.")

@@ -30,9 +30,9 @@ from flexmb.answers.answers import answer
 from flexmb.answers.files import to_json
 from flexmb.answers.tables import log, table
 from flexmb.mechanisms import mechanism_path, mechanisms
-from flexmb.spacar.keywords import FORMS
+from flexmb.spacar.keywords import DRAWN, KEYWORDS, REFUSED, ROWS
+from flexmb.spacar.kinds import FORMS
 from flexmb.spacar.lines import BLOCKS
-from flexmb.spacar.spacar import DRAWN, KEYWORDS, REFUSED, ROWS
 
 # A case takes milliseconds, or where an analysis is compiled for the first time, seconds.
 LIMIT_S = 120

@@ -12,8 +12,9 @@ from cases.spacar_checks import faults
 import flexmb as fm
 from flexmb.answers import motion_answers
 from flexmb.errors import LONGEST
+from flexmb.spacar.keywords import DRAWN, KEYWORDS, REFUSED, ROWS
 from flexmb.spacar.lines import BLOCKS, LARGEST, LARGEST_FILE, SMALLEST
-from flexmb.spacar.spacar import DRAWN, KEYWORDS, MOST_FAULTS, REFUSED, ROWS
+from flexmb.spacar.read import MOST_FAULTS
 
 fm.enable_x64()
 

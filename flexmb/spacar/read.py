@@ -1,17 +1,10 @@
-"""SPACAR input files (.dat) to a Builder.
-
-Every line is acted on, refused, or named in a warning: ROWS says what is done with a keyword in a block, DRAWN what is
-warned of, REFUSED what is refused and why. What ROWS reads without effect warns by itself (OUTLEVEL, ITERSTEP and the
-like). Some lines act in some modes only: TIMESTEP, ERROR, STARTDX, STARTDE, and velocities of INPUTX and INPUTE in 1
-and 4, inputs and outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
-"""
+"""SPACAR input files (.dat) to a Builder: every line is acted on, refused, or named in a warning."""
 
 import dataclasses
 import difflib
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -23,13 +16,11 @@ from ..elements import spatial
 from ..errors import ModelError, SpacarError, shown
 from ..model.roles import Role
 from . import actions as act
-from .keywords import FORMS, KINDS
+from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
+from .kinds import KINDS
 from .lines import (
     BLOCKS,
     DRAWING,
-    DYNAMICS,
-    KINEMATICS,
-    SIGNALS,
     Fault,
     Statement,
     first_parameter,
@@ -41,109 +32,6 @@ from .lines import (
     whole_number,
 )
 from .reading import AlreadyReported, Declared, Reading
-from .write import write_spacar as write_spacar
-
-# When a line is acted on: nodes follow from elements, properties and positions must be known before they are built.
-DECLARE, DESCRIBE, APPLY = range(3)
-
-
-@dataclasses.dataclass(frozen=True)
-class Row:
-    """One keyword in one block.
-
-    Attributes:
-        keyword: Keyword.
-        block: Block it stands in.
-        form: Its parameters; see spacar_lines.parse.
-        action: What it does.
-        stage: When.
-    """
-
-    keyword: str
-    block: str
-    form: str
-    action: Callable[[Reading, Statement, dict[str, Any]], None]
-    stage: int = APPLY
-
-
-ROWS = (
-    *(
-        Row(
-            keyword,
-            KINEMATICS,
-            form,
-            partial(act.declare, kinds=tuple(k for k in KINDS if k.keyword == keyword)),
-            DECLARE,
-        )
-        for keyword, form in FORMS.items()
-    ),
-    Row("X", KINEMATICS, "node x [y] [z]", act.position, DESCRIBE),
-    Row("FIX", KINEMATICS, "node [coordinate ...]", act.fix),
-    Row("RLSE", KINEMATICS, "element deformation ...", act.release),
-    Row("DYNX", KINEMATICS, "node coordinate ...", act.degree_of_freedom),
-    Row("DYNE", KINEMATICS, "element deformation ...", act.degree_of_freedom),
-    Row("INPUTX", KINEMATICS, "node coordinate ...", act.prescribed),
-    Row("INPUTE", KINEMATICS, "element deformation ...", act.prescribed),
-    *(
-        Row(keyword, block, "log store", act.log_level)
-        for keyword in ("OUTLEVEL", "LEVELLOG")
-        for block in (KINEMATICS, DYNAMICS)
-    ),
-    Row("ESTIFF", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
-    Row("EM", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
-    Row("EDAMP", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
-    Row("XM", DYNAMICS, "node value ...", act.lumped),
-    Row("XF", DYNAMICS, "node value ...", act.force),
-    Row("DELXF", DYNAMICS, "node value ...", act.force),
-    Row("ESIG", DYNAMICS, "element value ...", act.prestress),
-    Row("DELESIG", DYNAMICS, "element value ...", act.prestress),
-    Row("EINIT", DYNAMICS, "element value ...", act.strain),
-    Row("INPUTX", DYNAMICS, "node coordinate value [velocity] [acceleration]", act.motion),
-    Row("INPUTE", DYNAMICS, "element deformation value [velocity] [acceleration]", act.motion),
-    Row("DELINPX", DYNAMICS, "node coordinate increment", act.motion_increment),
-    Row("DELINPE", DYNAMICS, "element deformation increment", act.motion_increment),
-    Row("GRAVITY", DYNAMICS, "gx gy [gz]", act.gravity),
-    Row("ITERSTEP", DYNAMICS, "iterations steps tolerance [fourth] [path] [initial]", act.setting),
-    Row("TIMESTEP", DYNAMICS, "end steps", act.setting),
-    Row("ERROR", DYNAMICS, "absolute relative", act.setting),
-    Row("STARTDX", DYNAMICS, "node coordinate value [velocity]", act.start_value),
-    Row("STARTDE", DYNAMICS, "element deformation value [velocity]", act.start_value),
-    Row("USERSIG", DYNAMICS, "name", act.routine),
-    Row("USERINP", DYNAMICS, "name", act.routine),
-    *(Row(keyword, SIGNALS, "number node coordinate", act.signal) for keyword in ("INPUTF", "OUTX", "OUTXP", "OUTXDP")),
-    *(
-        Row(keyword, SIGNALS, "number element deformation", act.signal)
-        for keyword in ("INPUTS", "OUTE", "OUTEP", "OUTEDP", "OUTS")
-    ),
-)
-_TABLE = {(row.keyword, row.block): row for row in ROWS}
-
-DRAWN = (
-    *("VISUALIZATION", "INITIAL", "COLOR", "BEAMPROPS", "CROSSTYPE", "CROSSDIM", "GRAPHICS", "FACECOLOR", "OPACITY"),
-    *("DONOTDRAW", "VIBRATIONMODE", "VIBREND", "ENLARGEFACTOR", "TRANSPARENCY", "BEAMVIS", "TRUSSVIS"),
-)
-
-_LATER = "is not available yet"
-_UNCLEAR = "is refused, since its form is not known; use an element of flexmb through the Python Builder"
-_KINEMATIC = (
-    "is refused: no analysis here holds a degree of freedom out of the dynamic set; use DYNX/DYNE or INPUTX/INPUTE"
-)
-_INVERSE = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
-REFUSED = {
-    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE", "LEAF", "PLLEAF"), f"element type {_LATER}"),
-    "SECTION": f"(a section by its dimensions) {_LATER}",
-    **dict.fromkeys(("TRAJX", "TRAJE"), f"(a trajectory) {_LATER}"),
-    **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
-    **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
-    **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), _INVERSE),
-    **dict.fromkeys(("TROT", "TREPMAX", "TRM", "TRFRONT"), _INVERSE),
-    **dict.fromkeys(("ENHC", "TIMENORM", "INTEGRAL"), "is refused, since its meaning is not known"),
-    **dict.fromkeys(("INX", "INE"), f"(prescribed motion as an input of the state space) {_LATER}"),
-    "OUTF": f"(a force as an output of the state space) {_LATER}",
-}
-
-KEYWORDS = tuple(dict.fromkeys([row.keyword for row in ROWS] + [*REFUSED, *DRAWN, "END", "HALT"]))
-"""All keywords that are known."""
 
 # Nobody reads more, and a file of another kind has one in each line.
 MOST_FAULTS = 1000
@@ -306,7 +194,7 @@ class _Blocks:
         if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
             if s.keyword in ("INX", "INE", "OUTF") and s.words and (number := whole_number(s.words[0])):
                 act.number_signal(self.reading, s, number)
-            raise Fault(REFUSED.get(s.keyword, _INVERSE))
+            raise Fault(REFUSED.get(s.keyword, UNKNOWN_MOTION))
         if self.drawing:
             raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
         if self.ends and _homes(s.keyword):
@@ -359,8 +247,8 @@ def _may_declare(keyword: str) -> bool:
 
 
 def _row(s: Statement, block: str) -> Row:
-    if (s.keyword, block) in _TABLE:
-        return _TABLE[s.keyword, block]
+    if (s.keyword, block) in TABLE:
+        return TABLE[s.keyword, block]
     if homes := _homes(s.keyword):
         raise Fault(f"belongs in the {homes[0]} block, but stands in the {block} block; END, HALT lie between them")
     near = _near(s.keyword)

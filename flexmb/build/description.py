@@ -1,0 +1,269 @@
+"""What a Builder has been told: nodes, elements, roles, loads and signals by name, and how names are looked up."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import difflib
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..elements.element import Element
+from ..elements.nodes import ANGLE, ROTATION3, NodeKind
+from ..errors import ModelError
+from ..model.roles import Role
+from .given import number_in, some_of
+
+AXES = ("x", "y", "z")
+# Rotations in space about the axes, as inputs and outputs name them.
+TURNS = ("rx", "ry", "rz")
+# Euler parameters off the unit norm by more than this are no rotation.
+UNIT = 1e-9
+
+# "node" or "element", its name, and the number of a coordinate or deformation from 1.
+Key = tuple[str, str, int]
+
+
+class NamedSignal(NamedTuple):
+    """An input or output as it was named, see :class:`flexmb.model.model.Signal`."""
+
+    name: str
+    quantity: str
+    key: Key
+    axis: int | None = None
+    local: bool = False
+
+
+@dataclasses.dataclass
+class Node:
+    """A node: its kind, start coordinates and the role of each."""
+
+    kind: NodeKind
+    start: Any
+    roles: list[Role]
+
+
+@dataclasses.dataclass
+class Member:
+    """An element: its type, nodes, properties and the role of each deformation."""
+
+    element: Element
+    nodes: tuple[str, ...]
+    properties: dict[str, Any]
+    roles: list[Role]
+    hidden: bool = False
+
+
+class Description:
+    """Contents of a :class:`flexmb.Builder`, which completes and assembles them; names are looked up here.
+
+    Attributes:
+        nodes: Nodes by name, in order of addition; rotations are nodes of their own.
+        members: Elements by name, in order of addition.
+        dofs: Degrees of freedom that are named.
+        loads: By set ("initial", "increment") and kind, numbers by key.
+        signals: Inputs and outputs.
+        starts: Start value and velocity of degrees of freedom.
+        dimension: 2 in the plane, 3 in space, None before the first node.
+    """
+
+    def __init__(self):
+        self.nodes: dict[str, Node] = {}
+        self.members: dict[str, Member] = {}
+        self.dofs: list[Key] = []
+        self.loads: dict[str, dict[str, Any]] = {"initial": {}, "increment": {}}
+        self.signals: dict[str, list[NamedSignal]] = {"input": [], "output": []}
+        self.starts: dict[Key, tuple[Any, Any]] = {}
+        self.dimension: int | None = None
+        self._clamped: set[str] = set()
+
+    def release(self, element: str, *deformations: int) -> None:
+        """Let deformations of an element change (DEPENDENT).
+
+        Args:
+            element: Name of the element.
+            deformations: Numbers from 1.
+        """
+        given = some_of("release", element, deformations)
+        self._set_roles([self._entry(element, i, "element") for i in given], Role.DEPENDENT)
+
+    def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
+        """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
+
+        Coordinates come before deformations in q, each in the order given.
+
+        Args:
+            of: Name of a node or an element.
+            components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1.
+            kind: "node" or "element", where both bear the name.
+        """
+        keys: list[Key] = []
+        for component in some_of("dof", of, components):
+            key = self._entry(of, component, kind)
+            if key in (*self.dofs, *keys):
+                raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
+            keys.append(key)
+        self._set_roles(keys, Role.DOF)
+        self.dofs += keys
+
+    def copy(self) -> Self:
+        """A builder with the same contents, to vary."""
+        twin = copy.copy(self)
+        for field in ("nodes", "members"):
+            contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
+            setattr(twin, field, contents)
+        twin.dofs, twin._clamped, twin.starts = list(self.dofs), set(self._clamped), dict(self.starts)
+        twin.loads = {k: {n: dict(v) for n, v in sets.items()} for k, sets in self.loads.items()}
+        twin.signals = {k: list(v) for k, v in self.signals.items()}
+        return twin
+
+    def _load(self, kind: str, increment: bool) -> dict:
+        return self.loads["increment" if increment else "initial"].setdefault(kind, {})
+
+    def _dimension_for(self, name: str) -> int:
+        if self.dimension is None:
+            raise ModelError(f"Node '{name}': add a node with a position first; it decides plane or space.")
+        return self.dimension
+
+    def _new_node(self, name: str, kind: NodeKind, start: list) -> None:
+        if name in self.nodes:
+            raise ModelError(f"Node '{name}' is defined twice. Give each node its own name.")
+        if self.dimension is not None and kind.dimension != self.dimension:
+            raise ModelError(
+                f"Node '{name}' has {kind.size} coordinates, but the mechanism is"
+                f" {'planar' if self.dimension == 2 else 'spatial'}."
+            )
+        if len(start) != kind.size:
+            raise ModelError(
+                f"Node '{name}' must have {kind.size} coordinate{'s' if kind.size > 1 else ''}, but has {len(start)}."
+            )
+        check_numbers(f"Node '{name}'", start, fault=ModelError)
+        if kind is ROTATION3 and is_concrete(start) and abs(np.linalg.norm(np.asarray(start, float)) - 1) > UNIT:
+            raise ModelError(
+                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have"
+                f" {np.linalg.norm(np.asarray(start, float)):.6g}."
+            )
+        self.dimension = kind.dimension
+        role = Role.FIXED if name in self._clamped else Role.DEPENDENT
+        self.nodes[name] = Node(kind, start, [role] * kind.size)
+
+    def _free_name(self, before: str) -> str:
+        """A name with a number that no element has yet."""
+        number = len(self.members) + 1
+        while f"{before} {number}" in self.members:
+            number += 1
+        return f"{before} {number}"
+
+    def _unknown_node(self, name: str, where: str) -> Any:
+        near = difflib.get_close_matches(name, self.nodes, 1)
+        hint = f" Did you mean '{near[0]}'?" if near else " Add it with node() first."
+        raise ModelError(f"No node {shown(name)} ({where}).{hint}")
+
+    def _position(self, node: str) -> str:
+        """Name of a node that has a position."""
+        node = str(node)
+        if node not in self.nodes:
+            self._unknown_node(node, "position")
+        if self.nodes[node].kind.part != "position":
+            raise ModelError(f"Node '{node}' has no position: it is a {self.nodes[node].kind.part} node.")
+        return node
+
+    def _kind_of(self, part: str) -> NodeKind:
+        """Kind of a node, or of a rotation that is not there yet."""
+        return self.nodes[part].kind if part in self.nodes else ANGLE if self.dimension == 2 else ROTATION3
+
+    def _rotation_name(self, node: str) -> str:
+        """Name that a node's rotation has or will have."""
+        if node in self.nodes and self.nodes[node].kind.part == "rotation":
+            return node
+        owner = node.removesuffix(".rotation")
+        if f"{node}.rotation" not in self.nodes:
+            if owner not in self.nodes:
+                self._unknown_node(node, "rotation")
+            self._position(owner)
+        return f"{owner}.rotation"
+
+    def _part_kind(self, node: str, kind: NodeKind) -> str | None:
+        """Whether a name can stand for a node of this kind."""
+        if node not in self.nodes:
+            return node if kind.part == "rotation" and node.endswith(".rotation") else None
+        own = self.nodes[node].kind.part
+        return node if own == kind.part or (own == "position" and kind.part == "rotation") else None
+
+    def _member(self, name: str) -> Member:
+        name = str(name)
+        if name not in self.members or self.members[name].hidden:
+            near = difflib.get_close_matches(name, [n for n, m in self.members.items() if not m.hidden], 1)
+            raise ModelError(f"No element {shown(name)}." + (f" Did you mean '{near[0]}'?" if near else ""))
+        return self.members[name]
+
+    def _owner(self, key: Key) -> Node | Member:
+        """Node or element of a coordinate or deformation; a rotation is made if it is not there yet."""
+        kind, of, _ = key
+        if kind == "node" and of not in self.nodes:
+            self._new_node(of, (own := self._kind_of(of)), list(own.start))
+        return (self.members if kind == "element" else self.nodes)[of]
+
+    def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
+        """Node, which may be a rotation that is not there yet, and number of a coordinate named by letter or number."""
+        part, number = node, number_in(component)
+        letter = isinstance(component, str) and number is None
+        if node not in self.nodes:
+            part = (
+                self._rotation_name(node)
+                if node.endswith(".rotation")
+                else self._unknown_node(node, f"coordinate {shown(component)}")
+            )
+        elif letter and self.nodes[node].kind.part == "position" and component not in AXES:
+            part = self._rotation_name(node)
+        kind = self._kind_of(part)
+        if letter:
+            if component not in kind.components:
+                names = ", ".join(kind.components)
+                raise ModelError(f"Node '{part}' has no coordinate {shown(component)}. It has: {names}.")
+            return part, kind.components.index(str(component)) + 1
+        if number is None or not 1 <= number <= kind.size:
+            raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {shown(component)}.")
+        return part, number
+
+    def _check_kind(self, kind: Any) -> None:
+        if kind is not None and not (isinstance(kind, str) and kind in ("node", "element")):
+            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
+
+    def _entry(self, of: str, component: str | int, kind: str | None = None) -> Key:
+        """Kind and name of the owner, and number, of a coordinate or a deformation."""
+        self._check_kind(kind)
+        of = str(of)
+        is_element = of in self.members and not self.members[of].hidden
+        if kind is None and is_element and of in self.nodes:
+            raise ModelError(
+                f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
+            )
+        if kind == "element" or (kind is None and is_element):
+            count, number = len(self._member(of).roles), number_in(component)
+            if number is None or not 1 <= number <= count:
+                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
+            return "element", of, number
+        return "node", *self._coordinate(of, component)
+
+    def _role(self, key: Key) -> Role:
+        """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""
+        kind, of, number = key
+        if kind == "node" and of not in self.nodes:
+            return Role.FIXED if of in self._clamped else Role.DEPENDENT
+        return self._owner(key).roles[number - 1]
+
+    def _set_roles(self, keys: list[Key], role: Role) -> None:
+        """Give a role to coordinates or deformations, to all of them or, where one has another, to none."""
+        for key in keys:
+            kind, of, number = key
+            present, free = self._role(key), (Role.DEPENDENT,) if kind == "node" else (Role.FIXED, Role.DEPENDENT)
+            if present is not role and present not in free:
+                what = "Coordinate" if kind == "node" else "Deformation"
+                raise ModelError(
+                    f"{what} {number} of '{of}' is {present.value} already and cannot be {role.value} too."
+                )
+        for key in keys:
+            self._owner(key).roles[key[2] - 1] = role

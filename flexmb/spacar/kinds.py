@@ -1,0 +1,173 @@
+"""Element types as SPACAR input files name them, and the order of their numbers; read and written alike."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+from ..build.assemble import stack
+from ..elements import planar, spatial
+from ..elements.element import Element
+from ..elements.sections import Damping, Rigidity
+from .lines import known
+
+# A place in a line of numbers that must be zero, since the element has nothing for it.
+NOTHING = ""
+# Coefficients of each strain field of a spectral beam: as many as are usual, and as are sensible at most.
+ORDER = 4
+
+
+@dataclasses.dataclass(frozen=True)
+class ElementKind:
+    """How a file describes one element type.
+
+    Attributes:
+        keyword: Keyword.
+        element: Element type; of a spectral beam that of the usual order.
+        form: Parameters of the keyword; see lines.parse.
+        stiffness: Names in Rigidity of the numbers of ESTIFF, in order; ("stiffness",) * n for a hinge.
+        mass: Names in Rigidity of the numbers of EM.
+        damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
+        numbers: Other numbers of the form and the properties they are, in the order of the form.
+        series: Of a spectral beam: element type by order, and by whether shear is counted.
+    """
+
+    keyword: str
+    element: Element
+    form: str
+    stiffness: tuple[str, ...] = ()
+    mass: tuple[str, ...] = ()
+    damping: tuple[str, ...] = ()
+    numbers: tuple[tuple[str, str], ...] = ()
+    series: Callable[[int, bool], Element] | None = None
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return next(iter(self.element.nodes.values())).dimension
+
+    @property
+    def node_names(self) -> list[str]:
+        """Names of the node numbers in the form."""
+        return [name for name in self.form.split() if name in ("xp", "rotp", "xq", "rotq")]
+
+    def element_of(self, order: int | None, stiffness: list[float]) -> Element:
+        """Element type of one line of a file.
+
+        Args:
+            order: Order of a spectral beam, where given.
+            stiffness: Numbers of ESTIFF.
+        """
+        if self.series is None:
+            return self.element
+        return self.series(ORDER if order is None else order, any(not known(v) or v != 0 for v in stiffness[4:]))
+
+    def stands_for(self, element: Element) -> bool:
+        """Whether this keyword names an element type.
+
+        Args:
+            element: Element type.
+        """
+        if self.series is None:
+            return self.element is element
+        made = (self.series(len(element.fields[0]), shear) for shear in (False, True) if element.fields)
+        return any(other is element for other in made)
+
+    def properties(
+        self, lines: dict[str, list[float]], vector: list[float] | None, numbers: dict[str, float]
+    ) -> dict[str, Any]:
+        """Properties for ``Builder.add``.
+
+        Args:
+            lines: Numbers of ESTIFF, EM and EDAMP, where given.
+            vector: Local y vector or axis, where given.
+            numbers: Other numbers, by property.
+        """
+        found: dict[str, Any] = dict(numbers)
+        if vector is not None and "y" in self.element.properties:
+            found["y"] = stack(vector)
+        if vector is not None and "axis" in self.element.properties:
+            found["axis"] = stack(vector)
+        if "stiffness" in self.stiffness:
+            for keyword, name in (("ESTIFF", "stiffness"), ("EDAMP", "damping")):
+                if keyword in lines:
+                    padded = stack(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
+                    found[name] = padded if len(padded) > 1 else padded[0]
+            return found
+        if "ESTIFF" in lines or "EM" in lines:
+            named = [
+                *zip(self.stiffness, lines.get("ESTIFF", []), strict=False),
+                *zip(self.mass, lines.get("EM", []), strict=False),
+            ]
+            found["section"] = Rigidity(**{name: value for name, value in named if name != NOTHING})
+        if "EDAMP" in lines:
+            found["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
+        return found
+
+
+_BEAM = ("EA", "GIt", "EIy", "EIz", "shear_z", "shear_y")
+_TURNS = ("stiffness",) * 3, (), ("damping",) * 3
+
+KINDS = (
+    ElementKind(
+        "BEAM",
+        spatial.beam,
+        "element xp rotp xq rotq [y1 y2 y3]",
+        _BEAM,
+        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _BEAM[:4],
+    ),
+    ElementKind(
+        "SBEAM",
+        spatial.spectral_beam(ORDER),
+        "element xp rotp xq rotq y1 y2 y3 [p]",
+        _BEAM,
+        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _BEAM[:4],
+        series=spatial.spectral_beam,
+    ),
+    ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
+    ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
+    ElementKind("HINGE", spatial.hinge, "element rotp rotq axis1 axis2 axis3", *_TURNS),
+    ElementKind("SCREW", spatial.screw, "element xp rotp xq rotq x1 x2 x3 pitch", numbers=(("pitch", "pitch"),)),
+    ElementKind("TRUSS", spatial.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
+    ElementKind(
+        "PLBEAM",
+        planar.beam,
+        "element xp rotp xq rotq",
+        ("EA", "EIy", "shear_z"),
+        ("mass", "Jy"),
+        ("EA", "EIy"),
+    ),
+    ElementKind(
+        "PLSBEAM",
+        planar.spectral_beam(ORDER),
+        "element xp rotp xq rotq [p]",
+        ("EA", "EIy", NOTHING),
+        ("mass", "Jy"),
+        ("EA", "EIy"),
+        series=lambda order, shear: planar.spectral_beam(order),
+    ),
+    ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
+    ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),
+    ElementKind("PLTRUSS", planar.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
+    ElementKind("PLTOR", planar.hinge, "element rotp rotq", ("stiffness",), (), ("damping",)),
+    # Our own form: the predecessor's is not known.
+    ElementKind(
+        "PLBELT",
+        planar.belt,
+        "element xp rotp xq rotq rp rq",
+        ("EA",),
+        damping=("EA",),
+        numbers=(("rp", "radius_p"), ("rq", "radius_q")),
+    ),
+    ElementKind(
+        "PLBELT",
+        planar.belt_to_point,
+        "element xp rotp xq rp",
+        ("EA",),
+        damping=("EA",),
+        numbers=(("rp", "radius_p"),),
+    ),
+)
+FORMS = {kind.keyword: " | ".join(k.form for k in KINDS if k.keyword == kind.keyword) for kind in KINDS}
+"""Form of each keyword, alternatives between bars."""
