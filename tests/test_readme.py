@@ -19,7 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmb.cli import app
-from flexmb.spacar.spacar import DRAWN, REFUSED, ROWS
+from flexmb.spacar.keywords import DRAWN, REFUSED, ROWS
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("flexmb", "tests", "benchmarks", "notebooks")
