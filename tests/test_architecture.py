@@ -1,6 +1,7 @@
 """The rooms of the package: imports point one way, and nothing heavy is loaded before it is needed."""
 
 import ast
+import importlib
 import shutil
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import flexmb
+from flexmb.lazy import offered
 
 PACKAGE = Path(flexmb.__file__).parent
 # Lowest first; rooms of one row do not see each other. Modules beside the rooms are named by themselves.
@@ -36,7 +38,7 @@ ROWS = [
 RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
 # Open to all: why a solve failed, what is raised, what arguments must be, how far one is, and the facade, whose names
 # are loaded on use.
-OPEN = {"results", "errors", "arguments", "setup", "progress", "files", ""}
+OPEN = {"results", "errors", "arguments", "setup", "progress", "files", "lazy", ""}
 # What notebooks ask a result for; it alone may look upwards, when it is called.
 DISPLAY = "_repr_html_"
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -118,10 +120,18 @@ def test_importing_changes_no_setting():
     assert "True" in loaded_by(code)
 
 
-def test_public_names_are_those_of_the_stub():
-    stub = ast.parse((PACKAGE / "__init__.pyi").read_text())
-    names = {a.asname or a.name for n in stub.body if isinstance(n, ast.ImportFrom) for a in n.names}
-    assert names == set(flexmb._WHERE)
+def test_names_of_a_room_are_no_modules_of_it():
+    # A module that is imported becomes an attribute of its package, and would hide a function of its name.
+    for stub in PACKAGE.rglob("__init__.pyi"):
+        package = ".".join(stub.parent.relative_to(PACKAGE.parent).parts)
+        importlib.import_module(package)
+        for name, where in offered(package).items():
+            module = (stub.parent / f"{name}.py").exists() or (stub.parent / name).is_dir()
+            assert where == package or not module, f"{package}.{name}"
+
+
+def test_a_small_surface():
+    assert 50 <= len(offered("flexmb")) <= 60
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="git alone knows which files are tracked")

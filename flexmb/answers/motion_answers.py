@@ -15,7 +15,7 @@ from ..linear.linearize import Linearization
 from ..linear.loose import without_mass
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
-from ..motion.linearize_motion import linearize_motion
+from ..motion.linearized import linearize_motion
 from ..motion.simulate import Motion, simulate
 from ..results import RESULTS
 from ..spacar.reading import Setting

@@ -50,11 +50,12 @@ class Designs(dict[str, np.ndarray]):
         return len(next(iter(self.values())))
 
 
-def grid(**axes: Any) -> Designs:
+def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
     """Every combination of values of the dimensions.
 
     Args:
         axes: Values of each dimension by name, (n,) [SI].
+        named: The same as keywords, for names that Python takes.
 
     Returns:
         Designs, the last axis running fastest.
@@ -65,7 +66,7 @@ def grid(**axes: Any) -> Designs:
     Source:
         Cartesian product.
     """
-    values = {name: np.atleast_1d(numbers(f"Axis '{name}' of a grid", v)) for name, v in axes.items()}
+    values = {name: np.atleast_1d(numbers(f"Axis '{name}' of a grid", v)) for name, v in _together(axes, named).items()}
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
             raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
@@ -97,13 +98,14 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     return lower, upper
 
 
-def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
+def latin_hypercube(count: int, bounds: Mapping[str, Any] | None = None, /, *, seed: int = 0, **named: Any) -> Designs:
     """Designs that cover the bounds evenly: each of ``count`` slices of every dimension holds one.
 
     Args:
         count: Number of designs.
-        seed: Of the random numbers.
         bounds: Lower and upper value of each dimension by name [SI].
+        seed: Of the random numbers.
+        named: Bounds as keywords, for names that Python takes.
 
     Returns:
         Designs.
@@ -116,7 +118,7 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
     """
     from scipy.stats import qmc
 
-    checked = {name: checked_bounds(name, b) for name, b in bounds.items()}
+    checked = {name: checked_bounds(name, b) for name, b in _together(bounds, named).items()}
     for name, (lower, upper) in checked.items():
         if lower.shape or upper.shape:
             raise ValueError(f"Bounds of '{name}' must be two numbers here: an array is drawn entry by entry.")
@@ -126,14 +128,17 @@ def latin_hypercube(count: int, *, seed: int = 0, **bounds: Any) -> Designs:
     return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
 
 
-def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
+def monte_carlo(
+    count: int, distributions: Mapping[str, Any] | None = None, /, *, seed: int = 0, **named: Any
+) -> Designs:
     """Random designs, every dimension by itself.
 
     Args:
         count: Number of designs.
-        seed: Of the random numbers.
         distributions: By name: lower and upper value for a uniform one [SI], or anything with ``rvs``, such as
             ``scipy.stats.norm(0.5e-3, 5e-6)``.
+        seed: Of the random numbers.
+        named: Distributions as keywords, for names that Python takes.
 
     Returns:
         Designs.
@@ -145,13 +150,23 @@ def monte_carlo(count: int, *, seed: int = 0, **distributions: Any) -> Designs:
         Independent samples.
     """
     rng, drawn = np.random.default_rng(check_whole("seed", seed, 0)), {}
-    for name, given in distributions.items():
+    for name, given in _together(distributions, named).items():
         if hasattr(given, "rvs"):
             drawn[name] = given.rvs(size=check_whole("count", count, 1, MOST), random_state=rng)
         else:
             lower, upper = checked_bounds(name, given)
             drawn[name] = rng.uniform(lower, upper, (check_whole("count", count, 1, MOST), *lower.shape))
     return Designs(drawn)
+
+
+def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[str, Any]:
+    """Dimensions of a dictionary and of keywords, none twice."""
+    if given is not None and not isinstance(given, Mapping):
+        raise TypeError(f"Dimensions are given as a dictionary by name, or as keywords, not as {shown(repr(given))}.")
+    twice = [name for name in named if name in (given or {})]
+    if twice:
+        raise TypeError(f"Dimension '{twice[0]}' is given twice: in the dictionary and as a keyword.")
+    return {**(given or {}), **named}
 
 
 def numbers(what: str, value: Any) -> np.ndarray:

@@ -111,10 +111,9 @@ class Study:
                 counts = {n: points[n] if isinstance(points, dict) else points for n in bounds}
                 if math.prod(counts.values()) > MOST:
                     raise ValueError(f"points: there are {math.prod(counts.values()):.3g} designs, at most {MOST:g}.")
-                return grid(**{n: np.linspace(*bounds[n], counts[n]) for n in bounds})
+                return grid({n: np.linspace(*bounds[n], counts[n]) for n in bounds})
             make = {"latin-hypercube": latin_hypercube, "monte-carlo": monte_carlo}[plan["kind"]]
-            spread: dict[str, Any] = dict(bounds)
-            return make(plan.get("samples", 100), seed=plan.get("seed", 0), **spread)
+            return make(plan.get("samples", 100), bounds, seed=plan.get("seed", 0))
 
     def _bounded(self) -> dict[str, tuple[float, float]]:
         if not self.bounds:

@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import __version__
 from ..arguments import check_whole
+from ..compilation.identity import identity
 from ..errors import shown
 from ..files import save_arrays
 from ..model.model import Model
@@ -21,7 +22,6 @@ from .checkpoint import Checkpoint
 from .chunks import Task, Values, Worker, one_shape, part_of
 from .designs import Designs
 from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
-from .identity import identity
 from .labelled import pandas, xarray
 
 # A state without derivative is an answer all the same.

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..motion.linearize_motion import linearize_motion
+from ..motion.linearized import linearize_motion
 from ..motion.simulate import Motion
 from ..paths.path import Path
 from ..results import RESULTS

@@ -1,1 +1,5 @@
 """SPACAR's input files read and written, and the interface of SPACAR Light."""
+
+from ..lazy import names
+
+__getattr__, __dir__ = names(__name__)

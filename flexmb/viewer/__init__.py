@@ -3,5 +3,6 @@
 What the page does is JavaScript, in the folder ``src``; ``viewer.js`` here is built from it.
 """
 
-from .view import View as View
-from .view import view as view
+from ..lazy import names
+
+__getattr__, __dir__ = names(__name__)

@@ -140,3 +140,19 @@ def test_leanness_is_asked_of_a_model():
 def test_a_node_may_be_named_by_its_number():
     model = fm.read_spacar(mechanism_path("pf2d")).builder.build()
     assert fm.stiffness(model, 3, "x") == fm.stiffness(model, "3", "x")
+
+
+def test_dimensions_bear_any_name():
+    bounds = {"count": (1.0, 2.0), "seed": (3.0, 4.0)}
+    for draw in (fm.latin_hypercube, fm.monte_carlo):
+        found = draw(5, bounds, seed=1)
+        assert list(found) == ["count", "seed"]
+        assert all(low <= found[name].min() <= found[name].max() <= high for name, (low, high) in bounds.items())
+        np.testing.assert_array_equal(
+            found["seed"], draw(5, {"count": (1.0, 2.0)}, seed=1, **{"seed ": (3, 4)})["seed "]
+        )
+    assert fm.grid({"self": [1.0, 2.0]}, axes=[3.0])["axes"].tolist() == [3.0, 3.0]
+    with pytest.raises(TypeError, match="'a' is given twice"):
+        fm.grid({"a": [1.0]}, a=[2.0])
+    with pytest.raises(TypeError, match="a dictionary by name"):
+        fm.latin_hypercube(3, (0.0, 1.0))

@@ -1,0 +1,13 @@
+"""Names that this room offers beside those of flexmb itself."""
+
+from .designs import Designs as Designs
+from .designs import grid as grid
+from .designs import latin_hypercube as latin_hypercube
+from .designs import monte_carlo as monte_carlo
+from .lean import Lean as Lean
+from .leanness import too_lean as too_lean
+from .objectives import settling_time as settling_time
+from .sensitivities import Sensitivities as Sensitivities
+from .sensitivities import Tolerances as Tolerances
+from .sweep import Sweep as Sweep
+from .tune import Tuned as Tuned

@@ -1,0 +1,48 @@
+"""Names that a package offers, loaded on first use (PEP 562): the stub beside its ``__init__.py`` is the one list."""
+
+import ast
+import functools
+import importlib
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+
+@functools.cache
+def offered(package: str) -> dict[str, str]:
+    """Names in a package's stub, and the module that each is taken from.
+
+    Args:
+        package: Its full name; its ``__init__.pyi`` has lines such as ``from .linear.modes import modes as modes``.
+    """
+    stub = ast.parse(Path(str(sys.modules[package].__file__)).with_suffix(".pyi").read_text(encoding="utf-8"))
+    lines = [line for line in stub.body if isinstance(line, ast.ImportFrom)]
+    return {name.name: f"{package}.{line.module or ''}".rstrip(".") for line in lines for name in line.names}
+
+
+def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """``__getattr__`` and ``__dir__`` of a package.
+
+    Args:
+        package: Its full name.
+        rooms: Packages in it whose names answer here too, though they are not listed.
+    """
+
+    def load(name: str) -> Any:
+        where = None
+        for room in () if name.startswith("__") else ("", *rooms):
+            if room:
+                importlib.import_module(f"{package}.{room}")
+            where = where or offered(f"{package}.{room}".rstrip(".")).get(name)
+        if where is None:
+            raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        found = None if where == package else getattr(importlib.import_module(where), name, None)
+        found = importlib.import_module(f"{where}.{name}") if found is None else found
+        setattr(sys.modules[package], name, found)
+        return found
+
+    def listed() -> list[str]:
+        return sorted({*vars(sys.modules[package]), *offered(package)})
+
+    return load, listed

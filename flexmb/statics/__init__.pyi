@@ -1,0 +1,4 @@
+"""Names that this room offers beside those of flexmb itself."""
+
+from .configuration import Configuration as Configuration
+from .equilibrium import Equilibrium as Equilibrium

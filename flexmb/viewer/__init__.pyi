@@ -1,0 +1,3 @@
+"""Names that this room offers beside those of flexmb itself."""
+
+from .view import View as View
