@@ -53,7 +53,7 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
             an input that can move nothing.
 
     Source:
-        FORMULATION.md 5 and 9 (a).
+        THEORY.md 5, eq. (5.2), and 9 (a).
     """
     import control
 

@@ -161,8 +161,8 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
             failed by.
 
     Source:
-        FORMULATION.md 7; tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K, -M0^-1 (C0 + D0)]],
-        a stress input adds to sigma: B = -M0^-1 DFe^T.
+        THEORY.md 7, eq. (7.7); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I],
+        [-M0^-1 K, -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T.
     """
     lin = model if _is_along_motion(model) else linearized(model, "state_matrices")
     labels, m = lin.labels, lin.matrices

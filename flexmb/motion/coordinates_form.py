@@ -259,7 +259,7 @@ class CoordinatesForm(Record):
             (n + m,) [N, N m; m/s^2, rad/s^2].
 
         Source:
-            FORMULATION.md 5 and 9 (b).
+            THEORY.md 5 and 9 (b), eq. (9.1).
         """
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
@@ -312,7 +312,7 @@ class CoordinatesForm(Record):
             Tangent.
 
         Source:
-            Derivative of :meth:`residual`, element by element (FORMULATION.md 6).
+            Derivative of :meth:`residual`, element by element (THEORY.md 6).
         """
         n, held = self.size, self.held
         top, parameters = self.topology, self.parameters
@@ -347,7 +347,7 @@ class CoordinatesForm(Record):
             (n + m,) [1/s^2; N, N m].
 
         Source:
-            FORMULATION.md 9 (b): one symmetric solve.
+            THEORY.md 9 (b), eq. (9.2): one symmetric solve.
         """
         return self.begin(t, state)[0]
 
@@ -398,7 +398,7 @@ class CoordinatesForm(Record):
                 otherwise.
 
         Source:
-            FORMULATION.md 9 (b): projection onto D = e and D_x v = e_dot.
+            THEORY.md 9, eq. (9.3): projection onto D = e and D_x v = e_dot.
         """
         u, w = state.u, state.w
         near = self.near(state.memory)

@@ -255,7 +255,7 @@ def acting_forces(
         stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
 
     Source:
-        FORMULATION.md 3 and 5: D_x^T sigma + J^T H s_ddot.
+        THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
     """
     found = [(block, block.over(_rates, near, *_along(block, x, v, a, falling))) for block in elements]
     kinematics = _kinematics(found, near)

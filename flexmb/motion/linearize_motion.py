@@ -78,7 +78,7 @@ def linearize_motion(motion: Motion) -> Linearization:
         TypeError: It is no Motion.
 
     Source:
-        FORMULATION.md 6.
+        THEORY.md 6, eq. (6.1) to (6.5).
     """
     if not isinstance(motion, Motion):
         raise TypeError(
@@ -153,7 +153,7 @@ def steady_motion(
         AnalysisError: not_converged or singular_configuration.
 
     Source:
-        FORMULATION.md 6 and 7, with q_dot = q_ddot = 0.
+        THEORY.md 6 and 7, with q_dot = q_ddot = 0.
     """
     as_model(model, "steady_motion")
     check_number("time", time)

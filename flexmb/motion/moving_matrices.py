@@ -121,7 +121,7 @@ def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
         near: Deformations at the last accepted state, (n_e,) [m, rad].
 
     Source:
-        FORMULATION.md 5.
+        THEORY.md 5, eq. (5.2) and (5.5).
     """
     top = form.topology
     _, jacobian = deformed(form.elements, x, near)
@@ -148,9 +148,9 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         MovingMatrices.
 
     Source:
-        FORMULATION.md 6. With dx = DFx dq the change of the configuration, the velocities change by DFx dqd + DFx_d dq
-        with DFx_d = -A^-1 (D_xx v) DFx, and the accelerations by DFx dqdd + 2 DFx_d dqd + DFx_dd dq with
-        DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
+        THEORY.md 6, eq. (6.4) and (6.5). With dx = DFx dq the change of the configuration, the velocities change by
+        DFx dqd + DFx_d dq with DFx_d = -A^-1 (D_xx v) DFx, and the accelerations by DFx dqdd + 2 DFx_d dqd + DFx_dd dq
+        with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
     at = balance(form, t, x, v, a, near)

@@ -107,7 +107,7 @@ class ReducedForm(Record):
             z: Second rates of the degrees of freedom over their sizes, (n_q,).
 
         Source:
-            FORMULATION.md 5.
+            THEORY.md 5, eq. (5.3).
         """
         return balance(self.form, t, *self.everything(t, state, z)).residual * self.sizes
 
@@ -120,7 +120,7 @@ class ReducedForm(Record):
             z: Second rates of the degrees of freedom over their sizes, (n_q,).
 
         Source:
-            FORMULATION.md 6.
+            THEORY.md 6, eq. (6.1).
         """
         at = moving_matrices(self.form, t, *self.everything(t, state, z))
         by_u, by_w, by_z = (self.sizes[:, None] * m * self.sizes for m in (at.K, at.C0 + at.D0, at.M0))

@@ -273,7 +273,7 @@ def simulate(
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
 
     Source:
-        FORMULATION.md 5 and 9.
+        THEORY.md 5 and 9.
     """
     as_model(model, "simulate")
     check_choice("form", form, ("coordinates", "reduced"))
