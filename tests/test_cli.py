@@ -6,6 +6,7 @@ import re
 import resource
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -94,6 +95,25 @@ def test_json_of_a_motion(mode, tmp_path):
         np.testing.assert_allclose(step["A"], [[0, 1], [-k / m, -d / m]], rtol=1e-5, atol=1e-12)
         np.testing.assert_allclose(step["B"], [[0], [1 / m]], rtol=1e-5)
         assert (step["C"], step["D"]) == ([[1, 0]], [[0]])
+        np.testing.assert_allclose(step["frequencies_hz"], [np.sqrt(k / m) / (2 * np.pi)], rtol=1e-5)
+        np.testing.assert_allclose((step["m0"], step["d0"], step["k0"]), [[[m]], [[d]], [[k]]], rtol=1e-5)
+    velocity = -0.01 * k / m / w * np.exp(-a * t) * np.sin(w * t)
+    # The rate is as accurate as the displacement, times the frequency.
+    np.testing.assert_allclose([v for v, _ in data["velocities"]["2"]], velocity, atol=1e-6 * w)
+    x, energy = expected - 0.1, {name: np.array(e) for name, e in data["energy"].items()}
+    np.testing.assert_allclose(energy["elastic"], k * x**2 / 2, atol=k * 0.01 * 1e-6)
+    np.testing.assert_allclose(energy["kinetic"], m * velocity**2 / 2, atol=m * 0.01 * w * 1e-6 * w)
+    # What the terminal shows is the same to six digits, sign and all.
+    lines = call("run", path, "--mode", mode).stdout.splitlines()
+    assert "motion from 0 to 0.02 s, 5 output times; at the end:" in lines
+    (end,) = (line.split()[2:] for line in lines if line.startswith("  node 2 "))
+    np.testing.assert_allclose([float(word) for word in end], [expected[-1], 0], atol=2e-6)
+    (total,) = (line for line in lines if line.startswith("energy [J] at start and end: "))
+    start, end = (float(word) for word in total.rpartition(": ")[2].split(", "))
+    assert start == pytest.approx(k * 0.01**2 / 2, rel=1e-5, abs=0)
+    assert end == pytest.approx((k * x[-1] ** 2 + m * velocity[-1] ** 2) / 2, rel=2e-4, abs=0)
+    hertz = [line.rpartition(": ")[2] for line in lines if line.startswith("frequencies [Hz] at ")]
+    np.testing.assert_allclose([float(word) for word in hertz], [10.6584] * (2 if mode == 4 else 0), atol=5e-5)
     if mode == 4:
         assert (data["inputs"], data["outputs"], len(data["steps"])) == (["force 2.1"], ["position 2.1"], 5)
 
@@ -160,6 +180,51 @@ def test_load_up_buckles_the_other_way(tmp_path):
     path.write_text(re.sub(r"(?m)^XF 3 .*$", "XF 3 0 1", text))
     result = call("run", path, "--mode", "8", "--json", "-")
     assert json.loads(result.stdout)["load_multipliers"][0] == pytest.approx(-78.75, abs=5e-5)
+
+
+def test_tables_have_the_numbers_and_their_signs(tmp_path):
+    """Each against the closed form of the truss or against what the tutorial prints, read from the terminal."""
+    lines = call("run", mechanism_path("pf1dtrx"), "--mode", "9").stdout.splitlines()
+    rows = {name: [[float(v) for v in line.split()] for line in at(lines, f"{name}:", n)] for name, n in COUNTS.items()}
+    m, d, k = 0.206 + 0.01413 / 3, 0.0365, 945.0
+    assert rows["A"] == [[0, 1], [pytest.approx(-k / m, rel=1e-4), pytest.approx(-d / m, rel=1e-4)]]
+    assert rows["B"] == [[0], [pytest.approx(1 / m, rel=1e-4)]]
+    assert (rows["C"], rows["D"]) == ([[1, 0]], [[0]])
+    assert "inputs: force 2.1" in lines
+    assert "outputs: position 2.1" in lines
+    lines = call("run", mechanism_path("pf1dtrx"), "--mode", "7").stdout.splitlines()
+    assert at(lines, "natural frequencies [Hz] (1, 0 motions without mass left out):", 1)[0].split()[0] == "1"
+    assert float(at(lines, "natural frequencies", 1)[0].split()[1]) == pytest.approx(10.6584, abs=5e-5)
+    assert "stable: yes" in lines
+    # Upside down: a load that pulls, so that the multiplier is negative, then three times its size along the path.
+    path = tmp_path / "up.dat"
+    path.write_text(re.sub(r"(?m)^XF 3 .*$", "XF 3 0 1", mechanism_path("pf2db").read_text()))
+    lines = call("run", path, "--mode", "8").stdout.splitlines()
+    assert float(at(lines, "load multipliers:", 1)[0].split()[1]) == pytest.approx(-78.75, abs=5e-5)
+    path.write_text(re.sub(r"(?m)^XF 3 .*$", "XF 3 0 -100", mechanism_path("pf2db").read_text()))
+    lines = call("run", path, "--mode", "7").stdout.splitlines()
+    assert "stable: NO" in lines
+    unstable = at(lines, "natural frequencies", 1)[0].split()
+    assert unstable[1:4] == ["unstable,", "omega^2", "="]
+    # The stiffness goes with the load: omega^2 = omega_0^2 (1 - 100/78.75), to the change of the shape of the mass.
+    _, data = answer("pf2db", 7)
+    unloaded = data["eigenvalues"][0] / (1 - 1 / 78.75)
+    assert float(unstable[4]) == pytest.approx(unloaded * (1 - 100 / 78.75), rel=1e-4)
+    lines = call("run", path, "--mode", "10").stdout.splitlines()
+    first, last = (line.split() for line in (at(lines, "path (", 2)[1], lines[lines.index("critical points:") - 1]))
+    assert (float(first[1]), first[2], last[1:4]) == (0, "yes", ["1", "NO", "unstable"])
+    (critical,) = at(lines, "critical points:", 1)
+    assert float(critical.rpartition(" ")[2]) == pytest.approx(0.7875, abs=1e-6)
+
+
+# Rows of the matrices of a state-space model of one degree of freedom with one input and one output.
+COUNTS = {"A": 2, "B": 2, "C": 1, "D": 1}
+
+
+def at(lines, heading, count):
+    """The lines below the one that begins with a heading."""
+    (first,) = (i for i, line in enumerate(lines) if line.startswith(heading))
+    return lines[first + 1 : first + 1 + count]
 
 
 TRUSS = """PLTRUSS 1 1 2
@@ -383,6 +448,51 @@ def test_a_fault_nobody_foresaw_is_one_line(monkeypatch):
     result = call("run", mechanism_path("pf2d"), "--mode", "7")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "flexmb: RuntimeError: \\x1b[31m (--debug shows where)\n"
+
+
+@pytest.mark.parametrize("command", ["check", "demo", "sweep", "tune"])
+def test_the_same_of_every_command(command, monkeypatch, tmp_path):
+    def surprised(*_, **__):
+        raise RuntimeError("surprise")
+
+    monkeypatch.setattr(answers, "answer", surprised)
+    monkeypatch.setattr("flexmb.design.study_file.read_study", surprised)
+    monkeypatch.chdir(tmp_path)
+    given = {"check": [mechanism_path("pf2d")], "demo": ["pf2d"]}.get(command, [tmp_path / "study.toml"])
+    result = call(command, *given)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "flexmb: RuntimeError: surprise (--debug shows where)\n"
+    with pytest.raises(RuntimeError, match="surprise"):
+        CliRunner().invoke(app, [command, *map(str, given), "--debug"], catch_exceptions=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "status"), [("pf3d", "ok"), ("pf3dover", "overconstrained"), ("loose", "underconstrained")]
+)
+def test_check_is_mode_0(name, status, tmp_path):
+    """WA 1239 (2012), 4.3: two whole leaf springs in space hold one rotation twice."""
+    path = tmp_path / "loose.dat"
+    path.write_text(mechanism_path("pf2d").read_text().replace("FIX 7\n", ""))
+    path = path if name == "loose" else mechanism_path(name)
+    result = call("check", path, "--json", "-")
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["mode"], data["status"]) == (0, 0, status)
+    assert data == json.loads(call("run", path, "--mode", "0", "--json", "-").stdout)
+    assert data["overconstraints"] == (name == "pf3dover")
+    assert (data["underconstraints"] > 0) == (name == "loose")
+    assert call("check", path).stdout.startswith(f"{path.name}  mode 0  status {status}\n")
+
+
+@pytest.mark.parametrize("mode", [1, 4])
+def test_a_motion_that_ends_early_is_no_answer(mode, tmp_path, monkeypatch):
+    monkeypatch.setattr("flexmb.answers.motion_answers.simulate", partial(fm.simulate, max_steps=3))
+    path = tmp_path / "swing.dat"
+    path.write_text(re.sub("END\nHALT\n+INPUTF 1 2 1", SWING, mechanism_path("pf1dtrx").read_text()))
+    result = call("run", path, "--mode", mode, "--json", "-")
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"]) == (1, "motion_unfinished")
+    assert result.stderr.startswith("swing.dat: motion_unfinished: ")
+    assert 1 <= len(data["time"]) < 5
 
 
 def test_an_answer_that_is_not_finite_is_none(monkeypatch):

@@ -77,8 +77,7 @@ def _dofs(model: Model) -> list[dict[str, Any]]:
 def _reactions(lin: Linearization) -> dict[str, list[float]]:
     """Support forces, moments of spatial rotations about global axes, at nodes where something is held."""
     labels, found = lin.labels, {}
-    held = lin.model.topology.x
-    held = set(np.concatenate([np.asarray(held.fixed), np.asarray(held.prescribed)]).tolist())
+    held = set(np.asarray(lin.model.topology.x.held).tolist())
     reactions, x = np.asarray(lin.matrices.reactions), np.asarray(lin.matrices.x)
     for node in dict.fromkeys(entry.of for entry in labels.x):
         indices = labels.coordinates(node)

@@ -120,7 +120,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
         entries += tuple(Entry(TIE, i + 1, f"e{i + 1}", "deformation") for i in range(ties))
     else:
         columns = np.zeros((0, 0))
-    free = [i for i in np.concatenate([top.e.dependent, top.e.dof]).tolist() if i not in held]
+    free = [i for i in np.asarray(top.e.free).tolist() if i not in held]
     e = RoleIndices(
         jnp.array(sorted([*held, *range(n_e, n_e + ties)]), int),
         jnp.array(sorted(free), int),
@@ -129,7 +129,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     )
     x = RoleIndices(
         top.x.fixed,
-        jnp.sort(jnp.concatenate([top.x.dependent, top.x.dof])),
+        jnp.sort(top.x.free),
         jnp.zeros(0, int),
         top.x.prescribed,
     )
@@ -150,7 +150,7 @@ def released(model: Model, indices: list[int]) -> Model:
     free = sorted({*indices, *np.asarray(top.e.dependent).tolist(), *np.asarray(top.e.dof).tolist()})
     none = jnp.zeros(0, int)
     e = RoleIndices(jnp.array(held, int), jnp.array(free, int), none, top.e.prescribed)
-    x = RoleIndices(top.x.fixed, jnp.sort(jnp.concatenate([top.x.dependent, top.x.dof])), none, top.x.prescribed)
+    x = RoleIndices(top.x.fixed, jnp.sort(top.x.free), none, top.x.prescribed)
     bare = dataclasses.replace(
         model,
         topology=dataclasses.replace(top, x=x, e=e),

@@ -196,8 +196,7 @@ def motions_of(model: Model) -> tuple[np.ndarray, int]:
         model: Mechanism, with concrete numbers.
     """
     found, topology = constraints(model), model.topology
-    held = np.concatenate([np.asarray(topology.e.fixed), np.asarray(topology.e.prescribed)])
-    free = np.concatenate([np.asarray(topology.x.dependent), np.asarray(topology.x.dof)])
+    held, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
     rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
     motions = np.zeros((topology.n_x, right.shape[1]))
     motions[free] = right
@@ -281,8 +280,7 @@ def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tup
 def _held_rows(model: Model, found: Constraints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Jacobian of the deformations that are held by the DEPENDENT coordinates, and the indices of both."""
     topology = model.topology
-    held = np.concatenate([np.asarray(i) for i in (topology.e.fixed, topology.e.prescribed, topology.e.dof)])
-    free = np.asarray(topology.x.dependent)
+    held, free = np.asarray(topology.e.given), np.asarray(topology.x.dependent)
     return found.jacobian[np.ix_(held, free)], held, free
 
 
@@ -314,7 +312,7 @@ def _flexible(model: Model) -> np.ndarray:
     The closure of a spectral beam is not elastic: releasing it would cut the beam.
     """
     flexible = np.zeros(model.topology.n_e, bool)
-    free = set(np.concatenate([np.asarray(model.topology.e.dependent), np.asarray(model.topology.e.dof)]).tolist())
+    free = set(np.asarray(model.topology.e.free).tolist())
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         element = block.element
         if set(ELASTIC).isdisjoint(block.companions):

@@ -233,7 +233,7 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
 def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):
     """Which deformations to FIX and which to tie; None where nothing would be left out."""
     top = model.topology
-    free = np.sort(np.concatenate([np.asarray(top.e.dependent), np.asarray(top.e.dof)]))
+    free = np.sort(np.asarray(top.e.free))
     stiffness = np.diag(np.asarray(states[0].matrices.S))
     free = free[can_be_tied(model)[free] & (stiffness[free] > 0)]
     weight = np.sqrt(stiffness[free])

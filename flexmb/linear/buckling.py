@@ -118,8 +118,7 @@ def _noise(topology, parameters, tangent, stays, sigma, moved) -> Float[Array, "
     rows = jnp.abs(jacobian) * sizes_of(topology, parameters)
     largest = jnp.max(rows.T @ jnp.abs(sigma), initial=0.0)
     reach = jnp.max(rows, axis=1, initial=0.0)
-    held = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
-    elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), held, 0.0)
+    elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), topology.e.held, 0.0)
     wrong = ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
     relative = factorise(stays).solve(dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx)
     # Root of the trace of its square: an upper bound of its eigenvalues.

@@ -132,7 +132,7 @@ def iterate(
     """
     at = state(topology, parameters, factors, x, near, strained=strained)
     wanted_x, wanted_e = wanted
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+    held = topology.x.held
     shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - x[held])
     wanted_e = put(wanted_e, topology.e.dof, strained[topology.e.dof])
     onto = correction(topology, at.transfer, at.e - wanted_e + at.jacobian @ shift, shift)

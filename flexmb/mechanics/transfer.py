@@ -27,15 +27,6 @@ class Transfer(NamedTuple):
     regular: Bool[Array, ""]
 
 
-def held_rows(topology: Topology) -> Array:
-    """Indices in e of the rows of A, in order: FIXED, PRESCRIBED, DOF.
-
-    Args:
-        topology: Structure.
-    """
-    return jnp.concatenate([topology.e.fixed, topology.e.prescribed, topology.e.dof])
-
-
 @traced_once
 def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     """First-order transfer functions by implicit differentiation of D(x) = e.
@@ -50,7 +41,7 @@ def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     Source:
         THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and reference [10] there.
     """
-    rows, dependent = held_rows(topology), topology.x.dependent
+    rows, dependent = topology.e.given, topology.x.dependent
     held = jacobian[rows]
     factors = factorise(held[:, dependent])
     by_coordinates = -held[:, topology.x.dof]
@@ -88,7 +79,7 @@ def multipliers(
     Source:
         THEORY.md 5, eq. (5.5): multipliers of the FIXED deformations are their stress resultants.
     """
-    fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
+    fixed = topology.e.held
     sigma = put(sigma, fixed, 0.0)
     out_of_balance = (force - jacobian.T @ sigma)[topology.x.dependent]
     solved = tangent.factors.solve_transposed(out_of_balance)
@@ -112,5 +103,5 @@ def correction(
     Source:
         Newton's corrector of THEORY.md 4, eq. (4.2).
     """
-    right = -excess[held_rows(topology)]
+    right = -excess[topology.e.given]
     return accumulate(shift, topology.x.dependent, tangent.factors.solve(right))

@@ -1,7 +1,12 @@
 """Shapes and element functions (static), connectivity and roles (integer arrays, leaves of the pytree)."""
 
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Int
 
+from ..arguments import is_concrete
 from ..compilation.record import Record, static
 from ..elements.element import Element
 
@@ -41,9 +46,29 @@ class RoleIndices(Record):
     prescribed: Int[Array, "_p"]
 
     @property
+    def held(self) -> Int[Array, "_h"]:
+        """Entries whose value is set from outside: FIXED, then PRESCRIBED."""
+        return _joined(self.fixed, self.prescribed)
+
+    @property
+    def free(self) -> Int[Array, "_m"]:
+        """Entries that can change: DEPENDENT, then DOF."""
+        return _joined(self.dependent, self.dof)
+
+    @property
+    def given(self) -> Int[Array, "_g"]:
+        """Entries from which the DEPENDENT ones follow: FIXED, PRESCRIBED, then DOF."""
+        return _joined(self.fixed, self.prescribed, self.dof)
+
+    @property
     def size(self) -> int:
         """Number of entries with any role."""
         return sum(a.shape[0] for a in (self.fixed, self.dependent, self.dof, self.prescribed))
+
+
+def _joined(*indices: Array) -> Any:
+    """Indices of several roles in one array; outside a trace by NumPy, for which nothing is compiled."""
+    return (np if is_concrete(indices) else jnp).concatenate(indices)
 
 
 class Topology(Record):

@@ -435,7 +435,7 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
     """
     gravity = parameters.loads.gravity
     damped = any("damping" in block.companions for block in topology.blocks)
-    free = jnp.concatenate([topology.x.dependent, topology.x.dof])
+    free = topology.x.free
     mass = diagonal_of(mass_matrix(topology, parameters, parameters.reference))[free]
     sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
     mass = jax.lax.stop_gradient(mass) * sizes**2
@@ -449,7 +449,7 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
         None if gravity is None else uniform_motion(topology, gravity),
         free,
         sizes,
-        jnp.concatenate([topology.e.fixed, topology.e.prescribed]),
+        topology.e.held,
         1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),
         driven,
     )

@@ -9,7 +9,7 @@ from ..math.indices import put
 from ..mechanics.deformation import deformation_curvature
 from ..mechanics.inertia import Felt, weight_stiffness
 from ..mechanics.loads import LoadFactors, load_stiffness
-from ..mechanics.transfer import Transfer, correction, held_rows, multipliers, transfer
+from ..mechanics.transfer import Transfer, correction, multipliers, transfer
 from .coordinates_form import CoordinatesForm
 from .element_forces import acting_forces, deformed, force_derivatives
 
@@ -74,7 +74,7 @@ def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]
         rows: Changes of all deformations, (n_e, k).
     """
     top = form.topology
-    change = tangent.factors.solve(-rows[held_rows(top)])
+    change = tangent.factors.solve(-rows[top.e.given])
     return jnp.zeros((top.n_x, rows.shape[1])).at[top.x.dependent].set(change)
 
 
@@ -170,7 +170,7 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         loads = loads + weight_stiffness(top, parameters, x, form.gravity)
     n0 = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + by_x.mass @ by_q)
     dfe = tangent.DFe
-    held = jnp.concatenate([top.x.fixed, top.x.prescribed])
+    held = top.x.held
     stiffness, damping = form.tangents_at(x, v, near)
     rate_of_dfe = rates + jacobian @ turning
     n0 = n0 + dfe.T @ damping @ rate_of_dfe

@@ -76,7 +76,7 @@ class ReducedForm(Record):
         n = top.x.dof.shape[0]
         wanted_x = put(given_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
         wanted_e = put(given_e, top.e.dof, q[n:])
-        given = jnp.concatenate([top.x.fixed, top.x.prescribed, top.x.dof])
+        given = top.x.given
 
         def corrected(_, at):
             x, near = at

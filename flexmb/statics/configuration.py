@@ -13,7 +13,7 @@ from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
-from ..mechanics.transfer import correction, held_rows, transfer
+from ..mechanics.transfer import correction, transfer
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -77,7 +77,7 @@ def _with_freedoms(topology, given, q):
 
 def _corrected(topology, parameters, x, near, wanted_x, wanted_e):
     """One step of Newton's method, the deformations before it, and the transfer functions there."""
-    given = jnp.concatenate([topology.x.fixed, topology.x.prescribed, topology.x.dof])
+    given = topology.x.given
     shift = put(jnp.zeros(topology.n_x), given, (wanted_x - x)[given])
     e, jacobian = deformation_jacobian(topology, parameters, x, near)
     tangent = transfer(topology, jacobian)
@@ -150,7 +150,7 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     x, _, _ = _corrected(topology, parameters, end.x, end.near, wanted_x, wanted_e)
     e, jacobian = deformation_jacobian(topology, parameters, x, end.near)
     tangent = transfer(topology, jacobian)
-    off = jnp.max(jnp.abs((e - wanted_e)[held_rows(topology)]), initial=0.0) / jnp.max(sizes)
+    off = jnp.max(jnp.abs((e - wanted_e)[topology.e.given]), initial=0.0) / jnp.max(sizes)
     result = jnp.where(within & (off < TOLERANCE**0.5), RESULTS.successful, RESULTS.out_of_reach)
     astray = within & ~(tangent.regular & jnp.isfinite(off))
     result = jnp.where(astray, RESULTS.singular_configuration, result)

@@ -279,14 +279,14 @@ def change_of_equations(
         e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
         stiffness = element_stiffness(topology, parameters)
         sigma = stress_resultants(topology, parameters, scaled_loads(parameters, target), stiffness, e)
-        fixed = jnp.concatenate([topology.e.fixed, topology.e.prescribed])
-        sigma = put(sigma, fixed, at.sigma[fixed])
+        held = topology.e.held
+        sigma = put(sigma, held, at.sigma[held])
         wanted_x, wanted_e = held_values(topology, parameters, target)
         force = nodal_forces(topology, parameters, target, at.x)
         return jacobian.T @ sigma - force, e - wanted_e, wanted_x
 
     _, (imbalance, excess, wanted) = jvp_of_varied(equations, primals, tangents)
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+    held = topology.x.held
     shift = put(jnp.zeros(topology.n_x), held, wanted[held])
     return put(excess, topology.e.dof, 0.0) + at.jacobian @ shift, shift, imbalance
 
@@ -348,7 +348,7 @@ def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
     Returns:
         D_x^T sigma - f there, (n_x,) [N, N m].
     """
-    held = jnp.concatenate([topology.x.fixed, topology.x.prescribed])
+    held = topology.x.held
     return put(jnp.zeros(topology.n_x), held, (at.jacobian.T @ at.sigma - at.force)[held])
 
 

@@ -58,9 +58,7 @@ class Balance(NamedTuple):
 
 def _unknowns(topology: Topology) -> tuple[Array, Array, Array]:
     """Coordinates that move, coordinates that do not, and deformations that are held."""
-    x, e = topology.x, topology.e
-    free = jnp.sort(jnp.concatenate([x.dependent, x.dof]))
-    return free, jnp.concatenate([x.fixed, x.prescribed]), jnp.concatenate([e.fixed, e.prescribed])
+    return jnp.sort(topology.x.free), topology.x.held, topology.e.held
 
 
 @jit

@@ -202,3 +202,37 @@ def pushed(model: fm.Model, node: str, component: int, force: float) -> fm.Model
     whole = jnp.zeros(model.topology.n_x) if present is None else present
     loads = dataclasses.replace(model.parameters.loads, force=whole.at[index].add(force))
     return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, loads=loads))
+
+
+def sprung_mass(
+    *, length=0.4, stiffness=90.0, damping=0.0, mass=0.4, guided=True, foot: str = "fixed", dofs=True
+) -> fm.Builder:
+    """A mass on a spring s along x, between the nodes foot and mass; its motion along x is that of one oscillator."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (length, 0))
+    own = fm.Damping(EA=damping * length) if damping else None
+    b.add(planar.truss, "foot", "mass", name="s", section=fm.Rigidity(EA=stiffness * length), damping=own)
+    if foot == "fixed":
+        b.fix("foot")
+    else:
+        b.fix("foot", "y")
+        b.prescribe("foot", "x", 0.0)
+    if guided:
+        b.fix("mass", "y")
+    b.mass("mass", mass)
+    if dofs and guided:
+        b.dof("mass", "x")
+    return b
+
+
+def oscillation(t, stiffness, damping, mass, force, displacement=0.0, rate=0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and velocity of an oscillator under a constant force: closed form, of less than critical damping."""
+    t, rest = np.asarray(t), force / stiffness
+    decay = damping / (2 * mass)
+    omega = np.sqrt(stiffness / mass - decay**2)
+    a = displacement - rest
+    b = (rate + decay * a) / omega
+    swing, turned = a * np.cos(omega * t) + b * np.sin(omega * t), b * np.cos(omega * t) - a * np.sin(omega * t)
+    fall = np.exp(-decay * t)
+    return rest + fall * swing, fall * (omega * turned - decay * swing)

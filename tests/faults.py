@@ -1,0 +1,532 @@
+"""Faults put into the package, one at a time, and whether the tests see them: `python tests/faults.py [room ..]`.
+
+A suite that passes says nothing about what it would let through. Each fault here is a small one, such as are really
+made: a sign, a factor, a transposed matrix, an early return, a status that is forgotten. Each names the few tests that
+should see it. Faults are put into a copy of the package in a temporary folder, never into the working tree.
+
+    python tests/faults.py                # all of them, which takes the better part of an hour
+    python tests/faults.py cli control    # those of some rooms
+    python tests/faults.py --only C0      # those whose texts or files contain a word
+    python tests/faults.py --list         # only whether each still finds its place; the suite does so too
+
+A fault whose text does not occur exactly once in its file is stale and must be mended; all stale ones are listed at
+once, and nothing is run. Before the faults of a room its tests run on the copy as it is: what fails then proves
+nothing.
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+# What a run needs beside the package itself.
+BESIDE = ("tests", "notebooks", "benchmarks", "pyproject.toml", "README.md")
+ENOUGH = 0.95
+PASSED, FAILED = 0, 1
+# A test that a fault sends into an endless loop has seen it.
+LONGEST = 900
+
+
+class Fault(NamedTuple):
+    """One fault.
+
+    Attributes:
+        file: Of the package, from its folder.
+        old: Text that occurs in it once.
+        new: What stands there instead.
+        tests: What pytest is called with: files or tests from ``tests/``, and ``-k`` with an expression.
+    """
+
+    file: str
+    old: str
+    new: str
+    tests: str
+
+    @property
+    def room(self) -> str:
+        """Folder of the file, or its own name at the root of the package."""
+        return self.file.partition("/")[0].removesuffix(".py")
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.old.strip()!r} -> {self.new.strip()!r}"
+
+
+def stale(faults: list[Fault], package: Path = ROOT / "flexmb") -> list[str]:
+    """What is wrong with faults whose text does not occur exactly once."""
+    found = []
+    for fault in faults:
+        path = package / fault.file
+        count = path.read_text(encoding="utf-8").count(fault.old) if path.is_file() else -1
+        if count != 1:
+            what = "there is no such file" if count < 0 else f"its text occurs {count} times"
+            found.append(f"{what}: {fault}")
+    return found
+
+
+def copied(folder: Path) -> None:
+    """Copy what a run needs to a folder."""
+    leave = shutil.ignore_patterns("__pycache__", "node_modules", ".hypothesis", ".pytest_cache")
+    shutil.copytree(ROOT / "flexmb", folder / "flexmb", ignore=leave)
+    for name in BESIDE:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name, ignore=leave)
+        elif (ROOT / name).is_file():
+            shutil.copy2(ROOT / name, folder / name)
+
+
+def tested(folder: Path, tests: str) -> tuple[int, str]:
+    """Exit status of pytest in a folder, and the last of what it said."""
+    words = [f"tests/{word}" if word.partition("::")[0].endswith(".py") else word for word in split(tests)]
+    command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", "--no-header", *words]
+    environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        return FAILED, "too long"
+    return done.returncode, done.stdout[-2000:] + done.stderr[-2000:]
+
+
+def split(tests: str) -> list[str]:
+    """Words of a call of pytest; all behind -k is one expression."""
+    files, flag, expression = tests.partition(" -k ")
+    return files.split() + (["-k", expression] if flag else [])
+
+
+def put(folder: Path, fault: Fault) -> str:
+    """Put a fault into the copy and return the text as it was."""
+    path = folder / "flexmb" / fault.file
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
+    return text
+
+
+def is_right(folder: Path, faults: list[Fault]) -> bool:
+    """Whether the tests pass in the copy without a fault, each call once."""
+    good = True
+    for tests in dict.fromkeys(fault.tests for fault in faults):
+        status, said = tested(folder, tests)
+        if status != PASSED:
+            good = False
+            print(f"  does not pass without a fault ({status}): {tests}\n{said}", flush=True)
+    return good
+
+
+def main(arguments: list[str]) -> int:
+    """Run what is asked for; 0 where enough faults are killed."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("rooms", nargs="*", help="rooms of the package; all without")
+    parser.add_argument("--list", action="store_true", help="only look whether each fault finds its place")
+    parser.add_argument("--only", default="", help="only faults whose text, file or tests contain this")
+    parser.add_argument("--trust", action="store_true", help="do not run the tests without faults first")
+    options = parser.parse_args(arguments)
+    chosen = [f for f in FAULTS if not options.rooms or f.room in options.rooms]
+    chosen = [f for f in chosen if options.only in f"{f} {f.tests}"]
+    if wrong := stale(chosen):
+        print("\n".join(["Stale:", *wrong]))
+        return 1
+    if options.list:
+        print(f"{len(chosen)} faults in {len({f.room for f in chosen})} rooms, all of which find their place")
+        return 0
+    killed, survived = [], []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        copied(folder)
+        for room in dict.fromkeys(f.room for f in chosen):
+            own = [f for f in chosen if f.room == room]
+            print(f"{room}:", flush=True)
+            if not options.trust and not is_right(folder, own):
+                return 1
+            for fault in own:
+                text, began = put(folder, fault), time.monotonic()
+                try:
+                    status, said = tested(folder, fault.tests)
+                finally:
+                    (folder / "flexmb" / fault.file).write_text(text, encoding="utf-8")
+                (killed if status == FAILED else survived).append(fault)
+                word = {PASSED: "SURVIVED", FAILED: "killed"}.get(status, f"NO TEST RAN ({status}): {said}")
+                print(f"  {word:9} {time.monotonic() - began:4.0f} s  {fault}", flush=True)
+    share = len(killed) / max(len(chosen), 1)
+    print(f"{len(killed)} of {len(chosen)} killed, {100 * share:.1f} %")
+    print("\n".join(f"survived: {fault}" for fault in survived))
+    return 0 if share >= ENOUGH else 1
+
+
+FAULTS = [
+    # The command line and what it answers.
+    Fault("cli.py", "raise typer.Exit(found.exit_status)", "raise typer.Exit(0)", "test_cli.py -k ends_early"),
+    Fault("cli.py", "_run(model, 0, json_path", "_run(model, 7, json_path", "test_cli.py -k check_is"),
+    Fault(
+        "cli.py", "raise typer.Exit(EXIT_FAILED) from None", "raise typer.Exit(0) from None", "test_cli.py -k foresaw"
+    ),
+    Fault(
+        "cli.py",
+        '    with _foreseen(debug):\n        _study("sweep"',
+        '    if True:\n        _study("sweep"',
+        "test_cli.py -k every_command",
+    ),
+    Fault("cli.py", 'if data["status"] != "ok":', "if False:", "design/test_study.py -k exit_1"),
+    Fault("cli.py", "code = EXIT_WRONG_CALL", "code = 0", "test_cli.py -k wrong_call"),
+    Fault("cli.py", "return names[text]", "return 7", "test_cli.py -k 'analysis or named'"),
+    Fault(
+        "answers/answers.py",
+        "@ values / 2 if len(indices) == 4",
+        "@ values if len(indices) == 4",
+        "answers/test_answers.py",
+    ),
+    Fault("answers/answers.py", "[None if v < 0 else f for", "[abs(f) for", "test_cli.py -k tables_have"),
+    Fault("answers/answers.py", '"stable": bool(found.stable[-1]),', '"stable": True,', "test_cli.py -k tables_have"),
+    Fault(
+        "answers/answers.py",
+        "simulated(model, name, settings, mode == 4)",
+        "simulated(model, name, settings, False)",
+        "test_cli.py -k json_of_a_motion",
+    ),
+    Fault("answers/answers.py", "damped = np.any(", "damped = not np.any(", "test_cli.py -k poles"),
+    Fault(
+        "answers/motion_answers.py",
+        "float(np.sqrt(v.real)) / (2 * np.pi) for",
+        "float(np.sqrt(v.real)) for",
+        "test_cli.py -k json_of_a_motion",
+    ),
+    Fault(
+        "answers/motion_answers.py",
+        '"velocities": _over_time(found.xd',
+        '"velocities": _over_time(found.x',
+        "test_cli.py -k json_of_a_motion",
+    ),
+    Fault(
+        "answers/motion_answers.py",
+        "velocity * t + 0.5 * acceleration",
+        "velocity * t + acceleration",
+        "spacar/test_lines.py -k simulation_takes",
+    ),
+    Fault(
+        "answers/motion_answers.py",
+        "for number in (value - start[index], *rates)",
+        "for number in (value, *rates)",
+        "spacar/test_lines.py -k simulation_takes",
+    ),
+    Fault(
+        "answers/motion_answers.py",
+        '"status": "ok" if code == RESULTS.successful else code.name',
+        '"status": "ok"',
+        "test_cli.py -k ends_early",
+    ),
+    Fault("answers/tables.py", '"  ".join(f"{v:12.5g}"', '"  ".join(f"{abs(v):12.5g}"', "test_cli.py -k tables_have"),
+    Fault("answers/tables.py", "{i + 1:3d}  {v:.7g}", "{i + 1:3d}  {abs(v):.7g}", "test_cli.py -k tables_have"),
+    Fault("answers/tables.py", "{im:+.7g}j", "{im:.7g}j", "test_cli.py -k poles"),
+    Fault(
+        "answers/tables.py",
+        "{'yes' if s['stable'] else 'NO':6}",
+        "{'NO' if s['stable'] else 'yes':6}",
+        "test_cli.py -k tables_have",
+    ),
+    Fault("answers/tables.py", "_numbers(rows[-1])", "_numbers(rows[0])", "test_cli.py -k json_of_a_motion"),
+    Fault("answers/motion_file.py", '("t", "x", "xd", "u")}', '("t", "x", "x", "u")}', "answers/test_motion_file.py"),
+    Fault("answers/motion_file.py", '"sigma": "N, N m",', "", "answers/test_motion_file.py"),
+    Fault("answers/motion_file.py", "if not reached.all():", "if False:", "answers/test_motion_file.py"),
+    Fault(
+        "answers/motion_file.py",
+        "[signal.name for signal in labels.inputs]",
+        "[signal.name for signal in labels.outputs]",
+        "answers/test_motion_file.py",
+    ),
+    # Linearised equations.
+    Fault(
+        "linear/compliance.py", "return 2 * lbar(coordinates)", "return lbar(coordinates)", "linear/test_compliance.py"
+    ),
+    Fault(
+        "linear/compliance.py",
+        "rotation_matrix(rotation).T @ row",
+        "rotation_matrix(rotation) @ row",
+        "linear/test_compliance.py",
+    ),
+    Fault("linear/compliance.py", "[[c, s], [-s, c]]", "[[c, -s], [s, c]]", "linear/test_compliance.py"),
+    Fault(
+        "linear/compliance.py",
+        "np.where(takes_part(rows, free), np.inf, own)",
+        "own",
+        "linear/test_loose.py -k beside_a_free",
+    ),
+    Fault(
+        "linear/linearize.py",
+        "D0=dfe.T @ damping @ dfe",
+        "D0=-dfe.T @ damping @ dfe",
+        "test_cli.py -k printed_state_space",
+    ),
+    Fault(
+        "linear/linearize.py",
+        "mass_matrix(topology, parameters, at.x)",
+        "mass_matrix(topology, parameters, parameters.reference)",
+        "linear",
+    ),
+    Fault(
+        "linear/linearize.py",
+        "return self.K0 + self.N0 + self.G0",
+        "return self.K0 + self.N0",
+        "mechanics/test_constraint_forces.py",
+    ),
+    Fault("linear/modes.py", "1 / positive - shift", "1 / positive", "mechanics/test_constraint_forces.py"),
+    Fault(
+        "linear/modes.py",
+        "jnp.where(usual, eigenvalues, 1.0))) / (2 * jnp.pi)",
+        "jnp.where(usual, eigenvalues, 1.0)))",
+        "linear/test_derivatives.py",
+    ),
+    Fault(
+        "linear/modes.py",
+        "-np.asarray(found.K), -np.asarray(",
+        "-np.asarray(found.K), np.asarray(",
+        "test_cli.py -k printed_state_space",
+    ),
+    Fault(
+        "linear/buckling.py",
+        "pencil(-(g + g.T) / 2",
+        "pencil((g + g.T) / 2",
+        "test_cli.py -k 'printed_numbers and pf2db'",
+    ),
+    Fault("linear/buckling.py", "stays = at.K0 + at.G0", "stays = at.K0", "paths/test_path.py -k preload"),
+    Fault(
+        "linear/buckling.py",
+        "factorise(k).solve(-g))\n    real = jnp.isfinite",
+        "factorise(k).solve(g))\n    real = jnp.isfinite",
+        "spacar/test_light.py -k buckling",
+    ),
+    Fault(
+        "linear/stress.py",
+        "self.sigma_x**2 + 3 * self.tau**2",
+        "self.sigma_x**2 + self.tau**2",
+        "linear/test_stress.py -k smooth",
+    ),
+    Fault("linear/stress.py", "self.names[element]", "self.names[-element]", "linear/test_stress.py"),
+    Fault("linear/measures.py", "(a.T @ m @ b) ** 2", "np.abs(a.T @ m @ b)", "linear/test_measures.py"),
+    Fault("linear/measures.py", "found[rows] = columns", "found[columns] = rows", "linear/test_measures.py"),
+    Fault("linear/loose.py", "if share[i] < 0][:4]", "if share[i] > 0][:4]", "linear/test_loose.py -k negative_mass"),
+    # State space.
+    Fault(
+        "control/state_space.py",
+        "direct = null @ stiff.solve",
+        "direct = -null @ stiff.solve",
+        "control/test_state_space.py",
+    ),
+    Fault("control/state_space.py", "keep = keep - null", "keep = keep + null", "control/test_state_space.py"),
+    Fault(
+        "control/state_space.py",
+        "jnp.zeros_like(direct), keep @ drive]",
+        "jnp.zeros_like(direct), 0 * keep @ drive]",
+        "control/test_state_space.py",
+    ),
+    Fault(
+        "control/state_space.py",
+        "through = through + jnp.array",
+        "through = through - jnp.array",
+        "control/test_state_space.py",
+    ),
+    Fault(
+        "control/state_space.py",
+        "return row @ first[own] - turning",
+        "return row @ first[own] + turning",
+        "control/test_signals.py -k steady_motion",
+    ),
+    Fault(
+        "control/state_space.py",
+        "2 * row @ first[own], along",
+        "row @ first[own], along",
+        "control/test_signals.py -k steady_motion",
+    ),
+    Fault("control/state_space.py", "damping = m.C0 + m.D0", "damping = m.C0", "control/test_state_space.py"),
+    Fault(
+        "control/nonlinear_system.py",
+        "state[:n] / form.sizes, state[n:] / form.sizes",
+        "state[:n], state[n:]",
+        "control/test_nonlinear_system.py",
+    ),
+    Fault(
+        "control/nonlinear_system.py",
+        "form.acceleration(t, at) * form.sizes",
+        "form.acceleration(t, at)",
+        "control/test_nonlinear_system.py",
+    ),
+    # Motion.
+    Fault("motion/loop.py", "return wanted - y", "return y - wanted", "motion/test_simulate.py -k linear_mechanism"),
+    Fault(
+        "motion/loop.py",
+        "return a @ z + b @ _seen",
+        "return a @ z - b @ _seen",
+        "motion/test_simulate.py -k closed_loop",
+    ),
+    Fault(
+        "motion/loop.py",
+        "return c @ seen, a" if False else "return c @ z + d @ seen, a @ z",
+        "return c @ z + d @ seen, -a @ z",
+        "motion/test_simulate.py -k sampled_loop",
+    ),
+    Fault(
+        "motion/controlled_form.py", "Held(u[places.forces[1]])", "Held(-u[places.forces[1]])", "motion/test_loop.py"
+    ),
+    Fault(
+        "motion/controlled_form.py",
+        "Held(u[places.stresses[1]])",
+        "Held(-u[places.stresses[1]])",
+        "motion/test_loop.py",
+    ),
+    Fault(
+        "motion/controlled_form.py",
+        '"deformation": e, "deformation rate": ed}',
+        '"deformation": e, "deformation rate": -ed}',
+        "motion/test_loop.py",
+    ),
+    Fault("motion/controlled_form.py", "pair = (by_x.ed[j][None]", "pair = (by_x.e[j][None]", "motion/test_loop.py"),
+    Fault("motion/controlled_form.py", "moved = at.x - parameters.reference", "moved = at.x", "motion/test_loop.py"),
+    Fault(
+        "motion/drive.py", "LoadFactors(1.0, increment)", "LoadFactors(increment, increment)", "motion/test_drive.py"
+    ),
+    Fault(
+        "motion/drive.py",
+        "matrix = 2 * jnp.einsum",
+        "matrix = jnp.einsum",
+        "motion/test_motion_references.py motion/test_motion_problems.py control/test_signals.py",
+    ),
+    Fault("motion/drive.py", "values[i] + share *", "values[i] - share *", "motion/test_simulate.py -k loads_as"),
+    Fault(
+        "motion/coordinates_form.py",
+        "sigma = sigma + drive.stress",
+        "sigma = sigma - drive.stress",
+        "motion/test_drive.py",
+    ),
+    Fault(
+        "motion/coordinates_form.py",
+        "LoadFactors(1.0, drive.increment), x)\n        if drive.force",
+        "LoadFactors(1.0, 0.0), x)\n        if drive.force",
+        "motion/test_drive.py",
+    ),
+    Fault(
+        "motion/coordinates_form.py",
+        "x = accumulate(x, top.x.prescribed, drive.x)",
+        "x = accumulate(x, top.x.prescribed, -drive.x)",
+        "motion/test_drive.py",
+    ),
+    Fault(
+        "motion/coordinates_form.py",
+        "sigma = sigma + self.S_d @ ed",
+        "sigma = sigma - self.S_d @ ed",
+        "motion/test_simulate.py -k damped_beams",
+    ),
+    Fault(
+        "motion/coordinates_form.py",
+        "return z - factors.solve(residual + left), regular",
+        "return z, regular",
+        "motion/test_simulate.py -k pendulum",
+    ),
+    Fault("motion/simulate.py", "form = under_inputs(model, undriven, u)", "form = undriven", "motion/test_loop.py"),
+    Fault("motion/simulate.py", "else -constant @ moving", "else constant @ moving", "motion/test_observe.py"),
+    Fault(
+        "motion/simulate.py",
+        "power = (other + reactions) @ whole.v - (",
+        "power = (other + reactions) @ whole.v + (",
+        "motion/test_observe.py",
+    ),
+    Fault(
+        "motion/simulate.py",
+        "elastic + drive.loads.prestress @ stored",
+        "elastic - drive.loads.prestress @ stored",
+        "motion/test_observe.py",
+    ),
+    Fault("motion/simulate.py", "initial.xd if isinstance(initial, Configuration) else rest", "rest", "motion"),
+    Fault("motion/integrate.py", "start = form.settle(t, start)", "pass", "motion/test_drive.py"),
+    Fault(
+        "motion/integrate.py", "jnp.sum(steps), jnp.max(result)", "jnp.sum(steps), result[-1]", "motion/test_loop.py"
+    ),
+    Fault(
+        "motion/integrate.py",
+        "jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)",
+        "result",
+        "compilation/test_captured.py -k event",
+    ),
+    Fault(
+        "motion/integrate.py",
+        "jnp.where(regular, result, RESULTS.singular_mass)",
+        "result",
+        "linear/test_loose.py -k no_mass",
+    ),
+    Fault("motion/projected.py", "equations_of(terms).settle(t1, y1), error", "y1, error", "motion/test_projected.py"),
+    Fault(
+        "motion/rosenbrock.py",
+        "gamma=0.21193756319429014",
+        "gamma=0.21193757319429014",
+        "motion/test_simulate.py -k order_of",
+    ),
+    Fault(
+        "motion/rosenbrock.py",
+        "equations.settle(t1, MotionState(u1, w1, y0.memory), tangent.by_z[:n, :n])",
+        "MotionState(u1, w1, y0.memory)",
+        "motion/test_projected.py",
+    ),
+    Fault(
+        "motion/generalized_alpha.py",
+        "gamma = 0.5 + force_share",
+        "gamma = 0.6 + force_share",
+        "motion/test_fixed_steps.py",
+    ),
+    Fault("motion/energy_keeping.py", "h**2 / 8 * z[:n]", "h**2 / 2 * z[:n]", "motion/test_fixed_steps.py"),
+    Fault(
+        "motion/step_control.py",
+        "(t1 - t0) * jnp.abs(y_error.w)",
+        "0 * jnp.abs(y_error.w)",
+        "motion/test_step_control.py",
+    ),
+    Fault(
+        "motion/reduced_form.py",
+        "at.C0 + at.D0, at.M0",
+        "at.D0, at.M0",
+        "motion/test_simulate.py motion/test_motion_problems.py",
+    ),
+    Fault("motion/moving_matrices.py", "M0", "M0", ""),
+    # Elements.
+    Fault(
+        "elements/planar.py",
+        "damping.EA / l0, *beams.bending",
+        "damping.EIy / l0, *beams.bending",
+        "elements/test_damping.py",
+    ),
+    Fault(
+        "elements/spatial.py",
+        "bending_z = beams.bending_coefficients(d.EIz",
+        "bending_z = beams.bending_coefficients(d.EIy",
+        "elements/test_damping.py",
+    ),
+    Fault("elements/spatial.py", "[d.EA / l0, d.GIt / l0**3", "[d.EA / l0, d.GIt / l0", "elements/test_damping.py"),
+    Fault("elements/spectral.py", "[damping.EA, damping.EIy]", "[damping.EA, damping.EA]", "elements/test_damping.py"),
+    Fault(
+        "elements/spectral.py", "[d.EA, d.GIt, d.EIy, d.EIz]", "[d.EA, d.GIt, d.EIz, d.EIy]", "elements/test_damping.py"
+    ),
+    Fault(
+        "elements/spectral.py",
+        "s.Jy * length * weights]",
+        "0 * s.Jy * length * weights]",
+        "elements/test_spectral.py -k rotary",
+    ),
+    Fault("elements/spectral.py", "[s.Jx, s.Jy, s.Jz, s.Jyz]", "[s.Jx, s.Jz, s.Jy, s.Jyz]", "motion elements"),
+    Fault("elements/beams.py", "phi = 12 * shear", "phi = 6 * shear", "elements/test_laws.py -k sway"),
+    Fault("elements/beams.py", "(60 * l0)", "(30 * l0)", "elements/test_laws.py -k shortening"),
+    Fault(
+        "elements/spatial.py",
+        "ref.rot_q, near[0], axis)[:1]",
+        "ref.rot_q, near[0], axis)[1:2]",
+        "elements/test_laws.py -k 'rotary_spring or counts'",
+    ),
+    Fault("elements/joints.py", "2 * tilt_y, 2 * tilt_z", "tilt_y, 2 * tilt_z", "elements/test_laws.py -k tilt"),
+    Fault(
+        "elements/joints.py", "along - pitch * turn", "along + pitch * turn", "elements/test_transmission.py -k screw"
+    ),
+    Fault("elements/laws.py", "x", "x", ""),
+]
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,67 @@
+"""Compliance of a node that has turned, against differences of nonlinear equilibria."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import flexmb as fm
+from flexmb import planar, spatial
+
+# Of the difference: its truncation goes with the square, its round-off with 1e-13 over it.
+STEP = 1e-5
+
+
+def arm(dimension, more=None) -> fm.Model:
+    """A cantilever that a force and a moment have bent by some tenths of a radian, and some more of both."""
+    b = fm.Builder()
+    b.node("foot", np.zeros(dimension))
+    b.node("tip", np.eye(dimension)[0])
+    section = fm.Rigidity(EA=1e3, GIt=2.0, EIy=3.0, EIz=1.0)
+    if dimension == 2:
+        b.add(planar.beam, "foot", "tip", name="arm", section=section)
+        load = np.array([0.5, 0.8, 0.4])
+    else:
+        b.add(spatial.beam, "foot", "tip", name="arm", section=section, y=(0, 1, 0))
+        load = np.array([0.5, 0.3, -0.6, 0.4, 0.3, 0.2])
+    load = load if more is None else load + more
+    b.fix("foot")
+    b.force("tip", load[:dimension])
+    if dimension == 2:
+        b.force("tip.rotation", load[2:])
+    else:
+        b.moment("tip", load[3:])
+    return b.build()
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_compliance_of_a_turned_node(dimension):
+    model, size = arm(dimension), 3 * (dimension - 1)
+    columns = []
+    for one in np.eye(size):
+        ends = [fm.equilibrium(arm(dimension, sign * STEP * one)) for sign in (1, -1)]
+        moved = np.asarray(ends[0].at("tip") - ends[1].at("tip"))
+        turned = [np.asarray(end.at("tip.rotation")) for end in ends]
+        if dimension == 2:
+            turn = turned[0] - turned[1]
+        else:
+            after, before = (Rotation.from_quat(q, scalar_first=True) for q in turned)
+            turn = (after * before.inv()).as_rotvec()
+        columns.append(np.concatenate([moved, turn]) / (2 * STEP))
+    expected = np.array(columns).T
+    lin = fm.linearize(model)
+    np.testing.assert_allclose(fm.compliance(lin, "tip"), expected, rtol=1e-6, atol=1e-7)
+    # In axes that turn along, forces and displacements alike.
+    here = np.asarray(lin.x[model.labels.known("tip.rotation")])
+    if dimension == 2:
+        axes = np.eye(3)
+        axes[:2, :2] = Rotation.from_rotvec([0, 0, here[0]]).as_matrix()[:2, :2]
+        assert abs(here[0]) > 0.2
+    else:
+        axes = np.kron(np.eye(2), Rotation.from_quat(here, scalar_first=True).as_matrix())
+        assert np.linalg.norm(here[1:]) > 0.1
+    found = np.asarray(fm.compliance(lin, "tip", local=True))
+    np.testing.assert_allclose(found, axes.T @ expected @ axes, rtol=1e-6, atol=1e-6)
+    # A unit force along each axis by itself.
+    each = fm.directional_compliance(lin)
+    np.testing.assert_allclose(each["tip"], np.diag(expected)[:dimension], rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(each["tip.rotation"], np.diag(expected)[dimension:], rtol=1e-6, atol=1e-7)

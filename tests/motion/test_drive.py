@@ -1,0 +1,64 @@
+"""What depends on time: incremental loads, stresses, prescribed motion; against SciPy's integration of the equation."""
+
+import jax.numpy as jnp
+import numpy as np
+from cases.motions import sprung_mass, turned
+from jax.tree_util import Partial
+from scipy.integrate import solve_ivp
+
+import flexmb as fm
+from flexmb import planar
+
+
+def test_increment_stress_and_prescribed_motion_at_once():
+    """m x'' = -k (x - a) - S + i F, with the foot at a(t), a stress S(t) and the factor i(t) of the force F."""
+    k, m, force = 90.0, 0.4, 8.0
+    b = sprung_mass(stiffness=k, mass=m, foot="prescribed")
+    b.force("mass", (3.0, 0))
+    b.force("mass", (force, 0), increment=True)
+    times = np.linspace(0, 0.6, 5)
+    found = fm.simulate(
+        b.build(),
+        times,
+        motion={"foot.x": lambda t: 0.02 * jnp.sin(7 * t)},
+        loads={"s.e1": lambda t: 5 * t},
+        increment=lambda t: jnp.cos(9 * t),
+        rtol=1e-9,
+    )
+
+    def rate(t, z):
+        pulled = k * (z[0] - 0.02 * np.sin(7 * t)) + 5 * t
+        return [z[1], (3.0 + force * np.cos(9 * t) - pulled) / m]
+
+    exact = solve_ivp(rate, (0, 0.6), [0.0, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
+    # Ten times the tolerance of a step, over some tens of steps.
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 0.4, exact.y[0], atol=1e-7)
+    np.testing.assert_allclose(found.at("foot")[:, 0], 0.02 * np.sin(7 * times), atol=1e-14)
+    np.testing.assert_allclose(found.velocity("foot")[:, 0], 0.14 * np.cos(7 * times), atol=1e-13)
+
+
+def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
+    """A rod that hangs from a crank of constant speed; the pin takes the mass along the rod from the first moment."""
+    speed = 2.0
+    b = fm.Builder()
+    for name, place in {"ground": (0, 0), "pin": (1, 0), "mass": (1, 1)}.items():
+        b.node(name, place)
+    b.rotation("crank")
+    b.rotation("rod")
+    b.add(planar.rigid_beam, "ground", "crank", "pin", name="arm")
+    b.add(planar.rigid_beam, "pin", "rod", "mass", name="bar")
+    b.fix("ground", "position")
+    b.mass("mass", 2.0)
+    b.prescribe("crank", "phi", 0.0)
+    times = np.array([0.0, 0.25, 0.5, 1.0])
+    found = fm.simulate(b.build(), times, motion={"crank.phi": Partial(turned, speed=speed)}, rtol=1e-9)
+
+    def rate(t, z):
+        # theta'' = -(a x n).. of the rod (cos, sin) at the pin, whose acceleration is -speed^2 (cos, sin)(speed t).
+        angle, spin = z
+        pin = -(speed**2) * np.array([np.cos(speed * t), np.sin(speed * t)])
+        return [spin, -(pin @ [-np.sin(angle), np.cos(angle)])]
+
+    exact = solve_ivp(rate, (0, 1), [np.pi / 2, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(found.at("rod")[:, 0] + np.pi / 2, exact.y[0], atol=1e-6)
+    np.testing.assert_allclose(found.velocity("mass")[0], [0, speed], atol=1e-12)

@@ -1,0 +1,78 @@
+"""Controllers around an oscillator: signs, what they measure, and what is seen of them, against the closed form."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases.motions import oscillation, sprung_mass
+
+import flexmb as fm
+from flexmb.motion.coordinates_form import coordinates_form
+from flexmb.motion.loop import measuring
+
+STIFFNESS, MASS = 90.0, 0.4
+TIMES = np.linspace(0, 0.5, 6)
+
+
+def controlled(**options) -> fm.Model:
+    """A force on the mass and a stress in its spring, from place, rate of the place, stretch and its rate."""
+    b = sprung_mass(stiffness=STIFFNESS, mass=MASS, **options)
+    b.input("mass", "x")
+    b.input("s", 1)
+    b.output("mass", "x")
+    b.output("mass", "x", "velocity")
+    b.output("s", 1)
+    b.output("s", 1, "deformation rate")
+    return b.build()
+
+
+def feedback(t, y):
+    return jnp.array([5.0 - 4.0 * y[0] - 0.5 * y[1], 2.0 + 6.0 * y[2] + 0.7 * y[3]])
+
+
+def test_force_and_stress_by_feedback_of_places_and_rates():
+    """m x'' = -k x + u_force - u_stress: the gains add to stiffness and damping."""
+    found = fm.simulate(controlled(), TIMES, control=feedback, rtol=1e-9)
+    x, v = oscillation(TIMES, STIFFNESS + 10.0, 1.2, MASS, 3.0)
+    # Ten times the tolerance of a step, over some tens of steps.
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 0.4, x, atol=1e-7)
+    np.testing.assert_allclose(found.velocity("mass")[:, 0], v, atol=1e-6)
+    u = np.stack([5.0 - 4.0 * x - 0.5 * v, 2.0 + 6.0 * x + 0.7 * v], axis=1)
+    np.testing.assert_allclose(found.u, u, atol=1e-6)
+    seen = found.observe()
+    np.testing.assert_allclose(seen.xdd[:, 2], (u[:, 0] - u[:, 1] - STIFFNESS * x) / MASS, atol=1e-5)
+    np.testing.assert_allclose(seen.sigma[:, 0], STIFFNESS * x + u[:, 1], atol=1e-5)
+    np.testing.assert_allclose(seen.reactions[:, 0], -STIFFNESS * x - u[:, 1], atol=1e-5)
+    # What the controller puts in, by either input.
+    np.testing.assert_allclose(seen.power, (u[:, 0] - u[:, 1]) * v, atol=1e-5)
+    np.testing.assert_allclose(seen.energy, STIFFNESS * x**2 / 2 + MASS * v**2 / 2, atol=1e-6)
+
+
+def test_derivatives_of_what_is_measured():
+    """Of a mass that swings across its spring too; against JAX's own derivatives of the measurements."""
+    model = controlled(guided=False)
+    form = coordinates_form(model.topology, model.parameters)
+    x, v = np.array(model.parameters.reference), np.zeros(4)
+    x[2:], v[2:] = [0.35, 0.3], [0.4, -0.9]
+    state = form.state_of(jnp.asarray(x), jnp.asarray(v), None)
+    sensors = measuring(model, form, None)
+    y, (by_u, by_w) = sensors._measured_derivatives(0.0, state)
+    length = np.hypot(0.35, 0.3)
+    np.testing.assert_allclose(y, [-0.05, 0.4, length - 0.4, (0.35 * 0.4 - 0.3 * 0.9) / length], rtol=1e-12)
+    jacobian = jax.jacfwd(lambda u, w: sensors.measured(0.0, state._replace(u=u, w=w)), (0, 1))(state.u, state.w)
+    np.testing.assert_allclose(by_u, jacobian[0], atol=1e-12)
+    np.testing.assert_allclose(by_w, jacobian[1], atol=1e-12)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.2, 0.4])
+def test_the_failure_of_any_interval_is_that_of_the_motion(at):
+    """A load that no step is short enough for, in one of the intervals of a sampled controller."""
+
+    def shaken(t):
+        return jnp.where((t >= at) & (t < at + 0.1), 50 * jnp.sin(2e4 * t), 0.0)
+
+    held = fm.Sampled(lambda t, z, y: (jnp.zeros(2), z), 0.1)
+    found = fm.simulate(
+        controlled(), TIMES, control=held, loads={"mass.x": shaken}, rtol=1e-9, max_steps=60, throw=False
+    )
+    assert fm.RESULTS(int(found.result)) == fm.RESULTS.motion_unfinished
