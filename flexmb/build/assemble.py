@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -128,7 +128,7 @@ class _Piece(NamedTuple):
     companions: tuple[str, ...]
 
 
-def _blocks(builder, members, first_x):
+def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int]):
     """Members stacked by type and by structure of their properties, in order of first appearance; and who has stress.
 
     Deformations and companions of elements of a type share a block, so that what both compute is computed once. Where
@@ -232,7 +232,7 @@ def _concatenate(parts: list[list]) -> Any:
     return stack(values)
 
 
-def _sparse(entries, size: int, index) -> Any:
+def _sparse(entries: dict | None, size: int, index: Callable[[Any], int]) -> Any:
     """Vector with the given entries, or None if there are none."""
     if not entries:
         return None
@@ -244,7 +244,7 @@ def _sparse(entries, size: int, index) -> Any:
     return put(jnp.zeros(size), places, values)
 
 
-def _loads(entries: dict, topology: Topology, index) -> Loads:
+def _loads(entries: dict, topology: Topology, index: Callable[[Any], int]) -> Loads:
     prescribed = entries.get("prescribed", {})
     chosen = {}
     for field, roles, kind in (("x", topology.x, "node"), ("e", topology.e, "element")):

@@ -1,7 +1,7 @@
 """Over- and under-constraints of a mechanism, by singular values and by name."""
 
 import dataclasses
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,7 +11,7 @@ from ..errors import ModelError
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import undeformed
 from ..mechanics.signals import along_coordinates
-from ..model.model import Model, Signal, as_model
+from ..model.model import Entry, Model, Signal, as_model
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
@@ -105,7 +105,7 @@ class Mobility:
         return "\n".join(lines)
 
 
-def shares(vector: np.ndarray, entries) -> list[Share]:
+def shares(vector: np.ndarray, entries: Sequence[Entry]) -> list[Share]:
     """Parts of a motion or a self-stress, largest first, without those that hardly take part.
 
     Args:

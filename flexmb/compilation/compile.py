@@ -141,7 +141,7 @@ def _name(function: Callable[..., Any]) -> str:
     return f"{getattr(function, '__module__', '')}.{getattr(function, '__name__', 'function')}"
 
 
-def _strong(number):
+def _strong(number: Any) -> Any:
     """An array or number as it is, but of a type that does not give way to others."""
     weak = number.weak_type if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
     return jnp.asarray(number, jnp.result_type(number)) if weak else number

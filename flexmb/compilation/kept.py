@@ -46,7 +46,7 @@ def kept(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-def _write(path: Path, function, leaves) -> None:
+def _write(path: Path, function: Callable[..., Any], leaves: Any) -> None:
     found: Any = []
 
     def flat(*leaves):

@@ -183,16 +183,16 @@ def split(
     return prepared, function_of
 
 
-def _program(jaxpr, inputs: list, equations: list, results: list):
+def _program(jaxpr: Jaxpr, inputs: list, equations: list, results: list):
     named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
     return jaxpr.replace(invars=inputs, eqns=equations, outvars=results, debug_info=named)
 
 
-def _variables(atoms) -> list:
+def _variables(atoms: Any) -> list:
     return [v for v in atoms if not isinstance(v, Literal)]
 
 
-def _without_repeats(jaxpr) -> tuple[list, list]:
+def _without_repeats(jaxpr: Jaxpr) -> tuple[list, list]:
     """Equations without those done before, and results."""
     same: dict = {}
     known: dict = {}
@@ -229,7 +229,7 @@ def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = 2) -> tuple:
     return (*meaning, *map(place, jaxpr.outvars))
 
 
-def _meaning(equation, rules: int = 2) -> tuple:
+def _meaning(equation: Any, rules: int = 2) -> tuple:
     """Equal for equations that do the same with their inputs: by value where values compare, otherwise by identity.
 
     What prints alike need not be alike: compiled helpers that differ in an array they capture do.

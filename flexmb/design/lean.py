@@ -278,7 +278,14 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
     return restrict(model, chosen, [int(free[i]) for i in rest], ties), chosen, len(ties)
 
 
-def _fewest_beams(build, bandwidth, tolerance, nodes, increments, finest):
+def _fewest_beams(
+    build: Callable[..., Model],
+    bandwidth: float,
+    tolerance: float,
+    nodes: Sequence[str],
+    increments: Sequence[float],
+    finest: int,
+) -> tuple[Model, dict[str, int], Deviation]:
     """Fewest beams of each leaf spring, and what they cost against so many of them and against more."""
     names = list(inspect.signature(build).parameters)
     if not names:

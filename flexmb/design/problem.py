@@ -207,7 +207,7 @@ def make_problem(
     )
 
 
-def _limits(name: str, pair: Any, entries) -> tuple[Any, Any]:
+def _limits(name: str, pair: Any, entries: Any) -> tuple[Any, Any]:
     try:
         if isinstance(pair, str):
             raise ValueError

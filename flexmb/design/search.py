@@ -200,7 +200,9 @@ def _least_squares(problem: Problem, evaluate: _Evaluations, start: np.ndarray) 
     return found.x, reason, RESULTS.successful if found.status > 0 else RESULTS.not_optimal
 
 
-def _by_optimistix(problem: Problem, of_unit, start: np.ndarray, solver: Any, budget: int) -> Outcome:
+def _by_optimistix(
+    problem: Problem, of_unit: Callable[..., Any], start: np.ndarray, solver: Any, budget: int
+) -> Outcome:
     """Within the bounds by u = (1 + sin v)/2, since its solvers know none."""
     import optimistix
 
@@ -225,7 +227,9 @@ def _projected(unit: np.ndarray, gradient: np.ndarray) -> float:
     return float(np.max(np.abs(np.clip(unit - gradient, 0.0, 1.0) - unit), initial=0.0))
 
 
-def _augmented(problem: Problem, evaluate: _Evaluations, start: np.ndarray, inner, tolerance: float) -> Outcome:
+def _augmented(
+    problem: Problem, evaluate: _Evaluations, start: np.ndarray, inner: Callable[..., Any], tolerance: float
+) -> Outcome:
     """Rounds of a bounded minimisation, each with better multipliers or a larger weight."""
     multipliers = np.zeros(len(problem.equal.names)), np.zeros(len(problem.limits.names))
     constrained = bool(problem.equal.names or problem.limits.names)
@@ -297,7 +301,7 @@ def _by_scipy(evaluate: _Evaluations):
     return inner
 
 
-def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit, refused, optimizer: Any):
+def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit: Callable[..., Any], refused: Any, optimizer: Any):
     import optax
 
     if not isinstance(optimizer, optax.GradientTransformation):

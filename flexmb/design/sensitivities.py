@@ -1,7 +1,7 @@
 """Sensitivities of answers to dimensions, and what manufacturing tolerances make of them."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import jax
@@ -126,7 +126,7 @@ def raise_critical(result: RESULTS) -> None:
     raise AnalysisError(result.name, result.message)
 
 
-def _derivatives(function, mode: str, second_order: bool):
+def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):
     differentiate: Any = jax.jacfwd if mode == "forward" else jax.jacrev
 
     def twice(flat):

@@ -308,11 +308,11 @@ class _Kernel:
         return values, slopes, codes
 
 
-def _first(array):
+def _first(array: Any) -> Any:
     return array[None]
 
 
-def _check_start(of_answers: Layout, at_start) -> None:
+def _check_start(of_answers: Layout, at_start: Any) -> None:
     values, slopes, code = at_start
     if code != RESULTS.successful:
         raise ValueError(f"The start has no answer ({RESULTS(code).name}): {RESULTS(code).message}")

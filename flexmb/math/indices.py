@@ -1,11 +1,13 @@
 """Write and add at index arrays that hold no negative and no repeated entry, which JAX would otherwise provide for."""
 
-from jaxtyping import Array
+from typing import Any
+
+from jaxtyping import Array, ArrayLike
 
 TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 
 
-def put(whole: Array, indices, values) -> Array:
+def put(whole: Array, indices: Any, values: ArrayLike) -> Array:
     """Copy of an array with rows replaced.
 
     Args:
@@ -19,7 +21,7 @@ def put(whole: Array, indices, values) -> Array:
     return whole.at[indices].set(values, unique_indices=True, **TRUSTED)
 
 
-def accumulate(whole: Array, indices, values) -> Array:
+def accumulate(whole: Array, indices: Any, values: ArrayLike) -> Array:
     """Copy of an array with values added; an index may repeat.
 
     Args:

@@ -46,7 +46,7 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
     return jnp.eye(4) + matrix + b * square + c * multiplied(square, matrix)
 
 
-def _bracket(a, b):
+def _bracket(a: Array, b: Array) -> Array:
     adjoint = (a @ ADJOINT.reshape(6, 36)).reshape(-1, 6, 6)
     return jnp.sum(adjoint * b[:, None], axis=2)
 

@@ -95,7 +95,7 @@ def _complete(script: Script, releases: Releases) -> Releases:
     return {k: releases.get(k, ()) + proposed.get(k, ()) for k in script.numbers() if k in releases or k in proposed}
 
 
-def _loose(found) -> str:
+def _loose(found: Any) -> str:
     lines = [f"The mechanism is under-constrained, motions held by nothing: {found.underconstraints}."]
     for i in range(found.underconstraints):
         moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in found.motions(i)))

@@ -1,7 +1,7 @@
 """State of one reading of a SPACAR input file: what its lines have said so far."""
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from ..build.builder import Builder
@@ -150,7 +150,7 @@ class Reading:
             raise Fault(f"{what} {component} is not {wanted}: name it with {keyword} in the kinematics block")
 
 
-def _listed(numbers) -> str:
+def _listed(numbers: Iterable[int]) -> str:
     shown = sorted(numbers)
     text = ", ".join(map(str, shown[:12])) + (", ..." if len(shown) > 12 else "")
     return f"there are: {text}" if shown else "there are none"
