@@ -21,7 +21,9 @@ def braced_rectangle() -> fm.Model:
 
 
 def test_self_stress_of_a_braced_rectangle():
-    found = fm.mobility(braced_rectangle())
+    model = braced_rectangle()
+    assert model.counts() == {"nx": 8, "ne": 6, "nxo": 3, "neo": 6, "ndof": -1}
+    found = fm.mobility(model)
     assert (found.overconstraints, found.underconstraints, found.status) == (1, 0, "overconstrained")
     shares = {share.of: share.share for share in found.stresses()}
     sign = np.sign(shares["ab"])
@@ -43,7 +45,7 @@ def test_the_bar_with_the_largest_force_is_released(bars, released):
 
 
 def test_nothing_is_released_that_takes_no_part():
-    """Beside the rectangle a bar to a fifth pin, which no self-stress reaches."""
+    """A beam that is clamped at both ends, and one that sticks out, which no self-stress reaches."""
     b = fm.Builder()
     for name, x in (("left", 0.0), ("middle", 1.0), ("right", 2.0), ("end", 3.0)):
         b.node(name, (x, 0))
@@ -52,7 +54,7 @@ def test_nothing_is_released_that_takes_no_part():
     b.fix("left")
     b.fix("right")
     model = b.build(check=False)
-    # Clamped at both ends: a normal force in the first two beams, and none in the one that sticks out.
+    # Of the deformations that are held, a normal force in the first two beams.
     found = fm.mobility(model)
     assert found.overconstraints == 1
     assert found.release == (("left middle", 1),)
@@ -60,4 +62,4 @@ def test_nothing_is_released_that_takes_no_part():
     assert "to remove it, release deformation 1 of element 'left middle'" in found.report()
     assert removals(model, [("right end", 1)]) == (None,)
     b.release(*found.release[0])
-    assert fm.mobility(b.build(check=False)).status == "ok" or fm.mobility(b.build(check=False)).overconstraints == 0
+    assert fm.mobility(b.build(check=False)).overconstraints == 0

@@ -61,3 +61,22 @@ def test_without_raising_the_code_says_so():
     lin = fm.linearize(shallow(1.05 * LIMIT), throw=False)
     assert fm.RESULTS(int(lin.result)) != fm.RESULTS.successful
     assert fm.RESULTS(int(fm.linearize(shallow(0.9 * LIMIT), throw=False).result)) == fm.RESULTS.successful
+
+
+def test_mass_of_what_has_turned():
+    """A rigid bar on a spring, turned by a moment: m l^3/3 and its rotary inertia, wherever it points."""
+    mass, rotary, length, stiffness = 1.5, 0.02, 0.7, 2.0
+    b = fm.Builder()
+    b.node("pivot", (0, 0))
+    b.node("end", (length, 0))
+    b.rotation("ground")
+    b.fix("pivot", "position")
+    b.fix("ground")
+    b.add(planar.beam, "pivot", "end", name="bar", section=fm.Rigidity(mass=mass, Jy=rotary), released=())
+    b.add(planar.hinge, "ground", "pivot.rotation", name="spring", stiffness=stiffness)
+    b.dof("pivot", "phi")
+    b.force("end.rotation", (1.2,))
+    lin = fm.linearize(b.build())
+    assert lin.x[lin.labels.known("pivot.rotation")][0] == pytest.approx(0.6, rel=1e-9)
+    np.testing.assert_allclose(lin.M0, [[mass * length**3 / 3 + rotary * length]], rtol=1e-9)
+    np.testing.assert_allclose(lin.K, [[stiffness]], rtol=1e-9)
