@@ -287,13 +287,13 @@ FAULTS = [
         "linear/linearize.py",
         "D0=dfe.T @ damping @ dfe",
         "D0=-dfe.T @ damping @ dfe",
-        "test_cli.py -k printed_state_space",
+        "control/test_state_space.py -k oscillator",
     ),
     Fault(
         "linear/linearize.py",
         "mass_matrix(topology, parameters, at.x)",
         "mass_matrix(topology, parameters, parameters.reference)",
-        "linear",
+        "linear/test_linearize.py -k turned",
     ),
     Fault(
         "linear/linearize.py",
@@ -312,7 +312,7 @@ FAULTS = [
         "linear/modes.py",
         "-np.asarray(found.K), -np.asarray(",
         "-np.asarray(found.K), np.asarray(",
-        "test_cli.py -k printed_state_space",
+        "control/test_state_space.py -k oscillator",
     ),
     Fault(
         "linear/buckling.py",
