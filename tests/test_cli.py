@@ -182,51 +182,6 @@ def test_load_up_buckles_the_other_way(tmp_path):
     assert json.loads(result.stdout)["load_multipliers"][0] == pytest.approx(-78.75, abs=5e-5)
 
 
-def test_tables_have_the_numbers_and_their_signs(tmp_path):
-    """Each against the closed form of the truss or against what the tutorial prints, read from the terminal."""
-    lines = call("run", mechanism_path("pf1dtrx"), "--mode", "9").stdout.splitlines()
-    rows = {name: [[float(v) for v in line.split()] for line in at(lines, f"{name}:", n)] for name, n in COUNTS.items()}
-    m, d, k = 0.206 + 0.01413 / 3, 0.0365, 945.0
-    assert rows["A"] == [[0, 1], [pytest.approx(-k / m, rel=1e-4), pytest.approx(-d / m, rel=1e-4)]]
-    assert rows["B"] == [[0], [pytest.approx(1 / m, rel=1e-4)]]
-    assert (rows["C"], rows["D"]) == ([[1, 0]], [[0]])
-    assert "inputs: force 2.1" in lines
-    assert "outputs: position 2.1" in lines
-    lines = call("run", mechanism_path("pf1dtrx"), "--mode", "7").stdout.splitlines()
-    assert at(lines, "natural frequencies [Hz] (1, 0 motions without mass left out):", 1)[0].split()[0] == "1"
-    assert float(at(lines, "natural frequencies", 1)[0].split()[1]) == pytest.approx(10.6584, abs=5e-5)
-    assert "stable: yes" in lines
-    # Upside down: a load that pulls, so that the multiplier is negative, then three times its size along the path.
-    path = tmp_path / "up.dat"
-    path.write_text(re.sub(r"(?m)^XF 3 .*$", "XF 3 0 1", mechanism_path("pf2db").read_text()))
-    lines = call("run", path, "--mode", "8").stdout.splitlines()
-    assert float(at(lines, "load multipliers:", 1)[0].split()[1]) == pytest.approx(-78.75, abs=5e-5)
-    path.write_text(re.sub(r"(?m)^XF 3 .*$", "XF 3 0 -100", mechanism_path("pf2db").read_text()))
-    lines = call("run", path, "--mode", "7").stdout.splitlines()
-    assert "stable: NO" in lines
-    unstable = at(lines, "natural frequencies", 1)[0].split()
-    assert unstable[1:4] == ["unstable,", "omega^2", "="]
-    # The stiffness goes with the load: omega^2 = omega_0^2 (1 - 100/78.75), to the change of the shape of the mass.
-    _, data = answer("pf2db", 7)
-    unloaded = data["eigenvalues"][0] / (1 - 1 / 78.75)
-    assert float(unstable[4]) == pytest.approx(unloaded * (1 - 100 / 78.75), rel=1e-4)
-    lines = call("run", path, "--mode", "10").stdout.splitlines()
-    first, last = (line.split() for line in (at(lines, "path (", 2)[1], lines[lines.index("critical points:") - 1]))
-    assert (float(first[1]), first[2], last[1:4]) == (0, "yes", ["1", "NO", "unstable"])
-    (critical,) = at(lines, "critical points:", 1)
-    assert float(critical.rpartition(" ")[2]) == pytest.approx(0.7875, abs=1e-6)
-
-
-# Rows of the matrices of a state-space model of one degree of freedom with one input and one output.
-COUNTS = {"A": 2, "B": 2, "C": 1, "D": 1}
-
-
-def at(lines, heading, count):
-    """The lines below the one that begins with a heading."""
-    (first,) = (i for i, line in enumerate(lines) if line.startswith(heading))
-    return lines[first + 1 : first + 1 + count]
-
-
 TRUSS = """PLTRUSS 1 1 2
 X 1 0 0
 X 2 0.1 0

@@ -1,9 +1,10 @@
 """Answers of the modes as plain numbers, against what statics says of them."""
 
 import numpy as np
+import pytest
 
 import flexmb as fm
-from flexmb import spatial
+from flexmb import planar, spatial
 from flexmb.answers.answers import answer
 
 
@@ -22,3 +23,27 @@ def test_reactions_and_compliances_of_a_clamped_arm():
     assert set(data["reactions"]) == {"1", "1.rotation"}
     np.testing.assert_allclose(data["reactions"]["1"], -force, atol=1e-9)
     np.testing.assert_allclose(data["reactions"]["1.rotation"], -np.cross(tip, force), atol=1e-9)
+
+
+def test_what_falls_has_no_frequency():
+    """A mass on an upright rod on a hinge with a spring: omega^2 = (k - F l)/(m l^2)."""
+    k, m, length = 3.0, 0.4, 0.5
+    for force, stable in ((4.0, True), (9.0, False)):
+        b = fm.Builder()
+        b.node("pivot", (0, 0))
+        b.node("mass", (0, length))
+        b.rotation("ground")
+        b.rotation("rod")
+        b.add(planar.rigid_beam, "pivot", "rod", "mass", name="bar")
+        b.add(planar.hinge, "ground", "rod", name="spring", stiffness=k)
+        b.fix("pivot", "position")
+        b.fix("ground")
+        b.mass("mass", m)
+        b.dof("rod", "phi")
+        b.force("mass", (0, -force))
+        found = answer(b, "falling", 7)
+        assert (found.exit_status, found.data["stable"], found.data["massless"]) == (0, stable, 0)
+        square = (k - force * length) / (m * length**2)
+        np.testing.assert_allclose(found.data["eigenvalues"], [square], rtol=1e-9)
+        hertz = pytest.approx(np.sqrt(abs(square)) / (2 * np.pi), rel=1e-9)
+        assert found.data["frequencies_hz"] == [hertz if stable else None]

@@ -17,8 +17,12 @@ def test_every_kind_of_output_of_an_oscillator():
         b.output("mass", "x", quantity)
     for quantity in ("deformation", "deformation rate", "deformation acceleration", "stress"):
         b.output("s", 1, quantity)
-    found, names = fm.state_matrices(b.build())
+    model = b.build()
+    found, names = fm.state_matrices(model)
     assert names == ["mass.x", "d mass.x"]
+    # Roots of m s^2 + c s + k, which decays.
+    root = -c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2)
+    np.testing.assert_allclose(sorted(fm.poles(model), key=np.imag), [root.conjugate(), root], rtol=1e-12)
     second = [-k / m, -c / m]
     np.testing.assert_allclose(found.A, [[0, 1], second], rtol=1e-12)
     np.testing.assert_allclose(found.B, [[0, 0], [1 / m, -1 / m]], rtol=1e-12)

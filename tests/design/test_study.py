@@ -10,6 +10,9 @@ from typer.testing import CliRunner
 
 import flexmb as fm
 from flexmb.cli import app
+from flexmb.design.study import sweep_answer
+from flexmb.design.study_file import read_study
+from flexmb.design.sweep import Sweep
 
 GUIDE = """PLBEAM 1 1 2 3 4
 PLBEAM 2 3 4 5 6
@@ -466,3 +469,26 @@ def test_what_has_no_answer_says_so_as_json(study):
         assert json.loads(result.stdout)["status"] == "underconstrained"
         assert result.stderr.startswith("study.toml: underconstrained: ")
         assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("fallen", "status"), [((), "ok"), ((1,), "ok"), ((0, 1, 2), "failed")])
+def test_a_failed_sweep_is_one_without_any_answer(fallen, status, study):
+    read = read_study(study)
+    codes = np.array([int(fm.RESULTS.not_converged if i in fallen else fm.RESULTS.successful) for i in range(3)])
+    found = Sweep(read.designs(), {"f": np.where(codes == 0, 10.0, np.nan)}, codes, {})
+    data = sweep_answer(read, found, "1.0")
+    assert data["status"] == status
+    assert data["message"] == (f"{len(fallen)} designs: not_converged" if fallen else "")
+    assert [name == "successful" for name in data["results"]] == [i not in fallen for i in range(3)]
+
+
+def test_a_failed_sweep_is_exit_1(study, monkeypatch):
+    def none_converges(read, **_):
+        codes = np.full(3, int(fm.RESULTS.not_converged))
+        return Sweep(read.designs(), {"f": np.full(3, np.nan)}, codes, {})
+
+    monkeypatch.setattr("flexmb.design.study.Study.sweep", none_converges)
+    result = call("sweep", study, "--json", "-")
+    assert result.exit_code == 1
+    assert json.loads(result.stdout)["status"] == "failed"
+    assert result.stderr == "study.toml: failed: 3 designs: not_converged\n"

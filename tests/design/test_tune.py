@@ -239,3 +239,27 @@ def test_a_search_ends_where_round_off_hides_the_descent(unit):
     assert found.evaluations < 400
     # Where the cost rises by less than two units.
     assert found.dimensions["x"] - 1 == pytest.approx((1e-5 / 3 - 2e-6) / 3, abs=np.sqrt(4 * unit / curvature))
+
+
+def test_the_best_of_several_starts_is_returned():
+    """A quartic with two valleys, the deeper one at the left: found from the right too, and not the first or last."""
+
+    def valleys(a):
+        return (a**2 - 1) ** 2 + 0.3 * a + 2
+
+    low, _, high = np.sort(np.roots([4, 0, -4, 0.3]).real)
+    for start in (0.9, -0.9):
+        found = fm.tune(
+            lambda a: a, {"f": valleys}, {"a": start}, {"a": (-2.0, 2.0)}, minimize="f", starts=6, tolerance=1e-9
+        )
+        ends = found.runs[:, 0] * valleys(start)
+        np.testing.assert_allclose(np.unique(np.round(ends, 5)), [valleys(low), valleys(high)], atol=1e-5)
+        assert found.dimensions["a"] == pytest.approx(low, abs=1e-3)
+        assert found.answers["f"] == pytest.approx(valleys(low), abs=1e-6)
+    # What is deeper but not allowed is not the best.
+    kept = fm.tune(
+        lambda a: a, {"f": valleys, "place": jnp.asarray}, {"a": 0.9}, {"a": (-2.0, 2.0)}, minimize="f", starts=4,
+        limits={"place": (0.5, None)},
+    )  # fmt: skip
+    assert kept.dimensions["a"] == pytest.approx(high, abs=1e-3)
+    assert kept.violation == 0

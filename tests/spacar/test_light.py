@@ -333,6 +333,26 @@ def test_reactions_at_a_turned_support():
     np.testing.assert_allclose(moments, 0, atol=1e-8 * np.abs(foot.Mreac).max())
     q = end.r_quat
     assert 2 * np.arctan2(q[2], q[0]) == pytest.approx(0.4, abs=1e-12)
+    # Forces and displacements, moments and rotations in axes that have turned with the node.
+    axes = np.kron(np.eye(2), Rotation.from_quat(q, scalar_first=True).as_matrix())
+    size = np.abs(end.CMglob).max()
+    np.testing.assert_allclose(end.CMloc, axes.T @ end.CMglob @ axes, rtol=0, atol=1e-9 * size)
+    assert np.abs(end.CMloc - end.CMglob).max() > 0.1 * size
+
+
+def test_local_axes_are_those_of_the_script():
+    """x along the beam or the hinge, y in the plane of x and orien, z across both."""
+    nodes = [[0, 0, 0], [0.3, 0.4, 0], [0.3, 0.4, 0]]
+    eprops = [{"elems": 1, **leaf(orien=[1, 0, 2.0])}, {"elems": 2, "type": "hinge", "orien": [0, 0, 3.0]}]
+    nprops = {1: {"fix": 1}, 3: {"fix_orien": 1}}
+    out = fm.spacar_light(nodes, [[1, 2], [2, 3]], nprops, eprops, {"showinputonly": True, "silent": True})
+    x = np.array([0.6, 0.8, 0])
+    y = np.array([1, 0, 2.0]) - 0.6 * x
+    y /= np.linalg.norm(y)
+    np.testing.assert_allclose(out.element(1).Ri, np.stack([x, y, np.cross(x, y)], axis=1), atol=1e-14)
+    assert out.element(1).L0 == pytest.approx(0.5, rel=1e-14)
+    np.testing.assert_allclose(out.element(2).Ri[:, 0], [0, 0, 1], atol=1e-14)
+    np.testing.assert_allclose(out.element(2).Ri.T @ out.element(2).Ri, np.eye(3), atol=1e-14)
 
 
 HINGED = [[0, 0, 0], [-0.1, 0.1, 0], [0, 0.2, 0], [0, 0.2, 0], [0, 0.2, 0], [0.1, 0.2, 0], [0.1, 0.2, 0]]

@@ -1,0 +1,65 @@
+"""What to release: the part with the largest share of a self-stress that statics gives by hand."""
+
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.checks.mobility import removals
+
+
+def braced_rectangle() -> fm.Model:
+    """Six bars on four pins, 3 by 4 m: one too many. The forces of its self-stress go with the lengths of the bars."""
+    b = fm.Builder()
+    for name, place in {"a": (0, 0), "b": (3, 0), "c": (3, 4), "d": (0, 4)}.items():
+        b.node(name, place)
+    for bar in ("ab", "bc", "cd", "da", "ac", "bd"):
+        b.add(planar.truss, bar[0], bar[1], name=bar, released=())
+    b.fix("a")
+    b.fix("b", "y")
+    return b.build(check=False)
+
+
+def test_self_stress_of_a_braced_rectangle():
+    model = braced_rectangle()
+    assert model.counts() == {"nx": 8, "ne": 6, "nxo": 3, "neo": 6, "ndof": -1}
+    found = fm.mobility(model)
+    assert (found.overconstraints, found.underconstraints, found.status) == (1, 0, "overconstrained")
+    shares = {share.of: share.share for share in found.stresses()}
+    sign = np.sign(shares["ab"])
+    expected = {"ab": 3, "cd": 3, "bc": 4, "da": 4, "ac": -5, "bd": -5}
+    assert shares == pytest.approx({bar: sign * force / 5 for bar, force in expected.items()}, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("bars", "released"),
+    [
+        (("ab", "bc", "cd", "da", "ac", "bd"), "ac"),
+        (("ab", "cd", "bd"), "bd"),
+        (("ab", "bc", "cd"), "bc"),
+        (("ab",), "ab"),
+    ],
+)
+def test_the_bar_with_the_largest_force_is_released(bars, released):
+    assert removals(braced_rectangle(), [(bar, 1) for bar in bars]) == ((released, 1),)
+
+
+def test_nothing_is_released_that_takes_no_part():
+    """A beam that is clamped at both ends, and one that sticks out, which no self-stress reaches."""
+    b = fm.Builder()
+    for name, x in (("left", 0.0), ("middle", 1.0), ("right", 2.0), ("end", 3.0)):
+        b.node(name, (x, 0))
+    for p, q in (("left", "middle"), ("middle", "right"), ("right", "end")):
+        b.add(planar.beam, p, q, name=f"{p} {q}", section=fm.Rigidity(EA=1.0, EIy=1.0), released=(2, 3))
+    b.fix("left")
+    b.fix("right")
+    model = b.build(check=False)
+    # Of the deformations that are held, a normal force in the first two beams.
+    found = fm.mobility(model)
+    assert found.overconstraints == 1
+    assert found.release == (("left middle", 1),)
+    assert {(s.of, s.component) for s in found.stresses()} == {("left middle", 1), ("middle right", 1)}
+    assert "to remove it, release deformation 1 of element 'left middle'" in found.report()
+    assert removals(model, [("right end", 1)]) == (None,)
+    b.release(*found.release[0])
+    assert fm.mobility(b.build(check=False)).overconstraints == 0
