@@ -6,13 +6,13 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-import scipy.linalg
 from jax.tree_util import Partial
 
 from ..control.state_space import state_matrices
 from ..errors import SpacarError, heard
 from ..linear.linearize import Linearization
 from ..linear.loose import without_mass
+from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
 from ..motion.linearized import linearize_motion
@@ -106,10 +106,11 @@ def _steps(found: Motion) -> dict[str, Any]:
             lost.append(t)
             steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in own}})
             continue
-        values = scipy.linalg.eigvals(own["K0"] + own["N0"] + own["G0"], own["M0"])
+        values, _ = general_spectrum(own["K0"] + own["N0"] + own["G0"], own["M0"])
         # What has no mass is infinite.
-        values = sorted(values[np.isfinite(values)], key=lambda v: v.real)
-        hertz = [None if v.real < 0 or v.imag else float(np.sqrt(v.real)) / (2 * np.pi) for v in values]
+        values = values[np.isfinite(values)]
+        real = is_real(values) & (values.real >= 0)
+        hertz = [f if known else None for f, known in zip(to_frequency(values.real).tolist(), real, strict=True)]
         if all(named.values()):
             of_state, _ = state_matrices(Linearization(m, found.model))
             own |= {name: np.asarray(value) for name, value in of_state._asdict().items()}

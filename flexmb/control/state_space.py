@@ -12,9 +12,8 @@ from ..compilation.compile import jit
 from ..errors import AnalysisError, ModelError
 from ..linear.linearize import Linearization, Matrices, linearized
 from ..linear.loose import refuse_negative_mass
-from ..math.indices import put
+from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import factorise
-from ..math.subspace import independent_rows
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, input_row, rotation_row
 from ..model.model import Model, Signal
@@ -24,8 +23,6 @@ from ..results import RESULTS
 if TYPE_CHECKING:
     import control
 
-# A motion whose mass is below this share of the largest, every degree of freedom scaled to unit mass, has none.
-MASSLESS = 1e-13
 # What an input does below this share of what it could, as round-off leaves it, is nothing.
 IDLE = 1e-12
 
@@ -46,17 +43,6 @@ class StateMatrices(NamedTuple):
     D: Float[Array, "n_y n_u"]
 
 
-def _massless(m: Matrices) -> list[int]:
-    """Degrees of freedom to condense, so that the mass matrix of the rest is regular."""
-    mass = np.asarray(m.M0)
-    diagonal = np.diag(mass)
-    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    values, vectors = np.linalg.eigh(mass * scale[:, None] * scale)
-    null = vectors[:, values <= MASSLESS * len(values)] * scale[:, None]
-    chosen, _ = independent_rows(null, null.shape[1], 0.0)
-    return sorted(chosen)
-
-
 @jit
 def _state_matrices(
     m: Matrices, inputs: tuple[Signal, ...], outputs: tuple[Signal, ...], condensed: tuple[int, ...]
@@ -72,18 +58,13 @@ def _state_matrices(
 def _state_matrices_at(m: Matrices, inputs, outputs, condensed) -> StateMatrices:
     n_q = m.M0.shape[0]
     kept = np.array([i for i in range(n_q) if i not in condensed], int)
-    out = np.array(condensed, int)
     forces = [input_row(s, m.x, m.DFx, m.DFe) for s in inputs]
     b = jnp.stack(forces, axis=1) if forces else jnp.zeros((n_q, 0))
     damping = m.C0 + m.D0
     keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, b.shape[1]))
     if condensed:
-        # Columns of null span the motions without mass: M null = 0. Their equilibrium has no inertia in it.
-        null = put(jnp.zeros((n_q, len(out))), out, jnp.eye(len(out)))
-        null = put(null, kept, -factorise(m.M0[np.ix_(kept, kept)]).solve(m.M0[np.ix_(kept, out)]))
-        stiff = factorise(null.T @ m.K @ null)
-        direct = null @ stiff.solve(null.T @ b)
-        keep = keep - null @ stiff.solve(null.T @ m.K @ keep)
+        moved = response_without_mass(m.M0, m.K, condensed, jnp.concatenate([b, m.K @ keep], axis=1))
+        direct, keep = moved[:, : b.shape[1]], keep - moved[:, b.shape[1] :]
     mass, stiffness = keep.T @ m.M0 @ keep, keep.T @ m.K @ keep
     inverse = factorise(mass)
     n = len(kept)
@@ -212,7 +193,7 @@ def _at_each_time(lin: Linearization) -> list[Matrices]:
 
 def _all_massless(lin: Linearization) -> tuple[int, ...]:
     """Degrees of freedom to condense at all times."""
-    found = {tuple(_massless(m)) for m in _at_each_time(lin)}
+    found = {tuple(massless_freedoms(np.asarray(m.M0))) for m in _at_each_time(lin)}
     if len(found) > 1:
         raise AnalysisError(
             "singular_mass",
@@ -254,12 +235,8 @@ def _drives_only_unseen(m: Matrices, force: np.ndarray, lin: Linearization, cond
     """Whether an input acts on massless motions alone, of which no output tells."""
     if not condensed:
         return False
-    out = np.array(condensed)
     kept = np.array([i for i in range(len(force)) if i not in condensed], int)
-    null = np.zeros((len(force), len(out)))
-    null[out] = np.eye(len(out))
-    null[kept] = -np.linalg.solve(m.M0[np.ix_(kept, kept)], m.M0[np.ix_(kept, out)]) if len(kept) else 0.0
-    direct = null @ np.linalg.solve(null.T @ m.K @ null, null.T @ force)
+    direct = response_without_mass(m.M0, m.K, condensed, force, np.linalg.solve)
     left = np.abs(force - m.K @ direct)[kept] > IDLE * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept]
     if np.any(left):
         return False

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import AnalysisError
 from ..linear.linearize import Linearization
+from ..linear.spectrum import symmetric_eigenvalues, to_frequency
 from ..mechanics.signals import along_coordinates, input_row
 
 # Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
@@ -76,24 +77,8 @@ class Response:
         return Response(k, m, d, self.inputs @ z, self.outputs @ z, self.kinds, self.nodes @ z, self.orders)
 
     def frequencies(self) -> np.ndarray:
-        """Ascending [Hz].
-
-        As ``analysis.modal.spectrum``, with SciPy: every candidate has its own size, for which that would be compiled.
-        """
-        import scipy.linalg
-
-        shift = 0.0
-        scale = np.max(np.abs(np.diag(self.K))) / max(np.max(np.diag(self.M)), np.finfo(float).tiny)
-        for _ in range(60):
-            try:
-                mu = scipy.linalg.eigh(self.M, self.K + shift * self.M, eigvals_only=True)[::-1]
-            except np.linalg.LinAlgError:
-                shift = max(8 * shift, 1e-8 * scale)
-                continue
-            mu = mu[mu > 1e-13 * len(mu) * max(mu[0], 0.0)]
-            values = 1 / mu - shift
-            return np.sort(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))
-        raise AnalysisError("singular_stiffness", "A motion has neither mass nor stiffness.")
+        """Ascending [Hz]."""
+        return to_frequency(symmetric_eigenvalues(self.K, self.M))
 
     def static(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs for inputs, and compliance of the nodes."""

@@ -20,16 +20,15 @@ from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from ..statics.equilibrium import held_values, solve_state
+from ..statics.solve import held_values, solve_state
 from .linearize import Linearization, Matrices, linearize
+from .spectrum import is_real
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
 # So are those that the round-off of a stress would give: that of a deformation beside what the whole mechanism's extent
 # would make of it, and that of a constraint force beside the largest of the forces that it balances.
 ROUND_OFF = 1e-15
-# Eigenvalues whose imaginary part is below this share are real.
-REAL = 1e-8
 
 
 class Buckling(Record):
@@ -151,8 +150,7 @@ def _inverse_multipliers(topology: Topology, k, g):
     """Values 1/lambda by descending magnitude, and vectors; those of a complex pair are zero."""
     if lacks_potential(topology):
         values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
-        real = jnp.abs(values.imag) <= REAL * jnp.abs(values)
-        values, vectors = jnp.where(real, values.real, 0.0), vectors.real
+        values, vectors = jnp.where(is_real(values), values.real, 0.0), vectors.real
     else:
         values, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
     order = jnp.argsort(-jnp.abs(jax.lax.stop_gradient(values)))
@@ -175,7 +173,7 @@ def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[
         Tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda.
     """
     inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
-    real = jnp.isfinite(inverse.real) & (jnp.abs(inverse.imag) <= REAL * jnp.abs(inverse))
+    real = jnp.isfinite(inverse.real) & is_real(inverse)
     found = bounded_of(jnp.where(real, inverse.real, 0.0), noise)
     return found[jnp.argsort(jnp.abs(found))]
 

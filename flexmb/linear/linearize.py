@@ -18,7 +18,8 @@ from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from ..statics.equilibrium import load_factors_of, reactions_of, solve_state
+from ..statics.equilibrium import load_factors_of
+from ..statics.solve import reactions_of, solve_state
 
 
 class Rates(Record):

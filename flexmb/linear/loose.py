@@ -9,6 +9,7 @@ from ..mechanics.inertia import mass_matrix
 from ..model.model import Model
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
+from .spectrum import masses_of_motions
 
 # A motion is free whose stiffness is below this share of the stiffnesses that meet in it.
 FREE = 1e-13
@@ -81,12 +82,10 @@ def negative_mass(lin: Linearization) -> str:
     mass = np.asarray(m.M0)
     if mass.ndim != 2 or not mass.size:
         return ""
-    size = np.abs(np.diag(mass))
-    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
-    values, vectors = np.linalg.eigh((mass + mass.T) / 2 * scale[:, None] * scale)
+    values, motions = masses_of_motions(mass)
     if not values[0] < -SEMIDEFINITE:
         return ""
-    motion = np.asarray(m.DFx) @ (scale * vectors[:, 0])
+    motion = np.asarray(m.DFx) @ motions[:, 0]
     share = motion * (np.asarray(mass_matrix(lin.model.topology, lin.model.parameters, m.x)) @ motion)
     own = [i for i in np.argsort(share) if share[i] < 0][:4]
     return ", ".join(str(lin.labels.x[i]) for i in own) or named(lin.model, motion[:, None])

@@ -16,7 +16,8 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
-from .modes import Modes, check_spectrum, refuse_unsymmetric, spectrum, to_frequency
+from .modes import Modes, check_spectrum, refuse_unsymmetric
+from .spectrum import spectrum, to_frequency
 
 # Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
 CLUSTER = 1e-6

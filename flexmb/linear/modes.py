@@ -3,14 +3,12 @@
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jax import lax
-from jaxtyping import Array, Bool, Complex, Float, Int
+from jaxtyping import Array, Complex, Float
 
 from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
-from ..math.linear import diagonal_of, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -19,15 +17,8 @@ from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of, warn_of_increment
 from .linearize import Linearization, Matrices, linearize, linearized, matrices
 from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
-
-# A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
-LOWEST = 1e-14
-# Otherwise the shift starts at this share and grows by this factor until K + sM is positive definite, so that it is not
-# much larger than the most negative eigenvalue asks for. A smaller one leaves no digits for the others beside a free
-# motion.
-FIRST_SHIFT = 1e-8
-SHIFT_GROWTH = 8.0
-MAX_SHIFTS = 40
+from .sparse_frequencies import sparse_eigenvalues
+from .spectrum import poles_of, spectrum, to_frequency
 
 
 class Modes(Record):
@@ -56,93 +47,6 @@ class Modes(Record):
         from ..viewer.notebook import card
 
         return card(self)
-
-
-def shift_to_definite(
-    k: Float[Array, "n n"], m: Float[Array, "n n"]
-) -> tuple[Float[Array, ""], Bool[Array, ""], Bool[Array, ""]]:
-    """Smallest tried s >= 0 for which K + s M is positive definite.
-
-    Args:
-        k: Symmetric stiffness, (n, n).
-        m: Symmetric mass, positive semidefinite, (n, n).
-
-    Returns:
-        s, () [rad^2/s^2]; whether K itself is positive definite; whether an s was found.
-
-    Source:
-        THEORY.md 7, eq. (7.2): a stated shift where K is not positive definite.
-    """
-    k, m = lax.stop_gradient(k), lax.stop_gradient(m)
-    ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
-    ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
-
-    def attempt(carry):
-        _, after, _, tries = carry
-        found = is_positive_definite(k + (after - LOWEST * ratio) * m)
-        return after, jnp.where(tries == 0, FIRST_SHIFT * ratio, SHIFT_GROWTH * after), found, tries + 1
-
-    def unfinished(carry):
-        _, _, found, tries = carry
-        return ~found & (tries <= MAX_SHIFTS)
-
-    start = (jnp.zeros(()), jnp.zeros(()), jnp.array(False), jnp.zeros((), jnp.int32))
-    s, _, found, tries = lax.while_loop(unfinished, attempt, start)
-    stable = found & (tries == 1)
-    return s, stable, found
-
-
-def spectrum(
-    k: Float[Array, "n n"], m: Float[Array, "n n"], count: int | None = None
-) -> tuple[Float[Array, "n"], Float[Array, "n n"], Bool[Array, ""], Int[Array, ""]]:
-    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, from the stiffness side.
-
-    M v = mu K v is solved, where the lowest omega^2 = 1/mu come out with full relative accuracy; solved as (K, M),
-    they are known only to round-off times the largest.
-
-    Args:
-        k: Symmetric stiffness, of any definiteness, (n, n).
-        m: Symmetric mass, positive semidefinite, (n, n).
-        count: How many of the lowest; all unless given.
-
-    Returns:
-        omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
-        (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue.
-
-    Source:
-        THEORY.md 7, eq. (7.2).
-    """
-    shift, stable, found = shift_to_definite(k, m)
-    n = k.shape[0]
-    if count is None or count >= n:
-        mu, w = pencil(m, k + shift * m)
-        mu, w = mu[::-1], w[:, ::-1]
-    else:
-        mu, w = leading(m, k + shift * m, count)
-    massive = mu > 100 * n * jnp.finfo(float).eps * jnp.max(mu, initial=0.0)
-    positive = jnp.where(massive, mu, 1.0)
-    values = jnp.where(massive, 1 / positive - shift, jnp.inf)
-    vectors = jnp.where(massive, w / jnp.sqrt(positive), 0.0)
-    result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), RESULTS.successful, RESULTS.singular_mass)
-    result = jnp.where(found, result, RESULTS.singular_stiffness)
-    return values, vectors, stable, result.astype(jnp.int32)
-
-
-def to_frequency(eigenvalues: Float[Array, "n"]) -> Float[Array, "n"]:
-    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2.
-
-    Args:
-        eigenvalues: omega^2, (n,) [rad^2/s^2].
-
-    Returns:
-        (n,) [Hz]; negative means that the motion grows.
-
-    Source:
-        Definition; the derivative at exactly zero is taken as zero.
-    """
-    usual = jnp.isfinite(eigenvalues) & (eigenvalues != 0)
-    root = jnp.sqrt(jnp.abs(jnp.where(usual, eigenvalues, 1.0))) / (2 * jnp.pi)
-    return jnp.where(usual, jnp.sign(eigenvalues) * root, eigenvalues)
 
 
 def _of_matrices(found: Matrices, count: int | None):
@@ -202,8 +106,6 @@ def frequencies(
     check_flag("sparse", sparse)
     count = None if count is None else check_whole("count", count, 1)
     if sparse:
-        from ..statics.sparse import sparse_eigenvalues
-
         if count is None or isinstance(model, Linearization):
             raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
         target = load_factors_of(as_model(model, "frequencies"), 1.0, None, "frequencies")
@@ -299,18 +201,7 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method.
     """
-    import scipy.linalg
-
     lin = linearized(model, "poles")
     refuse_negative_mass(lin)
     found = lin.matrices
-    n = found.M0.shape[0]
-    if not n:
-        return np.zeros(0, complex)
-    eye, zero = np.eye(n), np.zeros((n, n))
-    left = np.block([[zero, eye], [-np.asarray(found.K), -np.asarray(found.C0 + found.D0)]])
-    right = np.block([[eye, zero], [zero, np.asarray(found.M0)]])
-    top, bottom = np.asarray(scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True))
-    finite = np.abs(bottom) > 100 * n * np.finfo(float).eps * np.abs(top) / np.max(np.abs(left))
-    found_poles = top[finite] / bottom[finite]
-    return found_poles[np.lexsort((found_poles.imag, np.round(np.abs(found_poles.imag), 9)))]
+    return poles_of(*(np.asarray(part) for part in (found.K, found.C0 + found.D0, found.M0)))

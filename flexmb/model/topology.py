@@ -100,3 +100,8 @@ class Topology(Record):
     def n_q(self) -> int:
         """Number of degrees of freedom."""
         return self.x.dof.shape[0] + self.e.dof.shape[0]
+
+    @property
+    def counts_turns(self) -> bool:
+        """Whether some deformation is an angle that counts past full turns, from its value at the last state."""
+        return any(block.element.tracks_angle for block in self.blocks)

@@ -20,15 +20,20 @@ from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from ..statics.equilibrium import change_of_equations, solve_state
+from ..statics.solve import change_of_equations, solve_state
 from .stepper import (
+    LARGEST_MOTION,
+    SHORTER,
+    SMALLEST_STEP,
     Direction,
     Plane,
     Point,
     Ramp,
     Scale,
+    can_be_taken,
     direction_of,
     load_response,
+    next_length,
     normal_to,
     ramp_of,
     scale_of,
@@ -37,13 +42,6 @@ from .stepper import (
     tangent_at,
     unit,
 )
-
-# Cosine of the angle by which the tangent may turn in a step: 25 degrees.
-SMALLEST_COSINE = 0.9
-# Motion in a step, at most (extents of the mechanism, radians).
-LARGEST_MOTION = 0.2
-# Steps shorter than this share of the first are not tried.
-SMALLEST_STEP = 1e-6
 
 
 class CriticalPoint(NamedTuple):
@@ -191,7 +189,7 @@ class _Limit(NamedTuple):
     result: Int[Array, ""]
 
 
-class _Walk(NamedTuple):
+class _Approach(NamedTuple):
     point: Point
     tangent: Direction
     step: Float[Array, ""]
@@ -200,30 +198,29 @@ class _Walk(NamedTuple):
     failed: Bool[Array, ""]
 
 
-def _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, max_steps) -> _Walk:
+def _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, max_steps) -> _Approach:
     """Steps until the next one passes a limit point; ``step`` of the result is that one."""
 
-    def turn(w: _Walk) -> _Walk:
+    def turn(w: _Approach) -> _Approach:
         motion = jnp.max(jnp.abs(w.tangent.x) / scale.sizes, initial=0.0)
         most = jnp.maximum(first, 0.1 * jnp.abs(w.point.load))
         step = jnp.minimum(w.step, jnp.minimum(LARGEST_MOTION / motion, most / jnp.abs(w.tangent.load)))
         new = step_along(topology, parameters, ramp, scale, w.point, w.tangent, step, normal_to(scale, w.tangent))
-        cosine = scale.weights @ (w.tangent.x * new.tangent.x) + w.tangent.load * new.tangent.load
-        good = new.converged & (cosine > SMALLEST_COSINE)
+        good = can_be_taken(new.converged, new.cosine)
         passed = good & (new.tangent.load <= 0)
         on = good & ~passed
-        longer = step * jnp.where((new.corrections <= 4) & (cosine > 0.98), 2.0, 1.0)
-        return _Walk(
+        longer = next_length(step, new.corrections, new.cosine)
+        return _Approach(
             jax.tree.map(lambda a, b: jnp.where(on, a, b), new.point, w.point),
             jax.tree.map(lambda a, b: jnp.where(on, a, b), new.tangent, w.tangent),
-            jnp.where(passed, step, jnp.where(good, longer, step / 4)),
+            jnp.where(passed, step, jnp.where(good, longer, step / SHORTER)),
             w.steps + 1,
             passed,
             ~good & (step < SMALLEST_STEP * first),
         )
 
     no = jnp.array(False)
-    start = _Walk(point, tangent, first, jnp.zeros((), jnp.int32), no, no)
+    start = _Approach(point, tangent, first, jnp.zeros((), jnp.int32), no, no)
     return jax.lax.while_loop(lambda w: ~w.passed & ~w.failed & (w.steps < max_steps), turn, start)
 
 

@@ -12,12 +12,10 @@ from ..arguments import check_number, check_whole, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..errors import AnalysisError
-from ..linear.buckling import REAL, multipliers_of, scaled_stiffness
+from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
-from ..linear.modes import spectrum, to_frequency
-from ..math.linear import factorise
-from ..mechanics.loads import lacks_potential
+from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..mechanics.residual import State, state
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
@@ -103,26 +101,20 @@ class Path(Record):
 
 
 class _Found(NamedTuple):
-    """What is told about a state on the path."""
+    """What is told about a state on the path; eigenvalues that may be complex are found outside compiled code."""
 
     matrices: Matrices
-    eigenvalues: Float[Array, "n_q"]
+    eigenvalues: Any
     multipliers: Float[Array, "n_q"]
-    stable: Bool[Array, ""]
+    stable: Any
 
 
-def _eigenvalues(topology: Topology, k, m, values):
-    """Eigenvalues of (K, M) ascending, infinite for massless motions, and whether all motions are stable."""
-    if not lacks_potential(topology):
-        found, _, stable, _ = spectrum(k, m)
-        return jnp.where(jnp.isnan(found), jnp.inf, found), stable
-    inverse = jnp.linalg.eigvals(factorise(k).solve(m))
-    massive = jnp.abs(inverse) > 100 * k.shape[0] * jnp.finfo(float).eps * jnp.max(jnp.abs(inverse), initial=0.0)
-    found = 1 / jnp.where(massive, inverse, 1.0)
-    real = jnp.abs(found.imag) <= REAL * jnp.abs(found)
+def _with_complex(found: _Found, step: Step) -> _Found:
+    """The same with the eigenvalues of an unsymmetric stiffness, which may be complex."""
+    values, _ = general_spectrum(np.asarray(found.matrices.K), np.asarray(found.matrices.M0))
+    steady = is_real(values) & (values.real > 0)
     # A motion without mass loses its stability where the determinant changes sign.
-    stable = jnp.all(~massive | (real & (found.real > 0))) & jnp.all(values > 0)
-    return jnp.sort(jnp.where(massive & jnp.isfinite(found.real), found.real, jnp.inf)), stable
+    return found._replace(eigenvalues=values.real, stable=np.all(steady) & np.all(step.values > 0))
 
 
 def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
@@ -135,8 +127,11 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
     point = step.point
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
-    eigenvalues, stable = _eigenvalues(topology, matrices.K, matrices.M0, step.values)
-    return _Found(matrices, eigenvalues, _multipliers(topology, parameters, at, point.near), stable)
+    multipliers = _multipliers(topology, parameters, at, point.near)
+    if not matrices.symmetric:
+        return _Found(matrices, None, multipliers, None)
+    eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
+    return _Found(matrices, jnp.where(jnp.isnan(eigenvalues), jnp.inf, eigenvalues), multipliers, stable)
 
 
 def path(
@@ -181,6 +176,8 @@ def path(
     walker = Walker(model, step)
     code = walker.walk(max_steps, float(switch))
     found = [_look(model.topology, model.parameters, walker.ramp, s) for s in walker.steps]
+    if not found[0].matrices.symmetric:
+        found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
     # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
     found = jax.tree.map(lambda *a: np.stack(a), *found)
     massive = np.any(np.isfinite(found.eigenvalues), axis=0)

@@ -1,6 +1,6 @@
 """Steps along an equilibrium path: predictor along the tangent, Newton's corrector in the plane across it."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,17 +13,20 @@ from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_lo
 from ..mechanics.residual import State, iterate, reduced_response, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..statics.equilibrium import held_values
+from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE
+from ..statics.solve import held_values
 
-# A correction this small beside the mechanism is taken and ends the iteration: the error left is its square.
-STEP_TOLERANCE = 1e-9
-# Corrections this small that shrink no more are round-off of a nearly singular tangent.
-ROUND_OFF = 1e-7
-# Corrections may be no larger (extents of the mechanism, radians), and must shrink at least so: beyond that Newton's
-# method has left the neighbourhood of the path and may find another branch.
-LARGEST_CORRECTION = 0.3
-CONTRACTION = 0.5
-MAX_CORRECTIONS = 10
+# Cosine of the angle by which the tangent may turn in a step: 25 degrees.
+SMALLEST_COSINE = 0.9
+# Motion in a step, at most (extents of the mechanism, radians).
+LARGEST_MOTION = 0.2
+# Steps shorter than this share of the first are not tried.
+SMALLEST_STEP = 1e-6
+# A step that is refused is divided by this. One that took at most so many corrections, and in which the tangent turned
+# by an angle of a larger cosine (11 degrees), is followed by one of twice its length.
+SHORTER = 4
+FEW_CORRECTIONS = 4
+STRAIGHT = 0.98
 # Motion that weighs as much as the whole load in the length of the path, at least (extents, radians).
 SMALLEST_SCALE = 0.05
 
@@ -82,13 +85,44 @@ class Scale(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """A step: where it ends, the tangent there, its stiffness, and whether it was found."""
+    """A step.
+
+    Attributes:
+        point: Where it ends.
+        tangent: Tangent of the path there, of unit length.
+        at: Static equations there.
+        converged: Whether the corrector converged.
+        cosine: Of the angle between the direction of the step and the tangent at its end.
+        corrections: Newton iterations.
+    """
 
     point: Point
     tangent: Direction
     at: State
     converged: Bool[Array, ""]
+    cosine: Float[Array, ""]
     corrections: Array
+
+
+def can_be_taken(converged, cosine) -> Any:
+    """Whether a step ends on the path that it began on, as far as its end tells.
+
+    Args:
+        converged: Whether the corrector converged.
+        cosine: Of the angle by which the tangent turned.
+    """
+    return converged & (cosine > SMALLEST_COSINE)
+
+
+def next_length(length, corrections, cosine) -> Any:
+    """Length to try after a step that was taken.
+
+    Args:
+        length: Its length.
+        corrections: Newton iterations that it took.
+        cosine: Of the angle by which the tangent turned in it.
+    """
+    return length * (1.0 + ((corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT)))
 
 
 def scales_increment(topology: Topology, parameters: Parameters) -> bool:
@@ -269,7 +303,7 @@ def step_along(
         The tangent bordered with the plane's normal is regular where K has rank n_q - 1 and the load is not in its
         range: at limit points.
     """
-    tracks = any(block.element.tracks_angle for block in topology.blocks)
+    tracks = topology.counts_turns
     predicted = Point(
         begin.x + step * direction.x,
         begin.near,
@@ -287,13 +321,11 @@ def step_along(
         dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance)
         change = particular + onto * dload + at.transfer.DFx @ dq
         size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(dload))
-        slow = size > CONTRACTION * c.before
-        bad = ~(size < LARGEST_CORRECTION) | (slow & (size > ROUND_OFF)) | (c.tries >= MAX_CORRECTIONS)
-        bad = bad | ~at.transfer.regular
+        bad = ACROSS_PATH.astray(size, c.before, c.tries) | ~at.transfer.regular
         trial = x + change
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
         point = Point(trial, near, at.e + at.jacobian @ change, load + dload)
-        done = (size < STEP_TOLERANCE) | (slow & (size <= ROUND_OFF))
+        done = (size < STEP_TOLERANCE) | (ACROSS_PATH.slow(size, c.before) & (size <= ACROSS_PATH.round_off))
         return _Correcting(point, size, c.tries + 1, done & ~bad, bad)
 
     no = jnp.array(False)
@@ -303,4 +335,5 @@ def step_along(
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     tangent = unit(scale, tangent_at(topology, parameters, ramp, at, plane))
     finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
-    return Stepped(point, tangent, at, end.done & finite, end.tries)
+    cosine = scale.weights @ (direction.x * tangent.x) + direction.load * tangent.load
+    return Stepped(point, tangent, at, end.done & finite, cosine, end.tries)

@@ -14,16 +14,23 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .critical import (
+from .critical import CriticalPoint, begin_path, critical_values, null_vectors
+from .stepper import (
     LARGEST_MOTION,
+    SHORTER,
     SMALLEST_COSINE,
     SMALLEST_STEP,
-    CriticalPoint,
-    begin_path,
-    critical_values,
-    null_vectors,
+    Direction,
+    Plane,
+    Point,
+    Ramp,
+    Scale,
+    can_be_taken,
+    direction_of,
+    next_length,
+    normal_to,
+    step_along,
 )
-from .stepper import Direction, Plane, Point, Ramp, Scale, direction_of, normal_to, step_along
 
 BISECTIONS = 60
 # A value is zero where it is this share of those at the ends of the step, or between states that are this near to each
@@ -99,9 +106,8 @@ def _begin(topology: Topology, parameters: Parameters):
 def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, begin, direction, length, plane):
     new = step_along(topology, parameters, ramp, scale, begin, direction, length, plane)
     values = critical_values(topology, new.at, scale.sizes)
-    cosine = scale.weights @ (direction.x * new.tangent.x) + direction.load * new.tangent.load
     regular = new.at.transfer.regular
-    return Step(new.point, new.tangent, values, new.converged, regular, cosine, new.corrections)
+    return Step(new.point, new.tangent, values, new.converged, regular, new.cosine, new.corrections)
 
 
 @jit
@@ -442,7 +448,7 @@ class Walker:
             start = begin._replace(tangent=direction)
             for length in self.longest(direction) / 4.0 ** np.arange(10)[::-1]:
                 end = self.advance(begin.point, direction, length)
-                if bool(end.converged) and float(end.cosine) > SMALLEST_COSINE and self.continuous(start, end):
+                if can_be_taken(end.converged, end.cosine) and self.continuous(start, end):
                     taken = self.stride(start, float(length), end, widest=1.0)
                     if taken is not None:
                         return taken
@@ -489,15 +495,15 @@ class Walker:
                     length *= 1.25
                 end = self.advance(begin.point, begin.tangent, length)
                 regular = bool(end.regular)
-                if not (bool(end.converged) and float(end.cosine) > SMALLEST_COSINE):
-                    length /= 4
+                if not can_be_taken(end.converged, end.cosine):
+                    length /= SHORTER
                     continue
                 if abs(end.negative - begin.negative) > 1 and length > 1e-2 * self.step:
                     length /= 2
                     continue
                 taken = self.stride(begin, length, end)
                 if taken is None:
-                    length /= 4
+                    length /= SHORTER
                     continue
             left = self.pass_critical_points(taken, switch)
             if left is not None:
@@ -514,8 +520,7 @@ class Walker:
                 self.steps.append(again)
                 return RESULTS.closed_path
             self.steps.append(taken.end)
-            quick = int(taken.end.corrections) <= 4 and float(taken.end.cosine) > 0.98
-            length *= 2.0 if quick else 1.0
+            length = next_length(length, taken.end.corrections, taken.end.cosine)
         return self.code
 
     def pass_critical_points(self, taken: Stride, switch: float) -> Left | None:

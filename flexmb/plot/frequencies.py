@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..motion.linearized import linearize_motion
 from ..motion.simulate import Motion
 from ..paths.path import Path
@@ -63,7 +64,6 @@ def _of_motion(found: Motion) -> np.ndarray:
     mass, stiffness = np.asarray(m.M0), np.asarray(m.K)
     rows = np.full(mass.shape[:2], np.nan)
     for i in np.flatnonzero(np.asarray(m.result) == int(RESULTS.successful.value)):
-        values = np.linalg.eigvals(np.linalg.solve(mass[i], stiffness[i]))
-        values = np.where(np.abs(values.imag) <= 1e-9 * np.abs(values), values.real, np.nan)
-        rows[i] = np.sort(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))
+        values, _ = general_spectrum(stiffness[i], mass[i])
+        rows[i] = np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))
     return rows

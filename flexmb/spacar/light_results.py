@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 import numpy as np
-import scipy.linalg
 
 from .. import __version__
 from ..build.builder import Builder
@@ -13,6 +12,7 @@ from ..linear.buckling import multipliers_about
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization
 from ..linear.modes import modes
+from ..linear.spectrum import general_spectrum, to_frequency
 from ..linear.stress import Stress, stress, without_shape
 from ..math.rotation import initial_frame, rotation_matrix
 from ..model.model import Model
@@ -137,13 +137,11 @@ def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
         found = modes(lin)
         values, vectors = np.asarray(found.frequencies), np.asarray(found.q_shapes)
     else:
-        found = scipy.linalg.eig(np.linalg.solve(lin.matrices.K, lin.matrices.M0))
-        inverse, vectors = np.asarray(found[0]), np.asarray(found[1])
-        massive = np.abs(inverse) > 100 * n * np.finfo(float).eps * np.max(np.abs(inverse), initial=0.0)
-        order = np.flatnonzero(massive)[np.argsort((1 / inverse[massive]).real)]
-        eigenvalues, vectors = 1 / inverse[order], np.real(vectors[:, order])
-        values = np.sign(eigenvalues.real) * np.sqrt(np.abs(eigenvalues.real)) / (2 * np.pi)
-        mass = np.einsum("iv,ij,jv->v", vectors, np.asarray(lin.matrices.M0), vectors)
+        mass = np.asarray(lin.matrices.M0)
+        eigenvalues, vectors = general_spectrum(np.asarray(lin.matrices.K), mass)
+        values = to_frequency(eigenvalues.real[np.isfinite(eigenvalues)])
+        vectors = np.real(vectors[:, : len(values)])
+        mass = np.einsum("iv,ij,jv->v", vectors, mass, vectors)
         vectors = vectors / np.sqrt(np.where(mass > 0, mass, 1.0))
     hertz[: len(values)], shapes[:, : len(values)] = values, vectors
     return hertz, shapes

@@ -18,7 +18,7 @@ from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .equilibrium import held_values
+from .solve import held_values
 
 # Degrees of freedom go from their start values in steps of this share of the mechanism's extent, or radians.
 STEP = 0.2
@@ -57,7 +57,7 @@ class Configuration(Record):
         return self.x[self.labels.known(node)]
 
 
-class _Walk(NamedTuple):
+class _Way(NamedTuple):
     x: Float[Array, "n_x"]
     near: Float[Array, "n_e"]
     step: Int[Array, ""]
@@ -130,7 +130,7 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     steps = jnp.where(within, needed, 0).astype(jnp.int32)
     settled = jax.lax.stop_gradient((parameters, q))
 
-    def turn(walk: _Walk) -> _Walk:
+    def turn(walk: _Way) -> _Way:
         parameters, q = settled
         wanted_x, wanted_e = _wanted(topology, parameters, q * ((walk.step + 1).astype(float) / steps.astype(float)))
         x, near, regular = walk.x, walk.near, walk.regular
@@ -141,9 +141,9 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
             return x, e, regular & tangent.regular
 
         x, near, regular = jax.lax.fori_loop(0, CORRECTIONS, corrected, (x, near, regular))
-        return _Walk(x, near, walk.step + 1, regular)
+        return _Way(x, near, walk.step + 1, regular)
 
-    start = _Walk(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(True))
+    start = _Way(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(True))
     end = jax.lax.stop_gradient(jax.lax.while_loop(lambda w: w.step < steps, turn, start))
     # One more step, which derivatives pass through: they are those of the implicit function.
     wanted_x, wanted_e = _wanted(topology, parameters, q)

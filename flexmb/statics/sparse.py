@@ -1,4 +1,4 @@
-"""Equilibrium and lowest frequencies of large mechanisms: all coordinates, a multiplier a constraint, sparse factors.
+"""Equilibrium of large mechanisms: all coordinates, one multiplier for each constraint, sparse factors.
 
 The matrices are assembled and factored on the host; derivatives need only the work of stresses along given motions,
 element by element, and solutions with the same factors.
@@ -21,28 +21,17 @@ from ..math.sparse import SparseFactors, sparse_matrix
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import Felt, kinetic_energy, mass_pieces, weight_pieces, work_of_weight
+from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of, stress_of_strain
-from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .equilibrium import (
-    CONTRACTION,
-    LARGEST_STEP,
-    MAX_ITERATIONS,
-    SMALLEST_LOAD_STEP,
-    STEP_TOLERANCE,
-    Equilibrium,
-    held_values,
-)
-
-# Share of the largest K/M that is added where K alone is singular.
-SHIFT = 1e-8
+from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
+from .solve import held_values
 
 
-class Balance(NamedTuple):
+class Balanced(NamedTuple):
     """Equilibrium in all coordinates.
 
     Attributes:
@@ -56,14 +45,25 @@ class Balance(NamedTuple):
     iterations: Any = 0
 
 
-def _unknowns(topology: Topology) -> tuple[Array, Array, Array]:
-    """Coordinates that move, coordinates that do not, and deformations that are held."""
+def unknowns(topology: Topology) -> tuple[Array, Array, Array]:
+    """Coordinates that move, coordinates that do not, and deformations that are held.
+
+    Args:
+        topology: Structure.
+    """
     return jnp.sort(topology.x.free), topology.x.held, topology.e.held
 
 
 @jit
-def _elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]):
-    """Stress resultants of linear elements, without those of held deformations."""
+def elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]):
+    """Stress resultants of linear elements, without the multipliers of held deformations.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Load factors.
+        e: Deformations, (n_e,) [m, rad].
+    """
     sigma = stress_of_strain(topology, parameters, strain_of(parameters, e))
     prestress = scaled_loads(parameters, factors).prestress
     return sigma if prestress is None else sigma + prestress
@@ -83,11 +83,21 @@ def _matrices(topology: Topology, parameters: Parameters, factors: LoadFactors, 
         "mass": mass_pieces(topology, parameters, x) if mass else [],
     }
     force = nodal_forces(topology, parameters, factors, x)
-    return found, e, _elastic_stress(topology, parameters, factors, e), force
+    return found, e, elastic_stress(topology, parameters, factors, e), force
 
 
-class _Assembled(NamedTuple):
-    """Tangent in the unknowns, and what belongs to it."""
+class Assembled(NamedTuple):
+    """Tangent of the equilibrium, and what belongs to it.
+
+    Attributes:
+        tangent: Derivative by the coordinates that move and the multipliers, sparse, symmetric.
+        coupling: The same by the coordinates that do not move, sparse.
+        mass: Mass of the coordinates that move, sparse, or None.
+        jacobian: D_x, sparse, (n_e, n_x).
+        e: Deformations, (n_e,) [m, rad].
+        sigma: Stress resultants without the multipliers, (n_e,) [N, N m].
+        force: Nodal forces of the loads, (n_x,) [N, N m].
+    """
 
     tangent: Any
     coupling: Any
@@ -98,14 +108,25 @@ class _Assembled(NamedTuple):
     force: np.ndarray
 
 
-def _assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) -> _Assembled:
+def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) -> Assembled:
+    """Tangent of the equilibrium at a state, on the host.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Load factors.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        sigma: Stress resultants, multipliers included, (n_e,) [N, N m].
+        mass: Whether to assemble the mass too.
+    """
     import scipy.sparse
 
     found, e, elastic, force = _matrices(
         topology, parameters, factors, *(jnp.asarray(v) for v in (x, near, sigma)), mass=mass
     )
     n_x, n_e = topology.n_x, topology.n_e
-    free, fast, held = (np.asarray(i) for i in _unknowns(topology))
+    free, fast, held = (np.asarray(i) for i in unknowns(topology))
     d = sparse_matrix((n_e, n_x), found["jacobian"])
     keep = np.ones(n_e)
     keep[held] = 0.0
@@ -116,25 +137,41 @@ def _assemble(topology, parameters, factors, x, near, sigma, mass: bool = False)
     tangent = scipy.sparse.block_array([[k[free][:, free], rows[:, free].T], [rows[:, free], None]])
     coupling = scipy.sparse.vstack([k[free][:, fast], rows[:, fast]])
     m = sparse_matrix((n_x, n_x), found["mass"])[free][:, free] if mass else None
-    return _Assembled(tangent.tocsc(), coupling, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
+    return Assembled(tangent.tocsc(), coupling, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
 
 
-def _singular() -> AnalysisError:
-    return AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+def refuse_traced(*trees) -> None:
+    """Refuse numbers that are traced.
 
+    Args:
+        trees: Pytrees.
 
-def _concrete(*trees) -> None:
+    Raises:
+        TypeError: There is one.
+    """
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees)):
         raise TypeError("The sparse path runs on the host: call it outside jax.jit and jax.vmap; jax.grad applies.")
 
 
 @jax.custom_jvp
-def _balance(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balance:
-    """Newton's method with the stress of the iterate's own deformations in the tangent (see residual.iterate)."""
-    _concrete(parameters, target)
-    free, fast, held = (np.asarray(i) for i in _unknowns(topology))
+def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    """Equilibrium by Newton's method, the stress of the iterate's own deformations in the tangent.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        target: Load factors.
+
+    Raises:
+        AnalysisError: singular_stiffness or not_converged.
+
+    Source:
+        As :func:`flexmb.mechanics.residual.iterate`, with the multipliers as unknowns.
+    """
+    refuse_traced(parameters, target)
+    free, fast, held = (np.asarray(i) for i in unknowns(topology))
     if not has_loads(topology, parameters):
-        return Balance(parameters.reference, jnp.zeros(len(held)), jnp.zeros((), jnp.int32))
+        return Balanced(parameters.reference, jnp.zeros(len(held)), jnp.zeros((), jnp.int32))
     sizes = np.asarray(sizes_of(topology, parameters))[free]
     start = np.asarray(parameters.reference), np.zeros(topology.n_e), np.zeros(len(held))
     reached, step, done, iterations, regular = 0.0, 1.0, start, 0, True
@@ -142,13 +179,13 @@ def _balance(topology: Topology, parameters: Parameters, target: LoadFactors) ->
         load = min(reached + step, 1.0)
         factors = LoadFactors(*(load * jnp.asarray(f, float) for f in target))
         wanted_x, wanted_e = (np.asarray(v) for v in held_values(topology, parameters, factors))
-        (x, strained, multipliers), before, solved = done, np.inf, False
-        near = done[1]
-        for _ in range(MAX_ITERATIONS):
+        (x, strained, multipliers), before, first, contraction, solved = done, np.inf, np.inf, 0.0, False
+        near, tries = strained, 0
+        for tries in range(AT_LOAD.most):
             iterations += 1
-            sigma = np.array(_elastic_stress(topology, parameters, factors, jnp.asarray(strained)))
+            sigma = np.array(elastic_stress(topology, parameters, factors, jnp.asarray(strained)))
             sigma[held] = multipliers
-            at = _assemble(topology, parameters, factors, x, near, sigma)
+            at = assemble(topology, parameters, factors, x, near, sigma)
             shift = wanted_x[fast] - x[fast]
             right = np.concatenate([(at.force - at.jacobian.T @ at.sigma)[free], wanted_e[held] - at.e[held]])
             factored = SparseFactors(at.tangent)
@@ -157,56 +194,58 @@ def _balance(topology: Topology, parameters: Parameters, target: LoadFactors) ->
                 break
             z = factored.solve(right - at.coupling @ shift)
             size = np.max(np.abs(z[: len(free)]) / sizes, initial=0.0)
-            if not size < LARGEST_STEP or (size / before > CONTRACTION and size > STEP_TOLERANCE**0.5):
+            first = size if tries == 0 else first
+            if AT_LOAD.astray(size, before, tries):
                 break
             change = np.zeros(topology.n_x)
             change[free], change[fast] = z[: len(free)], shift
-            x, multipliers, before = x + change, z[len(free) :], size
+            x, multipliers, before, contraction = x + change, z[len(free) :], size, size / before
             near = strained = at.e + at.jacobian @ change
-            if size < STEP_TOLERANCE:
+            if near_enough(size, load, tries):
                 solved = True
                 break
-        if solved:
-            reached, done, step = load, (x, strained, multipliers), min(2 * step, 1.0)
-            continue
-        step /= 4
+        # Of a first correction that ends the iteration, or of one that is zero, no contraction is known.
+        with np.errstate(divide="ignore"):
+            if solved:
+                reached, done, step = load, (x, strained, multipliers), next_load_step(step, first, contraction)
+                continue
+            step = shorter_load_step(step, first, tries)
         if step < SMALLEST_LOAD_STEP:
-            if not regular:
-                raise _singular()
-            raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
-    return Balance(jnp.asarray(done[0]), jnp.asarray(done[2]), jnp.asarray(iterations, jnp.int32))
+            why = RESULTS.not_converged if regular else RESULTS.singular_stiffness
+            raise AnalysisError(why.name, why.message)
+    return Balanced(jnp.asarray(done[0]), jnp.asarray(done[2]), jnp.asarray(iterations, jnp.int32))
 
 
 @jit
-def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balance):
+def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
     """Forces out of balance at the coordinates that move, and excess of the held deformations."""
-    free, fast, held = _unknowns(topology)
+    free, fast, held = unknowns(topology)
     wanted_x, wanted_e = held_values(topology, parameters, factors)
     x = put(at.x, fast, wanted_x[fast])
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
-    sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, x)
     return jnp.concatenate([force[free], (e - wanted_e)[held]])
 
 
-@_balance.defjvp
+@balanced.defjvp
 def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
-    solved = _balance(topology, parameters, factors)
+    solved = balanced(topology, parameters, factors)
     near = deformations(topology, parameters, solved.x, zero_near(topology))
-    free, fast, held = _unknowns(topology)
+    free, fast, held = unknowns(topology)
 
     def equations(parameters, factors):
         return _residual(topology, parameters, factors, near, solved)
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    sigma = put(_elastic_stress(topology, parameters, factors, near), held, solved.multipliers)
-    factored = SparseFactors(_assemble(topology, parameters, factors, solved.x, near, sigma).tangent)
+    sigma = put(elastic_stress(topology, parameters, factors, near), held, solved.multipliers)
+    factored = SparseFactors(assemble(topology, parameters, factors, solved.x, near, sigma).tangent)
 
     def matvec(z):
         def along(x, multipliers):
-            return _residual(topology, parameters, factors, near, Balance(x, multipliers))
+            return _residual(topology, parameters, factors, near, Balanced(x, multipliers))
 
         direction = put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), z[free.shape[0] :]
         return jax.jvp(along, solved[:2], direction)[1]
@@ -218,122 +257,19 @@ def _balance_jvp(primals, tangents):
     z = jax.lax.custom_linear_solve(matvec, -change, solve, symmetric=True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, Balance(dx, z[free.shape[0] :], no_change)
+    return solved, Balanced(dx, z[free.shape[0] :], no_change)
 
 
-class _Spectrum(NamedTuple):
-    values: np.ndarray
-    motions: np.ndarray
-    multipliers: np.ndarray
-
-
-def _spectrum(topology, parameters, factors, x, near, sigma, count: int) -> _Spectrum:
-    """Lowest eigenvalues, by Lanczos iterations with the factors of the constrained stiffness."""
-    import scipy.sparse
-    import scipy.sparse.linalg
-
-    linalg: Any = scipy.sparse.linalg
-    at = _assemble(topology, parameters, factors, x, near, sigma, mass=True)
-    n, total = at.mass.shape[0], at.tangent.shape[0]
-    if count >= n - (total - n):
-        raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many frequencies. Leave it out.")
-    ratio = at.tangent.diagonal()[:n].max() / at.mass.diagonal().max()
-    shift, factored = 0.0, SparseFactors(at.tangent)
-    if not factored.regular:
-        shift = SHIFT * ratio
-        padded = scipy.sparse.block_diag([shift * at.mass, scipy.sparse.csr_array((total - n, total - n))])
-        factored = SparseFactors((at.tangent + padded).tocsc())
-        if not factored.regular:
-            raise _singular()
-
-    def inverse(right):
-        return factored.solve(np.concatenate([np.ravel(right), np.zeros(total - n)]))[:n]
-
-    operator = linalg.LinearOperator((n, n), matvec=inverse, dtype=float)
-    first = inverse(at.mass @ np.cos(np.arange(n) ** 2))
-    values, motions = linalg.eigsh(
-        at.mass, k=count, M=at.mass, sigma=-shift, OPinv=operator, v0=first, which="LM", tol=1e-13
-    )
-    order = np.argsort(values)
-    values, motions = values[order], motions[:, order]
-    motions = motions / np.sqrt(np.einsum("ij,ij->j", motions, at.mass @ motions))
-    # Once more, for the multipliers too: K v + D^T m = (w^2 + s) M v.
-    full = np.stack(
-        [
-            factored.solve(np.concatenate([(w + shift) * (at.mass @ v), np.zeros(total - n)]))
-            for w, v in zip(values, motions.T, strict=True)
-        ],
-        axis=1,
-    )
-    return _Spectrum(values, motions, full[n:])
-
-
-@jax.custom_jvp
-def _eigenvalues(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balance, count: Array
-) -> Float[Array, "k"]:
-    _concrete(parameters, factors, at)
-    return jnp.asarray(_at_balance(topology, parameters, factors, at, count).values)
-
-
-def _at_balance(topology, parameters, factors, at: Balance, count) -> _Spectrum:
-    near = deformations(topology, parameters, at.x, zero_near(topology))
-    held = _unknowns(topology)[2]
-    sigma = put(_elastic_stress(topology, parameters, factors, near), held, at.multipliers)
-    return _spectrum(topology, parameters, factors, at.x, near, sigma, count.shape[0])
-
-
-@jit
-def _rayleigh(topology, parameters, factors, at: Balance, near, motion, multipliers, value) -> Float[Array, ""]:
-    """Second variation of the Lagrangian along a mode, whose derivative is that of the eigenvalue."""
-    free, _, held = _unknowns(topology)
-    phi = put(jnp.zeros(topology.n_x), free, motion)
-
-    def rates(x):
-        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
-
-    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
-    sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
-    total = first @ stress + sigma @ second + 2 * multipliers @ first[held]
-    gravity = scaled_loads(parameters, factors).gravity
-    if gravity is not None:
-
-        def slope(x):
-            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
-
-        total = total - jax.jvp(slope, (at.x,), (phi,))[1]
-    return total - 2 * value * kinetic_energy(topology, parameters, at.x, phi)
-
-
-@_eigenvalues.defjvp
-def _eigenvalues_jvp(primals, tangents):
-    topology, parameters, factors, at, count = primals
-    found = _at_balance(topology, parameters, factors, at, count)
-    near = deformations(topology, parameters, at.x, zero_near(topology))
-
-    def all_modes(parameters, factors, at):
-        return jnp.stack(
-            [
-                _rayleigh(topology, parameters, factors, at, near, *(jnp.asarray(v) for v in mode))
-                for mode in zip(found.motions.T, found.multipliers.T, found.values, strict=True)
-            ]
-        )
-
-    _, change = jvp_of_varied(all_modes, primals[1:4], tangents[1:4])
-    return jnp.asarray(found.values), change
-
-
-def refuse_what_is_not_sparse(model: Model) -> None:
+def refuse_what_is_not_sparse(topology: Topology) -> None:
     """Raise where the sparse path has no equations.
 
     Args:
-        model: Mechanism.
+        topology: Structure.
 
     Raises:
         ModelError: Loads that follow a body, moments about fixed axes, or elements with a law or an energy.
     """
-    if lacks_potential(model.topology) or is_nonlinear(model.topology):
+    if lacks_potential(topology) or is_nonlinear(topology):
         raise ModelError(
             "The sparse path takes dead loads, gravity and elements of constant stiffness: no moments about fixed axes"
             " in space, loads that follow a body, laws or energies. Leave `sparse` out."
@@ -341,52 +277,32 @@ def refuse_what_is_not_sparse(model: Model) -> None:
 
 
 @one_thread()
-def sparse_equilibrium(model: Model, target: LoadFactors) -> Equilibrium:
+def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors) -> tuple[Any, ...]:
     """Static equilibrium by sparse factors.
 
     Args:
-        model: Mechanism, which needs no degrees of freedom (``Builder.build(check=False)``).
+        topology: Structure, which needs no degrees of freedom (``Builder.build(check=False)``).
+        parameters: Numbers.
         target: Load factors.
+
+    Returns:
+        What an :class:`flexmb.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, iterations, result.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`.
         AnalysisError: singular_stiffness or not_converged.
     """
-    refuse_what_is_not_sparse(model)
-    topology, parameters = model.topology, model.parameters
-    at = _balance(topology, parameters, target)
-    e, sigma, felt, reactions = _quantities(topology, parameters, target, at)
-    return Equilibrium(at.x, e, sigma, felt, reactions, at.iterations, jnp.zeros((), jnp.int32), model.labels)
+    refuse_what_is_not_sparse(topology)
+    at = balanced(topology, parameters, target)
+    return *_quantities(topology, parameters, target, at), at.iterations, jnp.zeros((), jnp.int32)
 
 
 @jit
-def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balance):
-    """Deformations, stress resultants and reactions of an equilibrium."""
-    _, fast, held = _unknowns(topology)
+def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
+    """Coordinates, deformations, stress resultants, what mass feels, and reactions of an equilibrium."""
+    _, fast, held = unknowns(topology)
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
-    sigma = put(_elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
     felt = Felt(scaled_loads(parameters, factors).gravity)
-    return e, sigma, felt, put(jnp.zeros(topology.n_x), fast, force[fast])
-
-
-@one_thread()
-def sparse_eigenvalues(model: Model, target: LoadFactors, count: int) -> Float[Array, "k"]:
-    """Lowest eigenvalues about the equilibrium by sparse factors, (count,) [rad^2/s^2].
-
-    Args:
-        model: As for :func:`sparse_equilibrium`.
-        target: Load factors.
-        count: How many.
-
-    Raises:
-        ModelError: See :func:`refuse_what_is_not_sparse`, or too large a count.
-        AnalysisError: singular_stiffness or not_converged.
-
-    Source:
-        Shift-inverted Lanczos method of ARPACK; THEORY.md 6 with multipliers in place of degrees of freedom.
-    """
-    refuse_what_is_not_sparse(model)
-    at = _balance(model.topology, model.parameters, target)
-    # The number is handed on as a shape, which stays known.
-    return _eigenvalues(model.topology, model.parameters, target, at, jnp.zeros(count))
+    return at.x, e, sigma, felt, put(jnp.zeros(topology.n_x), fast, force[fast])

@@ -1,0 +1,106 @@
+"""Lowest frequencies of large mechanisms about their equilibrium, by sparse factors, and their derivatives."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit
+from ..compilation.threads import one_thread
+from ..math.derivative import jvp_of_varied
+from ..math.indices import put
+from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.inertia import kinetic_energy, work_of_weight
+from ..mechanics.loads import LoadFactors, scaled_loads
+from ..mechanics.stress_resultants import stress_of_strain
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..statics.sparse import (
+    Balanced,
+    assemble,
+    balanced,
+    elastic_stress,
+    refuse_traced,
+    refuse_what_is_not_sparse,
+    unknowns,
+)
+from .spectrum import Lowest, lowest_of_sparse
+
+
+@jax.custom_jvp
+def _eigenvalues(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
+) -> Float[Array, "k"]:
+    refuse_traced(parameters, factors, at)
+    return jnp.asarray(_at_balance(topology, parameters, factors, at, count).values)
+
+
+def _at_balance(topology, parameters, factors, at: Balanced, count) -> Lowest:
+    near = deformations(topology, parameters, at.x, zero_near(topology))
+    held = unknowns(topology)[2]
+    sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
+    found = assemble(topology, parameters, factors, at.x, near, sigma, mass=True)
+    return lowest_of_sparse(found.tangent, found.mass, count.shape[0])
+
+
+@jit
+def _rayleigh(topology, parameters, factors, at: Balanced, near, motion, multipliers, value) -> Float[Array, ""]:
+    """Second variation of the Lagrangian along a mode, whose derivative is that of the eigenvalue."""
+    free, _, held = unknowns(topology)
+    phi = put(jnp.zeros(topology.n_x), free, motion)
+
+    def rates(x):
+        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
+
+    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
+    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
+    total = first @ stress + sigma @ second + 2 * multipliers @ first[held]
+    gravity = scaled_loads(parameters, factors).gravity
+    if gravity is not None:
+
+        def slope(x):
+            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
+
+        total = total - jax.jvp(slope, (at.x,), (phi,))[1]
+    return total - 2 * value * kinetic_energy(topology, parameters, at.x, phi)
+
+
+@_eigenvalues.defjvp
+def _eigenvalues_jvp(primals, tangents):
+    topology, parameters, factors, at, count = primals
+    found = _at_balance(topology, parameters, factors, at, count)
+    near = deformations(topology, parameters, at.x, zero_near(topology))
+
+    def all_modes(parameters, factors, at):
+        return jnp.stack(
+            [
+                _rayleigh(topology, parameters, factors, at, near, *(jnp.asarray(v) for v in mode))
+                for mode in zip(found.motions.T, found.multipliers.T, found.values, strict=True)
+            ]
+        )
+
+    _, change = jvp_of_varied(all_modes, primals[1:4], tangents[1:4])
+    return jnp.asarray(found.values), change
+
+
+@one_thread()
+def sparse_eigenvalues(model: Model, target: LoadFactors, count: int) -> Float[Array, "k"]:
+    """Lowest eigenvalues about the equilibrium by sparse factors, (count,) [rad^2/s^2].
+
+    Args:
+        model: As for :func:`sparse_equilibrium`.
+        target: Load factors.
+        count: How many.
+
+    Raises:
+        ModelError: See :func:`refuse_what_is_not_sparse`, or too large a count.
+        AnalysisError: singular_stiffness or not_converged.
+
+    Source:
+        Shift-inverted Lanczos method of ARPACK; THEORY.md 6 with multipliers in place of degrees of freedom.
+    """
+    refuse_what_is_not_sparse(model.topology)
+    at = balanced(model.topology, model.parameters, target)
+    # The number is handed on as a shape, which stays known.
+    return _eigenvalues(model.topology, model.parameters, target, at, jnp.zeros(count))

@@ -1,0 +1,326 @@
+"""The one place that solves stiffness and mass: natural frequencies, poles, and motions that carry no mass.
+
+M v = mu K v is solved, with omega^2 = 1/mu: the lowest omega^2 come out with full relative accuracy, and motions
+without mass have mu = 0 where K v = omega^2 M v has no solution. Where K alone will not do, K + s M stands in its
+place, with omega^2 = 1/mu - s.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from jaxtyping import Array, Bool, Complex, Float, Int
+
+from ..errors import AnalysisError, ModelError
+from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
+from ..math.sparse import SparseFactors
+from ..math.subspace import independent_rows
+from ..results import RESULTS
+
+# A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
+LOWEST = 1e-14
+# Otherwise the shift starts at this share and grows by this factor until K + sM is positive definite, so that it is not
+# much larger than the most negative eigenvalue asks for. A smaller one leaves no digits for the others beside a free
+# motion.
+FIRST_SHIFT = 1e-8
+SHIFT_GROWTH = 8.0
+MAX_SHIFTS = 40
+# A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
+MASSLESS = 100 * float(np.finfo(float).eps)
+# A combination of degrees of freedom has no mass where that is below this share of what the degrees of freedom have
+# that meet in it, for each of them.
+WITHOUT_MASS = 1e-13
+# A value is real where its imaginary part is below this share of it.
+REAL = 1e-8
+
+
+def shift_to_definite(
+    k: Float[Array, "n n"], m: Float[Array, "n n"]
+) -> tuple[Float[Array, ""], Bool[Array, ""], Bool[Array, ""]]:
+    """Smallest tried s >= 0 for which K + s M is positive definite.
+
+    Args:
+        k: Symmetric stiffness, (n, n).
+        m: Symmetric mass, positive semidefinite, (n, n).
+
+    Returns:
+        s, () [rad^2/s^2]; whether K itself is positive definite; whether an s was found.
+
+    Source:
+        THEORY.md 7, eq. (7.2): a stated shift where K is not positive definite.
+    """
+    k, m = lax.stop_gradient(k), lax.stop_gradient(m)
+    ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
+    ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
+
+    def attempt(carry):
+        _, after, _, tries = carry
+        found = is_positive_definite(k + (after - LOWEST * ratio) * m)
+        return after, jnp.where(tries == 0, FIRST_SHIFT * ratio, SHIFT_GROWTH * after), found, tries + 1
+
+    def unfinished(carry):
+        _, _, found, tries = carry
+        return ~found & (tries <= MAX_SHIFTS)
+
+    start = (jnp.zeros(()), jnp.zeros(()), jnp.array(False), jnp.zeros((), jnp.int32))
+    s, _, found, tries = lax.while_loop(unfinished, attempt, start)
+    stable = found & (tries == 1)
+    return s, stable, found
+
+
+def spectrum(
+    k: Float[Array, "n n"], m: Float[Array, "n n"], count: int | None = None
+) -> tuple[Float[Array, "n"], Float[Array, "n n"], Bool[Array, ""], Int[Array, ""]]:
+    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, from the stiffness side.
+
+    M v = mu K v is solved, where the lowest omega^2 = 1/mu come out with full relative accuracy; solved as (K, M),
+    they are known only to round-off times the largest.
+
+    Args:
+        k: Symmetric stiffness, of any definiteness, (n, n).
+        m: Symmetric mass, positive semidefinite, (n, n).
+        count: How many of the lowest; all unless given.
+
+    Returns:
+        omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
+        (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue.
+
+    Source:
+        THEORY.md 7, eq. (7.2).
+    """
+    shift, stable, found = shift_to_definite(k, m)
+    n = k.shape[0]
+    if count is None or count >= n:
+        mu, w = pencil(m, k + shift * m)
+        mu, w = mu[::-1], w[:, ::-1]
+    else:
+        mu, w = leading(m, k + shift * m, count)
+    massive = mu > MASSLESS * n * jnp.max(mu, initial=0.0)
+    positive = jnp.where(massive, mu, 1.0)
+    values = jnp.where(massive, 1 / positive - shift, jnp.inf)
+    vectors = jnp.where(massive, w / jnp.sqrt(positive), 0.0)
+    result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), RESULTS.successful, RESULTS.singular_mass)
+    result = jnp.where(found, result, RESULTS.singular_stiffness)
+    return values, vectors, stable, result.astype(jnp.int32)
+
+
+def to_frequency(eigenvalues: Any) -> Any:
+    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2.
+
+    Args:
+        eigenvalues: omega^2, (n,) [rad^2/s^2].
+
+    Returns:
+        (n,) [Hz]; negative means that the motion grows.
+
+    Source:
+        Definition; the derivative at exactly zero is taken as zero.
+    """
+    xp: Any = np if isinstance(eigenvalues, np.ndarray) else jnp
+    usual = xp.isfinite(eigenvalues) & (eigenvalues != 0)
+    root = xp.sqrt(xp.abs(xp.where(usual, eigenvalues, 1.0))) / (2 * np.pi)
+    return xp.where(usual, xp.sign(eigenvalues) * root, eigenvalues)
+
+
+def is_real(values: Any) -> Any:
+    """Which of several values are real but for round-off.
+
+    Args:
+        values: Complex, (n,).
+
+    Returns:
+        (n,).
+    """
+    return abs(values.imag) <= REAL * abs(values)
+
+
+def _with_shift(k, m, solve: Callable[[np.ndarray], Any]) -> tuple[float, Any]:
+    """Smallest tried s >= 0 for which a problem in K + s M has a solution, and that solution; on the host."""
+    heaviest = np.max(np.diag(m), initial=0.0)
+    ratio = np.max(np.abs(np.diag(k)), initial=0.0) / heaviest if heaviest > 0 else 1.0
+    ratio, shift = ratio or 1.0, 0.0
+    for _ in range(MAX_SHIFTS + 1):
+        try:
+            found = solve(k + shift * m)
+        except np.linalg.LinAlgError:
+            found = None
+        # Zero stiffness but for round-off would leave no digits for the others.
+        if found is not None and np.all(np.abs(found[0]) * LOWEST * ratio < 1):
+            return shift, found
+        shift = max(SHIFT_GROWTH * shift, FIRST_SHIFT * ratio)
+    raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+
+
+def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
+    """As :func:`spectrum`, on the host: where each size comes but once and compiling would take longer than solving.
+
+    Args:
+        k: Symmetric stiffness, (n, n).
+        m: Symmetric mass, positive semidefinite, (n, n).
+
+    Returns:
+        omega^2 of the motions with mass, ascending, (at most n,) [rad^2/s^2].
+
+    Raises:
+        AnalysisError: singular_stiffness.
+    """
+    import scipy.linalg
+
+    shift, (mu,) = _with_shift(k, m, lambda shifted: (scipy.linalg.eigh(m, shifted, eigvals_only=True)[::-1],))
+    return 1 / mu[mu > MASSLESS * len(mu) * np.max(mu, initial=0.0)] - shift
+
+
+def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
+    """Eigenvalues and vectors of K v = omega^2 M v where K may be unsymmetric, on the host.
+
+    Args:
+        k: Stiffness, (n, n).
+        m: Mass, (n, n).
+
+    Returns:
+        omega^2 by ascending real part, complex, infinite for motions without mass, (n,) [rad^2/s^2]; vectors, complex,
+        one a column, (n, n).
+
+    Raises:
+        AnalysisError: singular_stiffness.
+    """
+    shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)))
+    massive = np.abs(mu) > MASSLESS * len(mu) * np.max(np.abs(mu), initial=0.0)
+    values: Any = np.where(massive, 1 / np.where(massive, mu, 1.0) - shift, np.inf).astype(complex)
+    order = np.argsort(values.real, kind="stable")
+    return values[order], vectors[:, order]
+
+
+def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray, "n"]:
+    """Solutions of det(lambda^2 M + lambda C + K) = 0 on the host, ordered by |Im|; those at infinity are left out.
+
+    Args:
+        k: Stiffness, (n, n).
+        c: Damping, (n, n).
+        m: Mass, (n, n).
+
+    Returns:
+        At most (2 n,) [rad/s].
+
+    Source:
+        THEORY.md 7, eq. (7.3); companion form with the mass on the right, solved by the QZ method.
+    """
+    import scipy.linalg
+
+    n = len(m)
+    if not n:
+        return np.zeros(0, complex)
+    eye, zero = np.eye(n), np.zeros((n, n))
+    left, right = np.block([[zero, eye], [-k, -c]]), np.block([[eye, zero], [zero, m]])
+    top, bottom = np.asarray(scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True))
+    finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
+    found = top[finite] / bottom[finite]
+    return found[np.lexsort((found.imag, np.round(np.abs(found.imag), 9)))]
+
+
+class Lowest(NamedTuple):
+    """Lowest eigenvalues of a constrained mechanism in all its coordinates.
+
+    Attributes:
+        values: omega^2, ascending, (count,) [rad^2/s^2].
+        motions: Mass-normalised motions, one a column, (n, count).
+        multipliers: Those of the constraints in these motions, (h, count).
+    """
+
+    values: np.ndarray
+    motions: np.ndarray
+    multipliers: np.ndarray
+
+
+def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
+    """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with sparse factors.
+
+    Args:
+        tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
+        mass: Sparse M, (n, n).
+        count: How many.
+
+    Raises:
+        ModelError: There are not so many.
+        AnalysisError: singular_stiffness.
+
+    Source:
+        Shift-inverted Lanczos method of ARPACK.
+    """
+    import scipy.sparse
+    import scipy.sparse.linalg
+
+    linalg: Any = scipy.sparse.linalg
+    n, total = mass.shape[0], tangent.shape[0]
+    if count >= n - (total - n):
+        raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many frequencies. Leave it out.")
+    ratio = tangent.diagonal()[:n].max() / mass.diagonal().max()
+    shift, factored = 0.0, SparseFactors(tangent)
+    if not factored.regular:
+        shift = FIRST_SHIFT * ratio
+        padded = scipy.sparse.block_diag([shift * mass, scipy.sparse.csr_array((total - n, total - n))])
+        factored = SparseFactors((tangent + padded).tocsc())
+        if not factored.regular:
+            raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+
+    def solved(right):
+        return factored.solve(np.concatenate([np.ravel(right), np.zeros(total - n)]))
+
+    operator = linalg.LinearOperator((n, n), matvec=lambda right: solved(right)[:n], dtype=float)
+    first = solved(mass @ np.cos(np.arange(n) ** 2))[:n]
+    values, motions = linalg.eigsh(mass, k=count, M=mass, sigma=-shift, OPinv=operator, v0=first, which="LM", tol=1e-13)
+    order = np.argsort(values)
+    values, motions = values[order], motions[:, order]
+    motions = motions / np.sqrt(np.einsum("ij,ij->j", motions, mass @ motions))
+    # Once more, for the multipliers too: K v + D^T m = (w^2 + s) M v.
+    full = [solved((w + shift) * (mass @ v)) for w, v in zip(values, motions.T, strict=True)]
+    return Lowest(values, motions, np.stack(full, axis=1)[n:])
+
+
+def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and vectors of a mass matrix, each degree of freedom in a unit that makes its own mass one.
+
+    Args:
+        mass: M, (n, n).
+
+    Returns:
+        Ascending, (n,) [-], and motions in the degrees of freedom, one a column, (n, n).
+    """
+    size = np.abs(np.diag(mass))
+    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    values, vectors = np.linalg.eigh((mass + mass.T) / 2 * scale[:, None] * scale)
+    return values, vectors * scale[:, None]
+
+
+def massless_freedoms(mass: np.ndarray) -> list[int]:
+    """Degrees of freedom to condense, so that the mass matrix of the others is regular.
+
+    Args:
+        mass: M, (n, n).
+    """
+    values, motions = masses_of_motions(mass)
+    null = motions[:, values <= WITHOUT_MASS * len(values)]
+    chosen, _ = independent_rows(null, null.shape[1], 0.0)
+    return sorted(chosen)
+
+
+def response_without_mass(mass: Any, stiffness: Any, condensed: tuple[int, ...], forces: Any, solve: Any = None) -> Any:
+    """Displacements under forces of the motions that carry no mass, whose equilibrium has no inertia in it.
+
+    Args:
+        mass: M, (n, n).
+        stiffness: K, (n, n).
+        condensed: Degrees of freedom without which the mass matrix is regular, (k,).
+        forces: Along the degrees of freedom, one load case a column, (n, cases) or (n,).
+        solve: Function of a matrix and right-hand sides; by default one for traced numbers.
+
+    Returns:
+        N (N^T K N)^-1 N^T forces, with the columns of N spanning the motions without mass: M N = 0, (n, cases) or (n,).
+    """
+    solve = solve or (lambda matrix, right: factorise(matrix).solve(right))
+    out, kept = np.array(condensed, int), np.array([i for i in range(len(mass)) if i not in condensed], int)
+    eye = np.eye(len(mass))
+    null = eye[:, out] - eye[:, kept] @ solve(mass[np.ix_(kept, kept)], mass[np.ix_(kept, out)])
+    return null @ solve(null.T @ stiffness @ null, null.T @ forces)

@@ -1,0 +1,294 @@
+"""Solution of the static equations: Newton's method on the constraint manifold, with load steps that adapt."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from ..math.derivative import jvp_of_varied
+from ..math.indices import accumulate, put
+from ..math.linear import diagonal_of, factorise
+from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
+from ..mechanics.extent import sizes_of
+from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
+from ..mechanics.residual import State, iterate, linear_response, state
+from ..mechanics.stress_resultants import element_stiffness, is_nonlinear, stress_resultants
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS
+from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
+
+# Round-off of a deformation, beside what the whole mechanism's extent would make of it.
+ROUND_OFF = 1e-13
+# An equilibrium is critical where its stiffness K is, in some motion, below this share of the structural stiffness K0.
+# At a limit point the share falls with the root of the distance: a change of the load by some 1e-9 of itself doubles
+# the derivative there. At a bifurcation it is the distance itself. Free of units, and 1 without load however slender a
+# leaf spring is.
+CRITICAL = 1e-4
+
+
+class _Solved(NamedTuple):
+    at: State
+    near: Float[Array, "n_e"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
+    """Coordinates and deformations with the PRESCRIBED ones at their values, the others as undeformed.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        factors: Load factors.
+
+    Returns:
+        x, (n_x,) [m, rad, -], and e, (n_e,) [m, rad].
+    """
+    loads = scaled_loads(parameters, factors)
+    x, e = parameters.reference, jnp.zeros(topology.n_e)
+    if loads.x is not None:
+        x = accumulate(x, topology.x.prescribed, loads.x)
+    if loads.e is not None:
+        e = put(e, topology.e.prescribed, loads.e)
+    return x, e
+
+
+class _Search(NamedTuple):
+    at: State
+    finishing: Bool[Array, ""]
+    finished: Bool[Array, ""]
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    trial: Float[Array, "n_x"]
+    trial_near: Float[Array, "n_e"]
+    strained: Float[Array, "n_e"]
+    trial_strained: Float[Array, "n_e"]
+    reached: Float[Array, ""]
+    step: Float[Array, ""]
+    first: Float[Array, ""]
+    before: Float[Array, ""]
+    soft: Float[Array, "n_q"]
+    softness: Float[Array, ""]
+    tries: Int[Array, ""]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
+    """A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones."""
+    diagonal = diagonal_of(k0)
+    return jnp.cos(jnp.arange(1.0, k0.shape[0] + 1) ** 2) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+
+
+def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
+    """Equilibrium by one loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
+
+    Deformations and their stress are carried as numbers of their own, see ``iterate``. The last turn evaluates the
+    state that was found and leaves it as it is: outside the loop its equations would be compiled once more.
+
+    Beside the Newton iteration runs the power method for the largest 1/mu of K v = mu K0 v, one step a turn with the
+    factors at hand: from below, whether the state is critical.
+    """
+    sizes = sizes_of(topology, parameters)
+    tracks = topology.counts_turns
+    loaded = has_loads(topology, parameters)
+
+    def turn(s: _Search) -> _Search:
+        going = ~s.finishing
+        load = jnp.where(going, jnp.minimum(s.reached + s.step, 1.0), 1.0)
+        factors = LoadFactors(load * target.initial, load * target.increment)
+        wanted = held_values(topology, parameters, factors)
+        at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, s.trial_strained, wanted)
+        k0 = at.K0
+        energy = s.soft @ k0 @ s.soft
+        kept = (energy > 0) & jnp.isfinite(energy)
+        soft = jnp.where(kept, s.soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), _uneven(k0))
+        energy = soft @ k0 @ soft
+        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
+        change = onto + at.transfer.DFx @ dq
+        # Laws alone: where they pull nothing, no stiffness is asked for.
+        still = jnp.array(False) if loaded else (s.iterations == 0) & _is_round_off(at, residual, sizes)
+        change = jnp.where(still, 0.0, change)
+        size = jnp.max(jnp.abs(change) / sizes)
+        first = jnp.where(s.tries == 0, size, s.first)
+        bad = going & AT_LOAD.astray(size, s.before, s.tries)
+        done = going & near_enough(size, load, s.tries) & ~bad
+        trial = s.trial + change
+        # The turn of an angle follows the iterate, whose steps are below half a turn.
+        near = deformations(topology, parameters, trial, at.e) if tracks else at.e
+        strained = at.e + at.jacobian @ change
+        shorter = shorter_load_step(s.step, first, s.tries)
+        step = jnp.where(bad, shorter, jnp.where(done, next_load_step(s.step, first, size / s.before), s.step))
+        failed = bad & (shorter < SMALLEST_LOAD_STEP)
+        # Zero where nothing is stiff without load: that alone is no critical state.
+        softness = jnp.where(still, 0.0, jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)))
+        singular = ~jnp.all(jnp.isfinite(change))
+        why = jnp.where(
+            ~at.transfer.regular,
+            RESULTS.singular_configuration,
+            jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged),
+        )
+
+        def choose(if_bad, if_done, otherwise):
+            return jnp.where(bad, if_bad, jnp.where(done, if_done, otherwise))
+
+        return _Search(
+            at=at,
+            finishing=failed | (done & (load >= 1.0)),
+            finished=s.finishing,
+            x=jnp.where(done, trial, s.x),
+            near=jnp.where(done, near, s.near),
+            trial=choose(s.x, trial, trial),
+            trial_near=choose(s.near, near, near),
+            strained=jnp.where(done, strained, s.strained),
+            trial_strained=choose(s.strained, strained, strained),
+            reached=jnp.where(done, load, s.reached),
+            step=step,
+            first=first,
+            before=jnp.where(bad | done, jnp.inf, size),
+            soft=softer,
+            softness=jnp.where(going, softness, s.softness),
+            tries=jnp.where(bad | done, 0, s.tries + 1),
+            iterations=s.iterations + going.astype(jnp.int32),
+            result=jnp.where(failed, why, s.result).astype(jnp.int32),
+        )
+
+    x0, near0 = parameters.reference, zero_near(topology)
+    zero, no = jnp.zeros((), jnp.int32), jnp.array(False)
+    nothing = jax.eval_shape(lambda x, near: state(topology, parameters, target, x, near), x0, near0)
+    start = _Search(
+        at=jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing),
+        finishing=no,
+        finished=no,
+        x=x0,
+        near=near0,
+        trial=x0,
+        trial_near=near0,
+        strained=near0,
+        trial_strained=near0,
+        reached=jnp.array(0.0),
+        step=jnp.array(1.0),
+        first=jnp.array(1.0),
+        before=jnp.array(jnp.inf),
+        soft=jnp.zeros(topology.n_q),
+        softness=jnp.array(0.0),
+        tries=zero,
+        iterations=zero,
+        result=zero,
+    )
+    end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
+    critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
+    result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
+    return _Solved(end.at, end.near, end.iterations, result)
+
+
+def _is_round_off(at: State, residual: Float[Array, "n_q"], sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+    """Whether nothing but round-off of the deformations is out of balance."""
+    error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes
+    largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
+    return jnp.all(jnp.abs(residual) <= largest)
+
+
+@jax.custom_jvp
+def _solve(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
+    return _search(topology, parameters, target)
+
+
+def change_of_equations(
+    topology: Topology, at: State, near: Float[Array, "n_e"], primals: tuple, tangents: tuple
+) -> tuple[Float[Array, "n_e"], Float[Array, "n_x"], Float[Array, "n_x"]]:
+    """Change of the equilibrium equations with parameters and load factors, at constant x.
+
+    Args:
+        topology: Structure.
+        at: State in equilibrium.
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+        primals: Parameters and load factors.
+        tangents: Their changes; a leaf may be a ``SymbolicZero``.
+
+    Returns:
+        excess (n_e,) [m, rad], shift (n_x,) [m, rad, -] and imbalance (n_x,) [N, N m], as ``reduced_response`` takes
+        them: the particular solution keeps the DOF deformations.
+
+    Source:
+        Implicit function theorem on THEORY.md 5, eq. (5.1); THEORY.md 10, eq. (10.1).
+    """
+
+    def equations(parameters, target):
+        e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
+        stiffness = element_stiffness(topology, parameters)
+        sigma = stress_resultants(topology, parameters, scaled_loads(parameters, target), stiffness, e)
+        held = topology.e.held
+        sigma = put(sigma, held, at.sigma[held])
+        wanted_x, wanted_e = held_values(topology, parameters, target)
+        force = nodal_forces(topology, parameters, target, at.x)
+        return jacobian.T @ sigma - force, e - wanted_e, wanted_x
+
+    _, (imbalance, excess, wanted) = jvp_of_varied(equations, primals, tangents)
+    held = topology.x.held
+    shift = put(jnp.zeros(topology.n_x), held, wanted[held])
+    return put(excess, topology.e.dof, 0.0) + at.jacobian @ shift, shift, imbalance
+
+
+def _solve_jvp(primals, tangents):
+    """The derivative of the equations at constant x, answered by the tangent."""
+    topology, parameters, target = primals
+    solved = _solve(topology, parameters, target)
+    near = jax.lax.stop_gradient(solved.near)
+    excess, shift, imbalance = change_of_equations(topology, solved.at, near, primals[1:], tangents[1:])
+    dx, _ = linear_response(topology, solved.at, excess, shift, imbalance)
+
+    def evaluated(parameters, target, x):
+        return state(topology, parameters, target, x, near)
+
+    _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:], dx))
+    no_change: Any = np.zeros((), jax.dtypes.float0)
+    return solved, _Solved(changed, jnp.zeros_like(near), no_change, no_change)
+
+
+_solve.defjvp(_solve_jvp, symbolic_zeros=True)
+
+
+def solve_state(
+    topology: Topology, parameters: Parameters, target: LoadFactors, tell_critical: bool = False
+) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""]]:
+    """Equilibrium and everything of first order about it; differentiable. Part of the compiled kernels.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+        target: Load factors of the equilibrium.
+        tell_critical: Whether a critical state is told; what is asked about the stiffness there has an answer.
+
+    Returns:
+        State, ``near``, code of RESULTS, and number of Newton iterations.
+    """
+    # What the laws of elements pull in the undeformed mechanism is known only as a number.
+    if has_loads(topology, parameters) or is_nonlinear(topology):
+        at, near, iterations, result = _solve(topology, parameters, target)
+        if not tell_critical:
+            result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
+    else:
+        near = zero_near(topology)
+        at = state(topology, parameters, target, parameters.reference, near, loaded=False)
+        result = iterations = jnp.zeros((), jnp.int32)
+    found = (result == RESULTS.successful) | (result == RESULTS.critical_state)
+    result = jnp.where(found & ~at.transfer.regular, RESULTS.singular_configuration, result)
+    return at, near, result.astype(jnp.int32), iterations
+
+
+def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
+    """Forces of the supports on the mechanism, at FIXED and PRESCRIBED coordinates, zero elsewhere.
+
+    Args:
+        topology: Structure.
+        at: Equilibrium state.
+
+    Returns:
+        D_x^T sigma - f there, (n_x,) [N, N m].
+    """
+    held = topology.x.held
+    return put(jnp.zeros(topology.n_x), held, (at.jacobian.T @ at.sigma - at.force)[held])
