@@ -16,7 +16,8 @@ from ..linear.loose import without_mass
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
 from ..motion.linearize_motion import linearize_motion
-from ..motion.simulate import Motion, simulate
+from ..motion.motion import Motion
+from ..motion.simulate import simulate
 from ..results import RESULTS
 from ..spacar.reading import Setting
 

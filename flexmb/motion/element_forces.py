@@ -20,7 +20,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 
 
-class Moving(Record):
+class PreparedBlock(Record):
     """Elements of one block as functions of what moves.
 
     Attributes:
@@ -56,7 +56,7 @@ class Moving(Record):
         return jax.vmap(one)(rest, *along)
 
 
-def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving, ...]:
+def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
     """All elements that deform or carry mass, with what does not change in a motion worked out.
 
     Args:
@@ -88,7 +88,7 @@ def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving,
         mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, own)
         # Another block computes the deformations of elements whose companions differ.
         measured = block.e if deformation is not None else block.e[:, :0]
-        found.append(Moving(late, block.x, measured, kept, mass, counts))
+        found.append(PreparedBlock(late, block.x, measured, kept, mass, counts))
     return tuple(found)
 
 
@@ -168,7 +168,7 @@ class Derivatives(NamedTuple):
     sigma: Float[Array, "n_e"]
 
 
-def deformed(elements: tuple[Moving, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Deformations and their derivatives by the nodal coordinates.
 
     Args:
@@ -209,22 +209,22 @@ def _pulled(f, x, sigma, weight):
     return jax.vjp(f, x)[1]((sigma, weight))[0]
 
 
-def _weight(block: Moving, sdd):
+def _weight(block: PreparedBlock, sdd):
     """H s_ddot of every element, (elements, k, d), or None."""
     return None if block.mass is None else multiplied(block.mass, sdd)
 
 
-def _stressed(block: Moving, sigma):
+def _stressed(block: PreparedBlock, sigma):
     """Stress resultants of every element, (elements, deformations), or None."""
     return sigma[block.e] if block.e.shape[1] else None
 
 
-def _own(block: Moving, matrix):
+def _own(block: PreparedBlock, matrix):
     """What a matrix of all deformations has for each element, (elements, deformations, deformations)."""
     return matrix[block.e[:, :, None], block.e[:, None, :]]
 
 
-def _along(block: Moving, x, v, a, falling):
+def _along(block: PreparedBlock, x, v, a, falling):
     return [None if of is None else of[block.x] for of in (x, v, a, falling)]
 
 
@@ -235,7 +235,7 @@ def _kinematics(rates, near) -> Kinematics:
 
 
 def acting_forces(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
@@ -268,7 +268,7 @@ def acting_forces(
 
 
 def acting_matrices(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
@@ -320,7 +320,7 @@ def _derived_forces(f, x, sigma, weight):
 
 
 def force_derivatives(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],

@@ -142,7 +142,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
             y0: State.
             args: Not used.
         """
-        return equations_of(terms).acceleration(t0, y0)
+        return equations_of(terms).acceleration(t0, y0)[0]
 
     @jit_beside_options
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
@@ -161,7 +161,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         h, n, stages = t1 - t0, y0.u.shape[0], len(tab.m)
         z0 = solver_state
         if self.jumps:
-            z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0), lambda: solver_state)
+            z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
         tangent = equations.tangent(t0, y0, z0)
         hg = h * tab.gamma
         # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.

@@ -22,7 +22,7 @@ class MotionTerm(diffrax.AbstractTerm):
             y: State.
             args: Not used.
         """
-        z = self.equations.acceleration(t, y)
+        z, _ = self.equations.acceleration(t, y)
         return MotionState(y.w, z[: y.w.shape[0]], self.equations.rate_of_memory(t, y, z))
 
     def contr(self, t0, t1, **kwargs):

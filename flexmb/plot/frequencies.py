@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..motion.linearize_motion import linearize_motion
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..paths.path import Path
 from ..results import RESULTS
 from .canvas import plain_axes
