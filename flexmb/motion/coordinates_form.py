@@ -75,9 +75,10 @@ class CoordinatesForm(Record):
         S_d: Their constant damping, (n_e, n_e), or None.
         gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
         falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
-        free: Indices of the coordinates that move, (n,).
-        sizes: What their displacements are measured in: the mechanism's extent, or 1 for rotations, (n,) [m, -].
-        held: Indices of the held deformations, (m,).
+        free: Indices of the coordinates that move, DEPENDENT and DOF, (n,).
+        sizes: Sizes by which displacements are divided to be pure numbers: the mechanism's extent, or 1 for rotations,
+            (n,) [m, -].
+        held: Indices of the held deformations, FIXED and PRESCRIBED, (m,).
         mobility: Inverse masses of the coordinates that move, by which drift is shared among them, (n,).
         driven: What depends on time.
     """
@@ -116,7 +117,7 @@ class CoordinatesForm(Record):
         return MotionState(moved, xd[self.free] / self.sizes, memory)
 
     def drive(self, t) -> Drive:
-        """What depends on time, at one time."""
+        """Loads and prescribed values at one time."""
         return drive_at(self.topology, self.parameters, self.driven, t)
 
     def whole(self, t, u, w, a) -> Whole:

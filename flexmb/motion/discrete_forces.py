@@ -59,13 +59,13 @@ def momenta_of_inertia(
 
 
 def _pulled(f, middle, step, scale, fall, change, forces):
-    """Nodal forces of one element over a step: by the discrete derivative of f, of sigma and H s_ddot.
+    """Nodal forces of one element over a step, to which the discrete derivative of f carries sigma and H s_ddot.
 
     Args:
         f: Of the coordinates, (e, s).
         middle: Coordinates halfway, (k,).
         step: Their change, (k,).
-        scale: What changes are measured in, (k,).
+        scale: Sizes that make changes pure numbers, (k,).
         fall: Accelerations of free fall, (k,), or None.
         change: Change of (e, s).
         forces: sigma, and (s_ddot, H); None where there is none.
@@ -105,7 +105,7 @@ def step_forces(
         rates: Rates of the places of inertia at its begin.
         falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
-        sizes: What steps of coordinates are measured in, (n_x,) [m, -].
+        sizes: Sizes that make changes of coordinates pure numbers, (n_x,) [m, -].
         stress: Mean sigma as a function of the mean of e and of its mean rate, (n_e,) [N, N m].
 
     Returns:

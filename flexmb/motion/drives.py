@@ -64,63 +64,61 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     Raises:
         ModelError: Unknown name, or what cannot be driven.
     """
-    labels, topology, increment = model.labels, model.topology, drives.increment
     loads, motion = ({} if given is None else given for given in (drives.loads, drives.motion))
     for argument, given in (("loads", loads), ("motion", motion)):
         if not isinstance(given, Mapping):
             raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
-    x_names = {str(entry): i for i, entry in enumerate(labels.x)}
-    e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
-    found = []
-    driven_names: dict[tuple[str, int], str] = {}
-    for name, value in loads.items():
-        nodes, what = labels.coordinates(name), f"Load '{name}'"
-        if name in x_names:
-            found.append(Driven("force", jnp.array([x_names[name]]), _function(what, value, 1)))
-        elif name in e_names:
-            found.append(Driven("stress", jnp.array([e_names[name]]), _function(what, value, 1)))
-        elif nodes:
-            turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
-            value = _function(what, value, 3 if turned else len(nodes))
-            found.append(Driven("moment" if turned else "force", jnp.array(nodes), value))
-        else:
-            raise ModelError(
-                f"Load '{name}' names no coordinate, deformation or node. There are: {_some(x_names, e_names)}."
-            )
+    x_names = {str(entry): i for i, entry in enumerate(model.labels.x)}
+    e_names = {str(entry): i for i, entry in enumerate(model.labels.e) if entry.kind == "deformation"}
+    found = [_load(model.labels, x_names, e_names, name, value) for name, value in loads.items()]
+    moved: dict[tuple[str, int], str] = {}
     for name, value in motion.items():
-        meant = _rotation_prescribed(labels, name)
-        for names, roles, quantity in ((x_names, topology.x, "x"), (e_names, topology.e, "e")):
-            if meant not in names:
-                continue
-            order = np.asarray(roles.prescribed).tolist()
-            if names[meant] not in order:
-                raise ModelError(f"Motion '{name}' is not PRESCRIBED: say prescribe() of it in the builder.")
-            if isinstance(value, Table):
-                raise ModelError(f"Motion '{name}' is a table, whose velocity jumps. Give a smooth function of time.")
-            value = _function(f"Motion '{name}'", value, 1)
-            first = driven_names.setdefault((quantity, names[meant]), name)
-            if first != name:
-                raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
-            found.append(Driven(quantity, jnp.array([order.index(names[meant])]), value))
-            break
-        else:
-            if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
-                node = name.removesuffix(".rotation")
-                raise ModelError(
-                    f"Motion '{name}' is not PRESCRIBED: say prescribe('{node}', \"rotation\", axis=..) of it in the"
-                    " builder."
-                )
-            raise ModelError(
-                f"Motion '{name}' names no coordinate or deformation. There are: {_some(x_names, e_names)}."
-            )
-    if increment is not None:
+        quantity, place, value = _prescribed(model, x_names, e_names, name, value)
+        first = moved.setdefault((quantity, place), name)
+        if first != name:
+            raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
+        found.append(Driven(quantity, jnp.array([place]), value))
+    if drives.increment is not None:
         own = model.parameters.increment
         if own is None:
             raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
         if own.gravity is not None:
             raise ModelError("Gravity among the incremental loads does not change with time. Make it a constant load.")
-        found.append(Driven("increment", jnp.zeros(0, int), _function("Argument `increment`", increment, 1)))
+        factor = _function("Argument `increment`", drives.increment, 1)
+        found.append(Driven("increment", jnp.zeros(0, int), factor))
     return tuple(found)
+
+
+def _load(labels: Labels, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any) -> Driven:
+    """A load by the name of a coordinate, a deformation, a node or a rotation in space."""
+    nodes, what = labels.coordinates(name), f"Load '{name}'"
+    if name in x_names:
+        return Driven("force", jnp.array([x_names[name]]), _function(what, value, 1))
+    if name in e_names:
+        return Driven("stress", jnp.array([e_names[name]]), _function(what, value, 1))
+    if not nodes:
+        raise ModelError(f"{what} names no coordinate, deformation or node. There are: {_some(x_names, e_names)}.")
+    turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
+    value = _function(what, value, 3 if turned else len(nodes))
+    return Driven("moment" if turned else "force", jnp.array(nodes), value)
+
+
+def _prescribed(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any):
+    """What a prescribed motion drives: "x" or "e", place among the PRESCRIBED ones, and the function of time."""
+    labels, topology, what = model.labels, model.topology, f"Motion '{name}'"
+    meant = _rotation_prescribed(labels, name)
+    for names, roles, quantity in ((x_names, topology.x, "x"), (e_names, topology.e, "e")):
+        if meant in names:
+            order = np.asarray(roles.prescribed).tolist()
+            if names[meant] not in order:
+                raise ModelError(f"{what} is not PRESCRIBED: say prescribe() of it in the builder.")
+            if isinstance(value, Table):
+                raise ModelError(f"{what} is a table, whose velocity jumps. Give a smooth function of time.")
+            return quantity, order.index(names[meant]), _function(what, value, 1)
+    if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
+        call = f"prescribe('{name.removesuffix('.rotation')}', \"rotation\", axis=..)"
+        raise ModelError(f"{what} is not PRESCRIBED: say {call} of it in the builder.")
+    raise ModelError(f"{what} names no coordinate or deformation. There are: {_some(x_names, e_names)}.")
 
 
 def _rotation_prescribed(labels: Labels, name: str) -> str:

@@ -73,22 +73,16 @@ class Reached(NamedTuple):
 
 
 class Integrated(NamedTuple):
-    """What an integration found, at the times asked for.
+    """What an integration found.
 
     Attributes:
-        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
-        xd: Their velocities, (n_t, n_x) [1/s].
-        near: Deformations, (n_t, n_e) [m, rad].
-        u: Inputs of a controller, (n_t, n_u) [N, N m].
+        rows: The motion, a row for each of the times asked for.
         steps: Number of time steps.
         result: Code of RESULTS.
         last: Its end, to go on from.
     """
 
-    x: Float[Array, "n_t n_x"]
-    xd: Float[Array, "n_t n_x"]
-    near: Float[Array, "n_t n_e"]
-    u: Float[Array, "n_t n_u"]
+    rows: WholeMotion
     steps: Int[Array, ""]
     result: Int[Array, ""]
     last: Reached
@@ -103,7 +97,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    controller, jumps, given = integrator.controller, problem.jumps, jnp.asarray(integrator.dt0)
+    controller, jumps = integrator.controller, problem.jumps
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
@@ -128,15 +122,9 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     z0, regular = equations.acceleration(t0, start)
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
-    # Over the first step acceleration moves the mechanism by some ten tolerances, unless a step is given.
     fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), (t1 - t0) / parts)
-    dt0 = jnp.where(given > 0, given, guess)
-    if isinstance(controller, diffrax.ConstantStepSize):
-        # A whole number of steps is not to become one more by round-off.
-        steps = jnp.round((t1 - t0) / dt0)
-        dt0 = jnp.where(jnp.abs((t1 - t0) / dt0 - steps) < 1e-9 * steps, (t1 - t0) / steps, dt0)
+    dt0 = _first_step(integrator, fast, t1 - t0, parts, isinstance(controller, diffrax.ConstantStepSize))
     solution = diffrax.diffeqsolve(
         MotionTerm(equations),
         solver,
@@ -167,6 +155,18 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
         controller, state = controller.controller, state.inner_state
     moved = state[1] if isinstance(controller, DisplacementController) else moved
     return states, moved, solution.stats["num_steps"], result
+
+
+def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
+    """First step: as given, or such that the greatest acceleration moves the mechanism by some ten tolerances."""
+    given = jnp.asarray(integrator.dt0)
+    guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), span / parts)
+    first = jnp.where(given > 0, given, guess)
+    if not equal:
+        return first
+    # A whole number of equal steps is not to become one more by round-off.
+    steps = jnp.round(span / first)
+    return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
 def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm:
@@ -216,10 +216,8 @@ def integrate(problem: Problem, integrator: Integrator, span, times, given: Reac
     start = _started(equations, problem, span[0], given.state)
     states, moved, steps, result = _solved(equations, problem, integrator, span[0], span[1], times, start, given.moved)
     # Between steps the state is interpolated, off the constraints.
-    found: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
-    return Integrated(
-        found.x, found.xd, found.near, found.u, steps, result, Reached(_last(states), given.memory, moved)
-    )
+    rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
+    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved))
 
 
 def _last(states: MotionState) -> MotionState:
@@ -265,12 +263,11 @@ def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals,
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        found = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
-        states, moved, steps, result = found
+        states, moved, steps, result = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
         return Reached(_last(states), memory, moved), (states, u, steps, result)
 
     start = given._replace(state=_started(undriven, problem, grid.begin[0], given.state))
     last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
-    found: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
-    return Integrated(found.x, found.xd, found.near, u[grid.interval], jnp.sum(steps), jnp.max(result), last)
+    rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
+    return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), jnp.max(result), last)

@@ -53,6 +53,7 @@ class Sampled(Record):
 
 
 def _seen(y, t, reference):
+    """What a controller is given: the outputs, or how far they are from the wanted ones."""
     if reference is None:
         return y
     wanted = jnp.atleast_1d(jnp.asarray(reference(t), float))
@@ -153,7 +154,7 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
 
 
 def _now(controller: Feedback | Sampled, count: int):
-    """A controller as it is now, for so many outputs of the mechanism."""
+    """A controller with its functions as they are at this call, for so many outputs of the mechanism."""
     states = jnp.zeros(0) if controller.start is None else controller.start
     like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
     names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")

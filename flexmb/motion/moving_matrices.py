@@ -31,7 +31,7 @@ class MovingMatrices(NamedTuple):
         S_d: Damping of the elements likewise, (n_e, n_e).
         reactions: Forces of the supports on the mechanism, (n_x,).
         sigma: Stress resultants, multipliers included, (n_e,).
-        felt: Gravity and motion, which act along the elements.
+        felt: Gravity, velocities and accelerations, whose forces act along the elements.
         regular: Whether the degrees of freedom determine the configuration here.
         DFx_d: Rate of DFx along the motion, (n_x, n_q).
         DFx_dd: Its second rate, (n_x, n_q).
@@ -219,7 +219,7 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
     tangent = transfer(top, jacobian)
 
     def answer(prescribed, wanted, rest):
-        """Change of all coordinates that takes the prescribed ones along."""
+        """Change of all coordinates where the prescribed ones change and the degrees of freedom do not."""
         excess = jnp.zeros(top.n_e).at[form.held].set(-wanted) + jacobian @ prescribed + rest
         return correction(top, tangent, excess, prescribed)
 

@@ -14,8 +14,9 @@ from .controlled_form import Feedback
 from .integrate import Integrated, Intervals, Problem, Reached, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Sampled
+from .protocol import WholeMotion
 
-# As many parts as a bar needs, at most; each begins with a step of its own.
+# Most parts: enough for a bar to move by, and few, since the integration starts anew in each.
 PARTS = 50
 
 
@@ -86,7 +87,7 @@ def integrate_in_parts(
                     run = integrate_sampled(problem, integrator, grid, jnp.asarray(filled), at)
                 else:
                     run = integrate(problem, integrator, jnp.asarray([start, end]), jnp.asarray(filled), at)
-                rows.append([np.asarray(column)[: len(own)] for column in run[:4]])
+                rows.append([np.asarray(column)[: len(own)] for column in run.rows])
                 steps, result, at = steps + int(run.steps), RESULTS(int(run.result)), run.last
                 if report is not None:
                     report(i + 1, len(bounds) - 1)
@@ -101,5 +102,5 @@ def integrate_in_parts(
     if not rows:
         top, inputs = problem.model.topology, 0 if feedback is None else len(problem.model.labels.inputs)
         rows.append([np.zeros((0, size)) for size in (top.n_x, top.n_x, top.n_e, inputs)])
-    x, xd, near, u = (jnp.asarray(np.concatenate(column)) for column in zip(*rows, strict=True))
-    return Integrated(x, xd, near, u, jnp.asarray(steps), jnp.asarray(int(result)), at)
+    whole = WholeMotion(*(jnp.asarray(np.concatenate(column)) for column in zip(*rows, strict=True)))
+    return Integrated(whole, jnp.asarray(steps), jnp.asarray(int(result)), at)

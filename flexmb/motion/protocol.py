@@ -24,7 +24,7 @@ class MotionState(NamedTuple):
 
 
 class WholeMotion(NamedTuple):
-    """What a state stands for.
+    """What a state stands for, or many states with a row for each.
 
     Attributes:
         x: Nodal coordinates, (n_x,) [m, rad, -].

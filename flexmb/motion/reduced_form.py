@@ -24,7 +24,7 @@ class ReducedForm(Record):
 
     Attributes:
         form: The same equations in all coordinates.
-        sizes: What the degrees of freedom are measured in, (n_q,) [m, -].
+        sizes: Sizes by which the degrees of freedom are divided to be pure numbers, (n_q,) [m, -].
     """
 
     form: CoordinatesForm

@@ -148,13 +148,13 @@ def simulate(
     else:
         run = integrate(problem, integrator, times[jnp.array([0, -1])], times, at)
     # What a failure or a stop leaves out.
-    reached, stopped = run.x.shape[0], progress and int(run.result) == RESULTS.stopped
-    columns = [run.x, run.xd, run.near, run.u]
+    reached, stopped = run.rows.x.shape[0], progress and int(run.result) == RESULTS.stopped
+    x, xd, near, u = run.rows
     if stopped:
         times = times[:reached]
     elif progress:
-        columns = [jnp.pad(c, ((0, len(times) - reached), (0, 0)), constant_values=jnp.inf) for c in columns]
-    x, xd, near, u = columns
+        left = ((0, len(times) - reached), (0, 0))
+        x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
     found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, integrator.form, name)
     failing = throw and not stopped and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass
     check(found.result, throw and not stopped, without_mass(model) if failing else "")
@@ -180,14 +180,7 @@ class Condition(Record):
     function: Captured
 
     def __call__(self, t, y, args, **more):
-        """What diffrax watches.
-
-        Args:
-            t: Time [s].
-            y: State.
-            args: Not used.
-            more: Not used.
-        """
+        """What diffrax watches, of the time and the state alone."""
         return self.function(t, y)
 
 
