@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -41,6 +42,7 @@ OPEN = {"results", "errors", "arguments", "setup", "progress", "files", "lazy", 
 # What notebooks ask a result for; it alone may look upwards, when it is called.
 DISPLAY = "_repr_html_"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+TOP_LEVEL = "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE .ci .gitignore".split()
 
 
 def room_of(module: Path) -> str:
@@ -130,3 +132,11 @@ def test_names_of_a_room_are_no_modules_of_it():
 
 def test_a_small_surface():
     assert 50 <= len(offered("flexmb")) <= 60
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git alone knows which files are tracked")
+def test_the_top_level_holds_nothing_else():
+    listed = subprocess.run(["git", "ls-files"], cwd=Path(__file__).parent.parent, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("this is no git repository")
+    assert {name.split("/")[0] for name in listed.stdout.splitlines()} == set(TOP_LEVEL)

@@ -1,6 +1,6 @@
 """Pictures to turn and to play: a page that opens in any browser without a network, and what notebooks show.
 
-What the page does is JavaScript, in the folder ``viewer`` beside the package; ``viewer.js`` here is built from it.
+What the page does is JavaScript, in the folder ``src``; ``viewer.js`` here is built from it.
 """
 
 from ..lazy import names

@@ -1,16 +1,17 @@
-/** Builds ../flexmb/viewer/viewer.js: `npm ci && npm run build` in this folder. */
+/** Builds ../viewer.js: `npm ci && npm run build` in this folder. */
 import { createHash } from "node:crypto";
 import { readdirSync, readFileSync } from "node:fs";
 import { build } from "esbuild";
 
-// tests/viewer/test_page.py computes the same number, so that a forgotten build is found.
+// tests/viewer/test_view.py computes the same number, so that a forgotten build is found.
 const hash = createHash("sha256");
-for (const name of readdirSync("src").sort()) hash.update(readFileSync(`src/${name}`));
+const sources = readdirSync(".").filter((name) => name.endsWith(".js"));
+for (const name of sources.sort()) hash.update(readFileSync(name));
 
 const licence = readFileSync("node_modules/three/LICENSE", "utf8").trim();
 await build({
-  entryPoints: ["src/main.js"],
-  outfile: "../flexmb/viewer/viewer.js",
+  entryPoints: ["main.js"],
+  outfile: "../viewer.js",
   bundle: true,
   minify: true,
   format: "iife",

@@ -1,4 +1,4 @@
-"""Draws the picture at README's top: python pictures/readme.py.
+"""Draws the picture at README's top: python notebooks/pictures/readme.py.
 
 Left: a stage on two leaf springs at a stroke of a fifth of their length, one spectral beam each, with its stress.
 Right: Lee's frame, which snaps through under a load on its beam, with its equilibrium path.
