@@ -16,7 +16,8 @@ from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..mechanics.extent import sizes_of
 from ..model.model import Model
 from ..motion.linearized import linearize_motion
-from ..motion.simulate import Motion, simulate
+from ..motion.motion import Motion
+from ..motion.simulate import simulate
 from ..results import RESULTS
 from ..spacar.reading import Setting
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .. import __version__
 from ..files import save_arrays
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..results import RESULTS
 
 

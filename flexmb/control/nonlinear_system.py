@@ -8,10 +8,10 @@ import numpy as np
 from ..compilation.compile import jit_beside_options
 from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
+from ..motion.drives import Drives, driven_by
 from ..motion.loop import check_signals, measuring, under_inputs
 from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form
-from ..motion.simulate import driven_by
 from ..statics.configuration import configuration
 from ..statics.equilibrium import warn_of_increment
 
@@ -27,10 +27,10 @@ def _rates(model: Model, driven, t, state, memory, u):
     n = form.size
     q, qd = state[:n] / form.sizes, state[n:] / form.sizes
     at = form.settle(t, MotionState(q, qd, memory))
-    x, v, near = form.whole_motion(t, at)
-    own = undriven.state_of(x, v, near)
+    whole = form.whole_motion(t, at)
+    own = undriven.state_of(whole.x, whole.xd, whole.near)
     y = measuring(model, undriven, None).measured(t, own)
-    return jnp.concatenate([state[n:], form.acceleration(t, at) * form.sizes]), y, at.memory
+    return jnp.concatenate([state[n:], form.acceleration(t, at)[0] * form.sizes]), y, at.memory
 
 
 def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.NonlinearIOSystem":
@@ -60,7 +60,7 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
     warn_of_increment(as_model(model, "to_nonlinear_system"), "to_nonlinear_system")
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A plant", "A plant gives")
-    driven = driven_by(model, loads or {}, motion or {}, None)
+    driven = driven_by(model, Drives(loads=loads, motion=motion))
     start = configuration(model)
     nameless = model.without_names()
     memory = [jnp.concatenate([start.x, jnp.zeros(model.topology.n_e)])]

@@ -15,7 +15,7 @@ from ..mechanics.signals import rotation_measured, rotation_row
 from .coordinates_form import CoordinatesForm
 from .drive import MOMENTS, Driven
 from .element_forces import force_derivatives
-from .protocol import MotionState, Tangent
+from .protocol import MotionState, Tangent, WholeMotion
 
 
 class Feedback(Record):
@@ -32,7 +32,7 @@ class Feedback(Record):
     start: Float[Array, "n_z"] | None = None
 
 
-class Held(Record):
+class Constant(Record):
     """A number that does not depend on time.
 
     Attributes:
@@ -92,13 +92,13 @@ def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesFor
         raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {count} inputs.")
     extra = []
     if places.forces.shape[1]:
-        extra.append(Driven("force", places.forces[0], Held(u[places.forces[1]])))
+        extra.append(Driven("force", places.forces[0], Constant(u[places.forces[1]])))
     if places.stresses.shape[1]:
-        extra.append(Driven("stress", places.stresses[0], Held(u[places.stresses[1]])))
+        extra.append(Driven("stress", places.stresses[0], Constant(u[places.stresses[1]])))
     for kind, moments in zip(MOMENTS, (places.moments, places.local_moments), strict=True):
         for first, place, axis in moments.T:
             about = jnp.zeros(3).at[axis].set(u[place])
-            extra.append(Driven(kind, first + jnp.arange(4), Held(about)))
+            extra.append(Driven(kind, first + jnp.arange(4), Constant(about)))
     return dataclasses.replace(form, driven=(*form.driven, *extra))
 
 
@@ -144,13 +144,7 @@ class ControlledForm(Record):
         return jnp.concatenate([mechanism[:n], controller, mechanism[n:]])
 
     def state_of(self, x, xd, near) -> MotionState:
-        """State of nodal coordinates, with the controller at its start.
-
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            xd: Their velocities, (n_x,) [1/s].
-            near: Deformations there, (n_e,) [m, rad], or None.
-        """
+        """State of nodal coordinates, with the controller at its start."""
         own = self.form.state_of(x, xd, near)
         if not self.states:
             return own
@@ -206,27 +200,15 @@ class ControlledForm(Record):
         """Equations of the mechanism under given inputs."""
         return driven_by_inputs(self.form, self.places, u)
 
-    def inputs(self, t, state: MotionState):
-        """Inputs of the mechanism, (n_u,).
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
-        own, z, _, _ = self._split(state)
-        return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, z, self.measured(t, own)), float))
+    def _inputs(self, t, states, y):
+        """Inputs of the mechanism, (n_u,)."""
+        return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
     def residual(self, t, state: MotionState, z):
-        """Residual of the mechanism, and of the controller's rates.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers.
-        """
+        """Residual of the mechanism, and of the controller's rates."""
         own, states, own_z, rates = self._split(state, z)
         y = self.measured(t, own)
-        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        u = self._inputs(t, states, y)
         mechanism = self._driven(u).residual(t, own, own_z)
         controller = rates
         if self.states:
@@ -236,20 +218,15 @@ class ControlledForm(Record):
     def tangent(self, t, state: MotionState, z) -> Tangent:
         """Derivatives of the residual: those of the mechanism, and through its outputs and the controller.
 
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers.
-
         Source:
             Chain rule.
         """
         own, states, own_z, _ = self._split(state, z)
         n, k = self.form.size, self.states
         y, (y_by_u, y_by_w) = self._measured_derivatives(t, own)
-        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
+        u = self._inputs(t, states, y)
         at = self._driven(u).tangent(t, own, own_z)
-        u_by_z, u_by_y = jax.jacfwd(lambda z, y: jnp.atleast_1d(self.feedback.output(t, z, y)), (0, 1))(states, y)
+        u_by_z, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
         by_input = self._by_input(t, own, own_z, u)
         none = jnp.zeros((at.by_u.shape[0], k))
         mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by_y @ y_by_u, none], axis=1)
@@ -303,64 +280,29 @@ class ControlledForm(Record):
         return self.measured(t, own), matrices
 
     def acceleration(self, t, state: MotionState):
-        """Accelerations and multipliers, and rates of the controller.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
-        return self.begin(t, state)[0]
-
-    def begin(self, t, state: MotionState):
-        """Accelerations and multipliers, and whether every motion carries mass.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""
         own, states, _, _ = self._split(state)
         y = self.measured(t, own)
-        u = jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
-        z, regular = self._driven(u).begin(t, own)
+        u = self._inputs(t, states, y)
+        z, regular = self._driven(u).acceleration(t, own)
         return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
     def gap(self, t, state: MotionState):
-        """As the mechanism's.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """As the mechanism's."""
         return self.form.gap(t, self._split(state)[0])
 
     def rate_of_memory(self, t, state: MotionState, z):
-        """As the mechanism.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers.
-        """
+        """As the mechanism's."""
         own, _, own_z, _ = self._split(state, z)
         return self.form.rate_of_memory(t, own, own_z)
 
     def settle(self, t, state: MotionState, mass=None) -> MotionState:
-        """The mechanism brought back onto its constraints.
-
-        Args:
-            t: Time [s].
-            state: State.
-            mass: Mass matrix of what moves, where it is at hand.
-        """
+        """The mechanism brought back onto its constraints; the controller stays as it is."""
         n = self.form.size
         own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
         return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
 
-    def whole_motion(self, t, state: MotionState):
-        """Coordinates, velocities and deformations of a state.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
-        return self.form.whole_motion(t, self._split(state)[0])
+    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+        """Coordinates, velocities and deformations of a state, and the inputs that the controller gives."""
+        own, z, _, _ = self._split(state)
+        return self.form.whole_motion(t, own)._replace(u=self._inputs(t, z, self.measured(t, own)))

@@ -23,21 +23,25 @@ from ..mechanics.stress_resultants import (
 )
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..statics.configuration import configured
+from .discrete_forces import momenta_of_inertia, rates_of_inertia, step_forces
 from .drive import Drive, Driven, drive_at
 from .element_forces import (
     Kinematics,
-    Moving,
+    PreparedBlock,
     acting_forces,
     acting_matrices,
     deformed,
     force_derivatives,
-    moving_elements,
+    prepared_blocks,
 )
-from .protocol import MotionState, Tangent
+from .protocol import InertiaRates, MotionState, Tangent, WholeMotion
 
 # Share of a constraint's own compliance that is added to it, to keep the equations solvable where constraints are
 # redundant or lose rank for a moment: what is below counts as redundant.
 REDUNDANT = 1e-8
+# Steps of Newton's method to a configuration from one a time step away: quadratic convergence leaves round-off.
+CORRECTIONS = 3
 
 
 class Whole(NamedTuple):
@@ -71,16 +75,17 @@ class CoordinatesForm(Record):
         S_d: Their constant damping, (n_e, n_e), or None.
         gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
         falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
-        free: Indices of the coordinates that move, (n,).
-        sizes: What their displacements are measured in: the mechanism's extent, or 1 for rotations, (n,) [m, -].
-        held: Indices of the held deformations, (m,).
+        free: Indices of the coordinates that move, DEPENDENT and DOF, (n,).
+        sizes: Sizes by which displacements are divided to be pure numbers: the mechanism's extent, or 1 for rotations,
+            (n,) [m, -].
+        held: Indices of the held deformations, FIXED and PRESCRIBED, (m,).
         mobility: Inverse masses of the coordinates that move, by which drift is shared among them, (n,).
         driven: What depends on time.
     """
 
     topology: Topology
     parameters: Parameters
-    elements: tuple[Moving, ...]
+    elements: tuple[PreparedBlock, ...]
     S: Float[Array, "n_e n_e"]
     S_d: Float[Array, "n_e n_e"] | None
     gravity: Float[Array, "axes"] | None
@@ -102,13 +107,7 @@ class CoordinatesForm(Record):
         return self.free.shape[0]
 
     def state_of(self, x, xd, near) -> MotionState:
-        """State of nodal coordinates.
-
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            xd: Their velocities, (n_x,) [1/s].
-            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
-        """
+        """State of nodal coordinates; the memory holds all deformations where an element counts turns."""
         tracks = any(block.element.tracks_angle for block in self.topology.blocks)
         memory = jnp.zeros(0)
         if tracks:
@@ -118,11 +117,7 @@ class CoordinatesForm(Record):
         return MotionState(moved, xd[self.free] / self.sizes, memory)
 
     def drive(self, t) -> Drive:
-        """What depends on time, at one time.
-
-        Args:
-            t: Time [s].
-        """
+        """Loads and prescribed values at one time."""
         return drive_at(self.topology, self.parameters, self.driven, t)
 
     def whole(self, t, u, w, a) -> Whole:
@@ -158,26 +153,29 @@ class CoordinatesForm(Record):
         x, v, acc = accumulate(jnp.stack([x, v, acc], axis=1), self.free, moved).T
         return Whole(x, v, acc, e, ed, edd)
 
-    def whole_motion(self, t, state: MotionState):
-        """Coordinates, velocities and deformations of a state.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+        """Coordinates, velocities and deformations of a state; no inputs."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         near = state.memory
         if not near.shape[0]:
             near = deformations(self.topology, self.parameters, at.x, zero_near(self.topology))
-        return at.x, at.v, near
+        return WholeMotion(at.x, at.v, near, jnp.zeros(0))
 
-    def prescribed(self, at: Whole) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
-        """Coordinates and deformations with those that are held at their values.
+    def placed(self, given: Whole, q, x, near) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+        """All coordinates and deformations at given degrees of freedom, by Newton's method from a guess.
 
         Args:
-            at: All coordinates at some time.
+            given: Where everything is that is held, with the other coordinates as in the undeformed mechanism.
+            q: Degrees of freedom, from the undeformed mechanism, (n_q,) [m, rad].
+            x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
+            near: Deformations there, (n_e,) [m, rad].
         """
-        return at.x, put(jnp.zeros(self.topology.n_e), self.held, at.e)
+        values = given.x, put(jnp.zeros(self.topology.n_e), self.held, given.e)
+
+        def closer(_, at):
+            return configured(self.topology, self.parameters, values, q, *at)
+
+        return jax.lax.fori_loop(0, CORRECTIONS, closer, (x, near))
 
     def stress_of(self, t, multipliers):
         """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
@@ -212,21 +210,11 @@ class CoordinatesForm(Record):
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
     def near(self, memory) -> Float[Array, "n_e"]:
-        """Deformations at the last accepted state.
-
-        Args:
-            memory: Of the state.
-        """
+        """Deformations at the last accepted state, from the memory of a state; zero where no turns are counted."""
         return memory if memory.shape[0] else zero_near(self.topology)
 
     def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Any, Any, Whole]:
-        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-        """
+        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
@@ -235,12 +223,7 @@ class CoordinatesForm(Record):
         return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
 
     def applied(self, t, x):
-        """Nodal forces of all loads but gravity, (n_x,) [N, N m].
-
-        Args:
-            t: Time [s].
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-        """
+        """Nodal forces of all loads but gravity, (n_x,) [N, N m], at nodal coordinates x, (n_x,) [m, rad, -]."""
         drive = self.drive(t)
         force = nodal_forces(self.topology, self.parameters, LoadFactors(1.0, drive.increment), x)
         if drive.force is not None:
@@ -248,15 +231,7 @@ class CoordinatesForm(Record):
         return force if drive.turning is None else force + drive.turning @ x
 
     def residual(self, t, state: MotionState, z):
-        """Forces out of balance at the coordinates that move, and second rates of the held deformations.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-
-        Returns:
-            (n + m,) [N, N m; m/s^2, rad/s^2].
+        """Forces out of balance at the coordinates that move [N, N m], second rates of the held deformations.
 
         Source:
             THEORY.md 5 and 9 (b), eq. (9.1).
@@ -265,36 +240,23 @@ class CoordinatesForm(Record):
         return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
 
     def gap(self, t, state: MotionState):
-        """Held deformations less what they are held at, (m,) [m, rad].
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """Held deformations less what they are held at, (m,) [m, rad]."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         return deformations(self.topology, self.parameters, at.x, self.near(state.memory))[self.held] - at.e
 
     def scaled(self, matrix):
-        """Rows and columns of the coordinates that move, over their sizes, (n, n).
-
-        Args:
-            matrix: (n_x, n_x).
-        """
+        """Rows and columns of the coordinates that move, times their sizes, (n, n), of a matrix (n_x, n_x)."""
         return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
 
     def columns(self, matrix):
-        """Rows of the held deformations and columns of what moves, over their sizes, (m, n).
-
-        Args:
-            matrix: (n_e, n_x).
-        """
+        """Rows of the held deformations and columns of what moves, times its sizes, (m, n), of a matrix (n_e, n_x)."""
         return matrix[self.held][:, self.free] * self.sizes
 
     def system(self, mass, rows):
         """Matrix of accelerations and multipliers, kept regular where constraints are redundant, (n + m, n + m).
 
         Args:
-            mass: Over the sizes of what moves, (n, n).
+            mass: Mass matrix of what moves, scaled by its sizes, (n, n).
             rows: Derivatives of the held deformations, (m, n).
         """
         corner = -REDUNDANT * jnp.diag(rows**2 @ self.mobility)
@@ -302,14 +264,6 @@ class CoordinatesForm(Record):
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
         """Derivatives of the residual.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-
-        Returns:
-            Tangent.
 
         Source:
             Derivative of :meth:`residual`, element by element (THEORY.md 6).
@@ -336,28 +290,12 @@ class CoordinatesForm(Record):
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
 
+    @jit_beside_options
     def acceleration(self, t, state: MotionState):
-        """Accelerations and multipliers.
-
-        Args:
-            t: Time [s].
-            state: State.
-
-        Returns:
-            (n + m,) [1/s^2; N, N m].
+        """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
 
         Source:
             THEORY.md 9 (b), eq. (9.2): one symmetric solve.
-        """
-        return self.begin(t, state)[0]
-
-    @jit_beside_options
-    def begin(self, t, state: MotionState):
-        """Accelerations and multipliers, and whether every motion that the constraints allow carries mass.
-
-        Args:
-            t: Time [s].
-            state: State.
         """
         n, none = self.size, jnp.zeros(self.held.shape[0])
         at = self.whole(t, state.u, state.w, jnp.zeros(n))
@@ -375,13 +313,7 @@ class CoordinatesForm(Record):
         return z - factors.solve(residual + left), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
-        """Rates of the deformations, where their turn is remembered.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-        """
+        """Rates of the deformations, where turns are counted."""
         if not state.memory.shape[0]:
             return state.memory
         at = self.whole(t, state.u, state.w, z[: self.size])
@@ -389,13 +321,7 @@ class CoordinatesForm(Record):
 
     @jit_beside_options
     def settle(self, t, state: MotionState, mass=None) -> MotionState:
-        """Positions and velocities brought back onto the constraints, by the least change measured by inertia.
-
-        Args:
-            t: Time [s].
-            state: State.
-            mass: Mass matrix of what moves, (n, n), where it is at hand; its diagonal in the undeformed mechanism
-                otherwise.
+        """Positions and velocities brought back onto the constraints; without a mass, by that of the undeformed shape.
 
         Source:
             THEORY.md 9, eq. (9.3): projection onto D = e and D_x v = e_dot.
@@ -421,6 +347,45 @@ class CoordinatesForm(Record):
             memory = deformations(self.topology, self.parameters, self.whole(t, u, w, zero).x, memory)
         return MotionState(u, w, memory)
 
+    def inertia_rates(self, t, state: MotionState) -> InertiaRates:
+        """Rates of the places of inertia, of each block of elements."""
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        return rates_of_inertia(self.elements, at.x, at.v, self.near(state.memory))
+
+    def forces_over_step(
+        self, times, states: tuple[MotionState, MotionState], rates: InertiaRates, multipliers
+    ) -> tuple[Float[Array, "n"], InertiaRates]:
+        """Mean forces out of balance over a step, and the rates of the places of inertia at its end.
+
+        Source:
+            See :func:`step_forces`.
+        """
+        (t0, t1), zero = times, jnp.zeros(self.size)
+        begin, end = (self.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
+        middle, near = (t0 + t1) / 2, self.near(states[0].memory)
+        stress = self.stress_of(middle, multipliers)
+        sizes = put(jnp.ones(self.topology.n_x), self.free, self.sizes)
+        force, after = step_forces(self.elements, (begin, end), t1 - t0, rates, self.falling, near, sizes, stress)
+        force = force - self.applied(middle, (begin + end) / 2)
+        return force[self.free] * self.sizes, after
+
+    def velocities_of(self, t, state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
+        """Velocities that the constraints allow and that come closest to given rates of the places of inertia.
+
+        Source:
+            Least difference in the norm of the kinetic energy.
+        """
+        n, near = self.size, self.near(state.memory)
+        at = self.whole(t, state.u, jnp.zeros(n), jnp.zeros(n))
+        _, jacobian = deformed(self.elements, at.x, near)
+        # What is driven moves by itself.
+        driven = rates_of_inertia(self.elements, at.x, at.v, near)
+        own = jax.tree.map(lambda rate, given: rate - given, rates, driven)
+        momentum = momenta_of_inertia(self.elements, at.x, near, own)[self.free] * self.sizes
+        mass = self.scaled(mass_matrix(self.topology, self.parameters, at.x))
+        right = jnp.concatenate([momentum, at.ed - (jacobian @ at.v)[self.held]])
+        return factorise(self.system(mass, self.columns(jacobian))).solve(right)[:n]
+
 
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
     """Equations of motion of a model in all its coordinates.
@@ -442,7 +407,7 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
     return CoordinatesForm(
         topology,
         without_gravity(parameters),
-        moving_elements(topology, parameters),
+        prepared_blocks(topology, parameters),
         element_stiffness(topology, parameters),
         element_damping(topology, parameters) if damped else None,
         gravity,

@@ -12,18 +12,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..math.indices import put
-from ..math.linear import factorise
 from ..mechanics.blocks import scatter_vector, scatter_vectors
-from ..mechanics.inertia import mass_matrix
-from .coordinates_form import CoordinatesForm
-from .element_forces import Moving, deformed
-from .protocol import MotionState
-
-Rates = tuple[Float[Array, "elements k d"] | None, ...]
+from .element_forces import PreparedBlock
+from .protocol import InertiaRates
 
 
-def rates_of_inertia(elements: tuple[Moving, ...], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near) -> Rates:
+def rates_of_inertia(
+    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near
+) -> InertiaRates:
     """Rates of the places of inertia, of each block.
 
     Args:
@@ -39,7 +35,9 @@ def rates_of_inertia(elements: tuple[Moving, ...], x: Float[Array, "n_x"], v: Fl
     return tuple(None if b.mass is None else b.over(rate, near, x[b.x], v[b.x]) for b in elements)
 
 
-def momenta_of_inertia(elements: tuple[Moving, ...], x: Float[Array, "n_x"], near, rates: Rates) -> Float[Array, "n_x"]:
+def momenta_of_inertia(
+    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near, rates: InertiaRates
+) -> Float[Array, "n_x"]:
     """Momenta of the coordinates, J^T H s_dot, (n_x,) [kg m/s ..].
 
     Args:
@@ -61,13 +59,13 @@ def momenta_of_inertia(elements: tuple[Moving, ...], x: Float[Array, "n_x"], nea
 
 
 def _pulled(f, middle, step, scale, fall, change, forces):
-    """Nodal forces of one element over a step: by the discrete derivative of f, of sigma and H s_ddot.
+    """Nodal forces of one element over a step, to which the discrete derivative of f carries sigma and H s_ddot.
 
     Args:
         f: Of the coordinates, (e, s).
         middle: Coordinates halfway, (k,).
         step: Their change, (k,).
-        scale: What changes are measured in, (k,).
+        scale: Sizes that make changes pure numbers, (k,).
         fall: Accelerations of free fall, (k,), or None.
         change: Change of (e, s).
         forces: sigma, and (s_ddot, H); None where there is none.
@@ -89,15 +87,15 @@ def _pulled(f, middle, step, scale, fall, change, forces):
 
 
 def step_forces(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: tuple[Float[Array, "n_x"], Float[Array, "n_x"]],
     h: Float[Array, ""],
-    rates: Rates,
+    rates: InertiaRates,
     falling: Float[Array, "n_x"] | None,
     near: Float[Array, "n_e"],
     sizes: Float[Array, "n_x"],
     stress: Callable[..., Any],
-) -> tuple[Float[Array, "n_x"], Rates]:
+) -> tuple[Float[Array, "n_x"], InertiaRates]:
     """Mean nodal forces of stress and inertia over a step, and the rates at its end.
 
     Args:
@@ -107,7 +105,7 @@ def step_forces(
         rates: Rates of the places of inertia at its begin.
         falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
-        sizes: What steps of coordinates are measured in, (n_x,) [m, -].
+        sizes: Sizes that make changes of coordinates pure numbers, (n_x,) [m, -].
         stress: Mean sigma as a function of the mean of e and of its mean rate, (n_e,) [N, N m].
 
     Returns:
@@ -137,67 +135,3 @@ def step_forces(
         forces.append((block.x, block.over(_pulled, near, *along, change, (own, inertia))))
         after.append(last)
     return scatter_vector(begin.shape[0], forces), tuple(after)
-
-
-def forces_over_step(
-    form: CoordinatesForm, times, states: tuple[MotionState, MotionState], rates: Rates, multipliers
-) -> tuple[Float[Array, "n"], Rates]:
-    """Mean forces out of balance over a step, and the rates of the places of inertia at its end.
-
-    Args:
-        form: Equations of motion.
-        times: Its begin and end [s].
-        states: There; velocities are not used.
-        rates: Rates of the places of inertia at its begin.
-        multipliers: Mean multipliers, (m,) [N, N m].
-
-    Returns:
-        (n,) [N, N m], and rates.
-
-    Source:
-        See :func:`step_forces`.
-    """
-    (t0, t1), zero = times, jnp.zeros(form.size)
-    begin, end = (form.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
-    middle, near = (t0 + t1) / 2, form.near(states[0].memory)
-    stress = form.stress_of(middle, multipliers)
-    sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
-    force, after = step_forces(form.elements, (begin, end), t1 - t0, rates, form.falling, near, sizes, stress)
-    force = force - form.applied(middle, (begin + end) / 2)
-    return force[form.free] * form.sizes, after
-
-
-def rates_at(form: CoordinatesForm, t, state: MotionState) -> Rates:
-    """Rates of the places of inertia, of each block of elements.
-
-    Args:
-        form: Equations of motion.
-        t: Time [s].
-        state: State.
-    """
-    at = form.whole(t, state.u, state.w, jnp.zeros(form.size))
-    return rates_of_inertia(form.elements, at.x, at.v, form.near(state.memory))
-
-
-def velocities_of(form: CoordinatesForm, t, state: MotionState, rates: Rates) -> Float[Array, "n"]:
-    """Velocities that the constraints allow and that come closest to given rates of the places of inertia, (n,).
-
-    Args:
-        form: Equations of motion.
-        t: Time [s].
-        state: State; its velocities are not used.
-        rates: Rates.
-
-    Source:
-        Least difference in the norm of the kinetic energy.
-    """
-    n, near = form.size, form.near(state.memory)
-    at = form.whole(t, state.u, jnp.zeros(n), jnp.zeros(n))
-    _, jacobian = deformed(form.elements, at.x, near)
-    # What is driven moves by itself.
-    driven = rates_of_inertia(form.elements, at.x, at.v, near)
-    own = jax.tree.map(lambda rate, given: rate - given, rates, driven)
-    momentum = momenta_of_inertia(form.elements, at.x, near, own)[form.free] * form.sizes
-    mass = form.scaled(mass_matrix(form.topology, form.parameters, at.x))
-    right = jnp.concatenate([momentum, at.ed - (jacobian @ at.v)[form.held]])
-    return factorise(form.system(mass, form.columns(jacobian))).solve(right)[:n]

@@ -20,17 +20,18 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 
 
-class Moving(Record):
-    """Elements of one block as functions of what moves.
+class PreparedBlock(Record):
+    """Elements of one block, prepared for motion: what does not change while they move has been worked out.
 
     Attributes:
-        function: ``(x_el, *kept_el) -> (e_el, s_el)``, with the deformations at the last accepted state after x_el
-            where angles are counted; e_el or s_el is None where there is none.
+        function: ``(x_el, *kept_el) -> (e_el, s_el)``, from the coordinates of an element to its deformations and the
+            places of its inertia, either None where there is none. Where angles are counted past full turns, the
+            deformations at the last accepted state come after x_el.
         x: Index of each element's coordinates, (elements, coordinates).
         e: Index of each element's deformations, (elements, deformations); none where e_el is None.
-        kept: What the function needs to know of each element.
+        kept: Constants of each element, for the function.
         mass: H of each element, (elements, k, k), or None.
-        counts: Whether angles are counted.
+        counts: Whether angles are counted past full turns.
     """
 
     function: Callable[..., Any] = static()
@@ -41,12 +42,12 @@ class Moving(Record):
     counts: bool = static()
 
     def over(self, function, near, *along):
-        """Values of a function of one element's ``e, s`` for all of them.
+        """Values for all elements of what is said of one, by its deformations and places of inertia.
 
         Args:
             function: Of ``(f, *along_el)`` where ``f(x_el) -> (e_el, s_el)``.
             near: Deformations at the last accepted state, (n_e,) [m, rad].
-            along: What it is mapped over, rows in the order of the elements.
+            along: Further arguments, one row for each element.
         """
         rest = (near[self.e], *self.kept) if self.counts else self.kept
 
@@ -56,7 +57,7 @@ class Moving(Record):
         return jax.vmap(one)(rest, *along)
 
 
-def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving, ...]:
+def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
     """All elements that deform or carry mass, with what does not change in a motion worked out.
 
     Args:
@@ -88,7 +89,7 @@ def moving_elements(topology: Topology, parameters: Parameters) -> tuple[Moving,
         mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, own)
         # Another block computes the deformations of elements whose companions differ.
         measured = block.e if deformation is not None else block.e[:, :0]
-        found.append(Moving(late, block.x, measured, kept, mass, counts))
+        found.append(PreparedBlock(late, block.x, measured, kept, mass, counts))
     return tuple(found)
 
 
@@ -168,7 +169,7 @@ class Derivatives(NamedTuple):
     sigma: Float[Array, "n_e"]
 
 
-def deformed(elements: tuple[Moving, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Deformations and their derivatives by the nodal coordinates.
 
     Args:
@@ -190,7 +191,7 @@ def deformed(elements: tuple[Moving, ...], x: Float[Array, "n_x"], near: Float[A
 
 
 def _rates(f, x, v, a, falling):
-    """Of one element (e, s), their rates and second rates, of s those that resist a fall."""
+    """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
     y, yd, (edd, sdd) = _second_rate(f, x, v, a)
     if falling is not None and sdd is not None:
         sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
@@ -209,22 +210,22 @@ def _pulled(f, x, sigma, weight):
     return jax.vjp(f, x)[1]((sigma, weight))[0]
 
 
-def _weight(block: Moving, sdd):
+def _weight(block: PreparedBlock, sdd):
     """H s_ddot of every element, (elements, k, d), or None."""
     return None if block.mass is None else multiplied(block.mass, sdd)
 
 
-def _stressed(block: Moving, sigma):
+def _stressed(block: PreparedBlock, sigma):
     """Stress resultants of every element, (elements, deformations), or None."""
     return sigma[block.e] if block.e.shape[1] else None
 
 
-def _own(block: Moving, matrix):
+def _own(block: PreparedBlock, matrix):
     """What a matrix of all deformations has for each element, (elements, deformations, deformations)."""
     return matrix[block.e[:, :, None], block.e[:, None, :]]
 
 
-def _along(block: Moving, x, v, a, falling):
+def _along(block: PreparedBlock, x, v, a, falling):
     return [None if of is None else of[block.x] for of in (x, v, a, falling)]
 
 
@@ -235,7 +236,7 @@ def _kinematics(rates, near) -> Kinematics:
 
 
 def acting_forces(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
@@ -268,7 +269,7 @@ def acting_forces(
 
 
 def acting_matrices(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
@@ -277,15 +278,6 @@ def acting_matrices(
     stress: Callable[..., Any],
 ) -> tuple[Acting, Float[Array, "n_e n_x"], Float[Array, "n_x n_x"]]:
     """As :func:`acting_forces`, with D_x and the mass matrix, from the Jacobians of the elements.
-
-    Args:
-        elements: Elements.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
 
     Returns:
         Acting, D_x and M.
@@ -320,7 +312,7 @@ def _derived_forces(f, x, sigma, weight):
 
 
 def force_derivatives(
-    elements: tuple[Moving, ...],
+    elements: tuple[PreparedBlock, ...],
     x: Float[Array, "n_x"],
     v: Float[Array, "n_x"],
     a: Float[Array, "n_x"],
@@ -329,21 +321,10 @@ def force_derivatives(
     stress: Callable[..., Any],
     tangents: Callable[..., Any] | None = None,
 ) -> Derivatives:
-    """Derivatives of all that :func:`acting_forces` gives.
+    """Derivatives of all that :func:`acting_forces` gives, with the same arguments.
 
-    Args:
-        elements: Elements.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
-        tangents: Derivatives of sigma by e and e_dot as a function of these, two matrices (n_e, n_e) without entries
-            between elements, the second or None; None: sigma stays as it is.
-
-    Returns:
-        Derivatives.
+    ``tangents`` gives the derivatives of sigma by e and e_dot as a function of these: two matrices (n_e, n_e) without
+    entries between elements, the second or None. Where it is None, sigma stays as it is.
 
     Source:
         Derivative of :func:`acting_forces`.

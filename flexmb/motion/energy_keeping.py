@@ -1,16 +1,20 @@
 """A method that keeps energy, for motion without losses over long times, as a diffrax solver of fixed steps."""
 
-from typing import Any
+from typing import Any, cast
 
 import diffrax
 import jax.numpy as jnp
 
 from ..compilation.compile import jit_beside_options
-from .discrete_forces import forces_over_step, rates_at, velocities_of
 from .newton import solve_step
-from .protocol import MotionState
+from .protocol import EnergyEquations, MotionState
 from .solver import SecondOrderSolver
 from .term import MotionTerm, equations_of
+
+
+def _equations_of(terms) -> EnergyEquations:
+    """The equations in a term; :func:`flexmb.simulate` has seen to it that they have what this method needs."""
+    return cast(EnergyEquations, equations_of(terms))
 
 
 class EnergyKeeping(SecondOrderSolver):
@@ -35,8 +39,8 @@ class EnergyKeeping(SecondOrderSolver):
             y0: State.
             args: Not used.
         """
-        equations: Any = equations_of(terms)
-        return equations.acceleration(t0, y0), rates_at(equations, t0, y0)
+        equations = _equations_of(terms)
+        return equations.acceleration(t0, y0)[0], equations.inertia_rates(t0, y0)
 
     @jit_beside_options
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
@@ -51,7 +55,7 @@ class EnergyKeeping(SecondOrderSolver):
             solver_state: Of :meth:`init`.
             made_jump: Not used.
         """
-        equations: Any = equations_of(terms)
+        equations = _equations_of(terms)
         h, n = t1 - t0, y0.u.shape[0]
         z0, rates = solver_state
 
@@ -60,7 +64,7 @@ class EnergyKeeping(SecondOrderSolver):
 
         def residual(z):
             state = at_end(z)
-            force, _ = forces_over_step(equations, (t0, t1), (y0, state), rates, z[n:])
+            force, _ = equations.forces_over_step((t0, t1), (y0, state), rates, z[n:])
             return jnp.concatenate([force, equations.gap(t1, state) / (h**2 / 2)])
 
         def matrix(z):
@@ -70,8 +74,8 @@ class EnergyKeeping(SecondOrderSolver):
 
         z1, solved = solve_step(residual, matrix, matrix(z0), z0, n, h**2 / 2)
         state = at_end(z1)
-        _, rates = forces_over_step(equations, (t0, t1), (y0, state), rates, z1[n:])
-        y1 = MotionState(state.u, velocities_of(equations, t1, state, rates), state.memory)
+        _, rates = equations.forces_over_step((t0, t1), (y0, state), rates, z1[n:])
+        y1 = MotionState(state.u, equations.velocities_of(t1, state, rates), state.memory)
         y1 = y1._replace(memory=equations.settle(t1, y1).memory)
         dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=z1[:n])
         ok: Any = diffrax.RESULTS

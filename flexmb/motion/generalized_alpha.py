@@ -38,7 +38,7 @@ class GeneralizedAlpha(SecondOrderSolver):
             y0: State.
             args: Not used.
         """
-        z = equations_of(terms).acceleration(t0, y0)
+        z, _ = equations_of(terms).acceleration(t0, y0)
         return z, z[: y0.u.shape[0]]
 
     @jit_beside_options

@@ -9,38 +9,39 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
+from ..compilation.record import Record
 from ..model.model import Model
 from ..results import RESULTS
-from .coordinates_form import coordinates_form
+from .controlled_form import ControlledForm, Feedback
+from .coordinates_form import CoordinatesForm, coordinates_form
+from .drive import Driven
+from .integrator import Integrator
 from .loop import Sampled, controlled_form, measuring, under_inputs
-from .protocol import MotionState
-from .reduced_form import reduced_form
+from .protocol import Equations, MotionState, WholeMotion
+from .reduced_form import ReducedForm, reduced_form
 
+# Smallest step, as share of the time.
 SMALLEST_STEP = 1e-12
+# The first step is at most one of so many parts of the time, or of an interval between two samples.
+FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
 
-class Run(NamedTuple):
-    """What an integration found, at the times asked for.
+class Problem(Record):
+    """What is integrated: a mechanism, what depends on time, and the controller around it.
 
     Attributes:
-        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
-        xd: Their velocities, (n_t, n_x) [1/s].
-        near: Deformations, (n_t, n_e) [m, rad].
-        u: Inputs of a controller, (n_t, n_u) [N, N m].
-        steps: Number of time steps.
-        result: Code of RESULTS.
-        last: State at the end, and what a sampled controller remembers, to go on from.
-        moved: Greatest displacement so far (extents, radians), if step sizes go by it.
+        model: Mechanism.
+        driven: What depends on time.
+        feedback: Controller, or None.
+        jumps: Times to be stepped onto, ascending, (k,) [s], or None.
+        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -]; None: none is measured.
     """
 
-    x: Float[Array, "n_t n_x"]
-    xd: Float[Array, "n_t n_x"]
-    near: Float[Array, "n_t n_e"]
-    u: Float[Array, "n_t n_u"]
-    steps: Int[Array, ""]
-    result: Int[Array, ""]
-    last: tuple[MotionState, Any]
-    moved: Float[Array, ""]
+    model: Model
+    driven: tuple[Driven, ...]
+    feedback: Feedback | Sampled | None
+    jumps: Float[Array, "k"] | None
+    start: Float[Array, "n_x"] | None
 
 
 class Start(NamedTuple):
@@ -57,7 +58,37 @@ class Start(NamedTuple):
     near: Any = None
 
 
-def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regular):
+class Reached(NamedTuple):
+    """Where an integration goes on from.
+
+    Attributes:
+        state: State, or where the motion starts from.
+        memory: State of a sampled controller, None without one.
+        moved: Greatest displacement so far (extents, radians), by which step sizes are controlled.
+    """
+
+    state: MotionState | Start
+    memory: Any
+    moved: Float[Array, ""]
+
+
+class Integrated(NamedTuple):
+    """What an integration found.
+
+    Attributes:
+        rows: The motion, a row for each of the times asked for.
+        steps: Number of time steps.
+        result: Code of RESULTS.
+        last: Its end, to go on from.
+    """
+
+    rows: WholeMotion
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
+    last: Reached
+
+
+def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, t1, times, start: MotionState, moved):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     import diffrax
 
@@ -66,41 +97,36 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    rtol, atol = settings["rtol"], settings["atol"]
-    controller, jumps = settings["controller"], settings["jumps"]
-    solver = Rodas5P(jumps=jumps is not None) if settings["solver"] is None else settings["solver"]
-    adjoint = diffrax.RecursiveCheckpointAdjoint() if settings["adjoint"] is None else settings["adjoint"]
+    controller, jumps = integrator.controller, problem.jumps
+    solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
+    adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
     if controller is None and not adapts:
         controller = diffrax.ConstantStepSize()
     elif controller is None:
         controller = DisplacementController(
-            rtol=rtol,
-            atol=atol,
+            rtol=integrator.rtol,
+            atol=integrator.atol,
             pcoeff=0.1,
             icoeff=0.3,
             dtmin=SMALLEST_STEP * (t1 - t0),
             force_dtmin=False,
-            moved=settings["moved"],
-            states=form.states,
+            moved=moved,
+            states=equations.states,
         )
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
     failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
     if jumps is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
         controller = diffrax.ClipStepSizeController(controller, jump_ts=jumps)
+    z0, regular = equations.acceleration(t0, start)
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
-    # Over the first step acceleration moves the mechanism by some ten tolerances, unless a step is given.
-    fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: form.size]), initial=1e-30))
-    guess = jnp.fmin(jnp.sqrt(20 * (rtol + atol) / fast), (t1 - t0) / settings["first"])
-    dt0 = jnp.where(settings["dt0"] > 0, settings["dt0"], guess)
-    if isinstance(controller, diffrax.ConstantStepSize):
-        # A whole number of steps is not to become one more by round-off.
-        steps = jnp.round((t1 - t0) / dt0)
-        dt0 = jnp.where(jnp.abs((t1 - t0) / dt0 - steps) < 1e-9 * steps, (t1 - t0) / steps, dt0)
+    fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
+    parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
+    dt0 = _first_step(integrator, fast, t1 - t0, parts, isinstance(controller, diffrax.ConstantStepSize))
     solution = diffrax.diffeqsolve(
-        MotionTerm(form),
+        MotionTerm(equations),
         solver,
         t0,
         t1,
@@ -109,8 +135,8 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
         saveat=diffrax.SaveAt(ts=times, controller_state=True),
         stepsize_controller=controller,
         adjoint=adjoint,
-        event=settings["event"],
-        max_steps=settings["max_steps"],
+        event=integrator.event,
+        max_steps=integrator.max_steps,
         solver_state=z0 if isinstance(solver, Rosenbrock) else None,
         throw=False,
     )
@@ -118,7 +144,7 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     ok = diffrax.RESULTS
     result = jnp.where(solution.result == ok.successful, RESULTS.successful, failed)
     result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
-    if settings["event"] is not None:
+    if integrator.event is not None:
         result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
     else:
         wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
@@ -127,73 +153,71 @@ def _solved(form: Any, settings: dict[str, Any], t0, t1, times, start, z0, regul
     state: Any = solution.controller_state
     if isinstance(controller, diffrax.ClipStepSizeController):
         controller, state = controller.controller, state.inner_state
-    moved = state[1] if isinstance(controller, DisplacementController) else settings["moved"]
+    moved = state[1] if isinstance(controller, DisplacementController) else moved
     return states, moved, solution.stats["num_steps"], result
 
 
-def _form(model: Model, driven, settings) -> Any:
-    form: Any = coordinates_form(model.topology, model.parameters, driven)
-    if settings["form"] == "reduced":
-        form = reduced_form(form)
-    feedback = settings["feedback"]
-    if feedback is None or isinstance(feedback, Sampled):
-        return form
-    return controlled_form(model, form, feedback, settings["start"])
+def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
+    """First step: as given, or such that the greatest acceleration moves the mechanism by some ten tolerances."""
+    given = jnp.asarray(integrator.dt0)
+    guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), span / parts)
+    first = jnp.where(given > 0, given, guess)
+    if not equal:
+        return first
+    # A whole number of equal steps is not to become one more by round-off.
+    steps = jnp.round(span / first)
+    return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _start(form: Any, driven, t, given: Start | MotionState) -> MotionState:
+def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm:
+    mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
+    if form == "reduced":
+        return reduced_form(mechanism)
+    if isinstance(problem.feedback, Feedback):
+        return controlled_form(problem.model, mechanism, problem.feedback, problem.start)
+    return mechanism
+
+
+def _started(equations: Equations, problem: Problem, t, given: Start | MotionState) -> MotionState:
     if isinstance(given, MotionState):
         return given
-    start = form.state_of(*given)
-    if any(one.quantity in ("x", "e") for one in driven):
+    start = equations.state_of(*given)
+    if any(one.quantity in ("x", "e") for one in problem.driven):
         # What is driven may have speed from the start, and take the rest along.
-        start = form.settle(t, start)
+        start = equations.settle(t, start)
     return start
 
 
 @jit_beside_options
-def begin(model: Model, driven, t, given: Start, settings: dict[str, Any]) -> tuple[MotionState, Any]:
-    """State that a motion starts from, and what a sampled controller remembers then.
+def begin(problem: Problem, form: str, t, given: Start) -> MotionState:
+    """State that a motion starts from.
 
     Args:
-        model: Mechanism.
-        driven: What depends on time.
+        problem: What is integrated.
+        form: Form of the equations.
         t: Time [s].
         given: Where it starts from.
-        settings: Of :func:`flexmb.simulate`.
     """
-    feedback = settings["feedback"]
-    memory = feedback.start if isinstance(feedback, Sampled) else None
-    return _start(_form(model, driven, settings), driven, t, given), memory
+    return _started(_equations(problem, form), problem, t, given)
 
 
 @jit_beside_options
-def integrate(
-    model: Model, driven, span, times, given: tuple[Start | MotionState, Any], settings: dict[str, Any]
-) -> Run:
+def integrate(problem: Problem, integrator: Integrator, span, times, given: Reached) -> Integrated:
     """Motion from one time to another.
 
     Args:
-        model: Mechanism.
-        driven: What depends on time.
+        problem: What is integrated.
+        integrator: How, as checked.
         span: Start and end, (2,) [s].
         times: Times at which to give it, (n_t,) [s].
-        given: Where it starts from.
-        settings: Of :func:`flexmb.simulate`.
+        given: Where it goes on from.
     """
-    form = _form(model, driven, settings)
-    start = _start(form, driven, span[0], given[0])
-    z0, regular = form.begin(span[0], start)
-    states, moved, steps, result = _solved(form, settings, span[0], span[1], times, start, z0, regular)
-
-    def whole(at):
-        # Between steps the state is interpolated, off the constraints.
-        state = form.settle(*at)
-        inputs = form.inputs(at[0], state) if settings["feedback"] is not None else jnp.zeros(0)
-        return *form.whole_motion(at[0], state), inputs
-
-    x, xd, near, u = jax.lax.map(whole, (times, states))
-    return Run(x, xd, near, u, steps, result, (_last(states), None), moved)
+    equations = _equations(problem, integrator.form)
+    start = _started(equations, problem, span[0], given.state)
+    states, moved, steps, result = _solved(equations, problem, integrator, span[0], span[1], times, start, given.moved)
+    # Between steps the state is interpolated, off the constraints.
+    rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
+    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved))
 
 
 def _last(states: MotionState) -> MotionState:
@@ -219,36 +243,31 @@ class Intervals(NamedTuple):
 
 
 @jit_beside_options
-def integrate_sampled(
-    model: Model, driven, grid: Intervals, times, given: tuple[Start | MotionState, Any], settings: dict[str, Any]
-) -> Run:
+def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals, times, given: Reached) -> Integrated:
     """Motion under a controller that acts at equal intervals, one after the other.
 
     Args:
-        model: Mechanism.
-        driven: What depends on time.
+        problem: What is integrated.
+        integrator: How, as checked.
         grid: The intervals and the times in them.
         times: Times at which to give it, (n_t,) [s].
-        given: Where it starts from.
-        settings: Of :func:`flexmb.simulate`.
+        given: Where it goes on from.
     """
-    sampled: Sampled = settings["feedback"]
-    undriven = _form(model, driven, settings)
-    sensors = measuring(model, undriven, settings["start"])
+    sampled: Any = problem.feedback
+    undriven = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
+    sensors = measuring(problem.model, undriven, problem.start)
 
     def interval(carry, at):
         state, memory, moved = carry
         begin, end, wanted = at
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state))
         u = jnp.atleast_1d(jnp.asarray(u, float))
-        form = under_inputs(model, undriven, u)
-        z0, regular = form.begin(begin, state)
-        before = settings | {"moved": moved}
-        states, moved, steps, result = _solved(form, before, begin, end, wanted, state, z0, regular)
-        return (_last(states), memory, moved), (states, u, steps, result)
+        equations = under_inputs(problem.model, undriven, u)
+        states, moved, steps, result = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
+        return Reached(_last(states), memory, moved), (states, u, steps, result)
 
-    start = _start(undriven, driven, grid.begin[0], given[0]), given[1], settings["moved"]
-    (state, memory, moved), (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
+    start = given._replace(state=_started(undriven, problem, grid.begin[0], given.state))
+    last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
-    x, xd, near = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
-    return Run(x, xd, near, u[grid.interval], jnp.sum(steps), jnp.max(result), (state, memory), moved)
+    rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
+    return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), jnp.max(result), last)

@@ -29,13 +29,7 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
     a1: Float[Array, "n"]
 
     def evaluate(self, t0, t1=None, left: bool = True) -> MotionState:
-        """State at a time, or its change over an interval.
-
-        Args:
-            t0: Time [s].
-            t1: End of the interval [s], or None.
-            left: Not used: the state is continuous.
-        """
+        """State at a time, or its change over an interval."""
         del left
         if t1 is not None:
             first, last = self.evaluate(t0), self.evaluate(t1)

@@ -14,12 +14,14 @@ from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
-from ..statics.configuration import configured
 from .coordinates_form import coordinates_form
+from .drives import Drives, driven_by
+from .motion import Motion
 from .moving_matrices import MovingMatrices, carried, moving_matrices
-from .simulate import Motion, driven_by
 
+# The speed of what is prescribed is brought up in so many steps, each of so many iterations of Newton's method.
 STEADY_STEPS, STEADY_ITERATIONS = 10, 6
+# Largest last change of a degree of freedom over its size.
 STEADY_TOLERANCE = 1e-9
 
 
@@ -56,7 +58,7 @@ def _along(topology, parameters, driven, t, x, xd, near):
     def one(at):
         t, x, xd, near = at
         state = form.state_of(x, xd, near)
-        z = form.acceleration(t, state)
+        z, _ = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
         found = moving_matrices(form, t, whole.x, whole.v, whole.a, near)
         return _as_matrices(found, whole.x, whole.v, whole.a, near, jnp.zeros((), jnp.int32))
@@ -98,21 +100,13 @@ def _steady(topology, parameters, driven, time) -> Matrices:
     n = topology.x.dof.shape[0]
     scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
 
-    def placed(q, x, near):
-        """Coordinates at q, from a guess."""
-
-        def closer(_, at):
-            return configured(topology, parameters, form.prescribed(given), q, *at)
-
-        return jax.lax.fori_loop(0, 3, closer, (x, near))
-
     def linear(speed, x, near):
         v, a = carried(form, time, x, none, none, near, speed)
         return moving_matrices(form, time, x, v, a, near), v, a
 
     def iterate(i, walk):
         q, x, near, _, _ = walk
-        x, near = placed(q, x, near)
+        x, near = form.placed(given, q, x, near)
         speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)
         at = linear(speed, x, near)
         dq = factorise(at[0].K).solve(-at[0].residual)
@@ -159,7 +153,7 @@ def steady_motion(
     check_number("time", time)
     if not motion:
         raise ModelError("A steady motion needs something that moves: name it in `motion`.")
-    driven = driven_by(model, {}, motion, None)
+    driven = driven_by(model, Drives(motion=motion))
     found = Linearization(_steady(model.topology, model.parameters, driven, jnp.asarray(time, float)), model)
     check(found.matrices.result, throw)
     return found

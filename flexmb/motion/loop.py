@@ -23,6 +23,20 @@ from .coordinates_form import CoordinatesForm
 MEASURED = ("position", "velocity", "deformation", "deformation rate")
 
 
+class Loop(Record):
+    """Controller around a mechanism in a simulation; each may be given to :func:`simulate` as a keyword too.
+
+    Attributes:
+        control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace``, continuous or sampled
+            (with dt, its output held from sample to sample), a function ``u = control(t, y)``, a :class:`Feedback`, or
+            a :class:`Sampled`.
+        reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
+    """
+
+    control: Any = None
+    reference: Callable | None = None
+
+
 class Sampled(Record):
     """A controller that acts at equal intervals from the start of the simulation; its output is held in between.
 
@@ -39,6 +53,7 @@ class Sampled(Record):
 
 
 def _seen(y, t, reference):
+    """What a controller is given: the outputs, or how far they are from the wanted ones."""
     if reference is None:
         return y
     wanted = jnp.atleast_1d(jnp.asarray(reference(t), float))
@@ -89,18 +104,23 @@ def check_signals(model: Model, needs: str, wants: str) -> None:
             )
 
 
-def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedback | Sampled:
-    """Feedback of a controller given as python-control system, function or Feedback.
+def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
+    """Feedback of a controller given as python-control system, function or Feedback; None where there is none.
 
     Args:
         model: Mechanism with named inputs and outputs.
-        control: See :func:`flexmb.simulate`.
-        reference: Wanted outputs as a function of time, or None.
+        loop: What was given.
 
     Raises:
+        ValueError: A reference without a controller.
         ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an output
             that cannot be fed back.
     """
+    control, reference = loop.control, loop.reference
+    if control is None:
+        if reference is not None:
+            raise ValueError("Argument `reference` is what a controller follows: give `control` too.")
+        return None
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A controller", "It cannot be fed back. Feed back one of")
     if isinstance(control, Feedback | Sampled):
@@ -134,7 +154,7 @@ def as_feedback(model: Model, control: Any, reference: Callable | None) -> Feedb
 
 
 def _now(controller: Feedback | Sampled, count: int):
-    """A controller as it is now, for so many outputs of the mechanism."""
+    """A controller with its functions as they are at this call, for so many outputs of the mechanism."""
     states = jnp.zeros(0) if controller.start is None else controller.start
     like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
     names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")

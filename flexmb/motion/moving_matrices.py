@@ -31,7 +31,7 @@ class MovingMatrices(NamedTuple):
         S_d: Damping of the elements likewise, (n_e, n_e).
         reactions: Forces of the supports on the mechanism, (n_x,).
         sigma: Stress resultants, multipliers included, (n_e,).
-        felt: Gravity and motion, which act along the elements.
+        felt: Gravity, velocities and accelerations, whose forces act along the elements.
         regular: Whether the degrees of freedom determine the configuration here.
         DFx_d: Rate of DFx along the motion, (n_x, n_q).
         DFx_dd: Its second rate, (n_x, n_q).
@@ -78,7 +78,7 @@ def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]
     return jnp.zeros((top.n_x, rows.shape[1])).at[top.x.dependent].set(change)
 
 
-class Balance(NamedTuple):
+class DynamicBalance(NamedTuple):
     """Forces at a state of motion.
 
     Attributes:
@@ -109,7 +109,7 @@ class Balance(NamedTuple):
         return self.tangent.regular
 
 
-def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
+def dynamic_balance(form: CoordinatesForm, t, x, v, a, near) -> DynamicBalance:
     """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
 
     Args:
@@ -130,7 +130,7 @@ def balance(form: CoordinatesForm, t, x, v, a, near) -> Balance:
     acting = acting_forces(form.elements, x, v, a, form.falling, near, form.stress_of(t, nothing))
     # The forces of inertia and the loads, without those of stress.
     force = form.applied(t, x) - acting.force + jacobian.T @ acting.sigma
-    return Balance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
+    return DynamicBalance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
 
 
 def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
@@ -153,7 +153,7 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
-    at = balance(form, t, x, v, a, near)
+    at = dynamic_balance(form, t, x, v, a, near)
     tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
@@ -219,7 +219,7 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
     tangent = transfer(top, jacobian)
 
     def answer(prescribed, wanted, rest):
-        """Change of all coordinates that takes the prescribed ones along."""
+        """Change of all coordinates where the prescribed ones change and the degrees of freedom do not."""
         excess = jnp.zeros(top.n_e).at[form.held].set(-wanted) + jacobian @ prescribed + rest
         return correction(top, tangent, excess, prescribed)
 

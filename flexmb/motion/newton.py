@@ -6,7 +6,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..math.linear import factorise
 
-# Factors serve as long as each iteration brings down the change by this.
+# The factorised matrix is kept as long as each iteration brings down the change to this share of the one before.
 SERVES = 0.2
 # Displacements over their sizes change by less than this once a step is solved; what stalls at round-off below the
 # second number counts as solved too.
@@ -16,15 +16,15 @@ MOST = 40
 
 
 def solve_step(residual, matrix, first, start, positions: int, lever) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
-    """Unknowns of a step.
+    """Accelerations and multipliers of one time step.
 
     Args:
         residual: Function of the unknowns, (r,) to (r,).
-        matrix: Its derivative as a function of the unknowns, near enough for Newton's method, (r,) to (r, r).
-        first: The same at the first guess, (r, r).
+        matrix: Its derivative as a function of the unknowns, or what is close to it, (r,) to (r, r).
+        first: The value of ``matrix`` at the first guess, (r, r).
         start: First guess, (r,).
         positions: How many of the unknowns, the first, are accelerations.
-        lever: What these are multiplied by in the positions [s^2].
+        lever: How much a position changes with its acceleration [s^2].
 
     Returns:
         Unknowns, (r,), and whether the equations are solved. Derivatives are those of the solution.

@@ -1,20 +1,22 @@
 """A simulation in parts of equal length, one after the other, so that it can be watched and stopped."""
 
+import dataclasses
 import itertools
 from collections.abc import Callable
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..model.model import Model
 from ..progress import reporting
 from ..results import RESULTS
-from .integrate import Intervals, Run, Start, begin, integrate, integrate_sampled
+from .controlled_form import Feedback
+from .integrate import Integrated, Intervals, Problem, Reached, begin, integrate, integrate_sampled
+from .integrator import Integrator
 from .loop import Sampled
+from .protocol import WholeMotion
 
-# As many parts as a bar needs, at most; each begins with a step of its own.
+# Most parts: enough for a bar to move by, and few, since the integration starts anew in each.
 PARTS = 50
 
 
@@ -37,10 +39,9 @@ def sampled_intervals(times: np.ndarray, period: float, start: float, end: float
     return Intervals(*(jnp.asarray(part) for part in (starts, ends, rows, interval, place)))
 
 
-def _bounds(times: np.ndarray, settings: dict[str, Any]) -> np.ndarray:
+def _bounds(times: np.ndarray, feedback: Feedback | Sampled | None, dt0: float) -> np.ndarray:
     """Ends of the parts: whole samples or whole steps, where either is given."""
     span = times[-1] - times[0]
-    feedback, dt0 = settings["feedback"], float(settings["dt0"])
     unit = feedback.period if isinstance(feedback, Sampled) else dt0 if dt0 > 0 else span / PARTS
     units = max(int(np.ceil(span / unit - 1e-9)), 1)
     least = -(-units // PARTS)
@@ -51,33 +52,29 @@ def _bounds(times: np.ndarray, settings: dict[str, Any]) -> np.ndarray:
 
 
 def integrate_in_parts(
-    model: Model,
-    driven,
+    problem: Problem,
+    integrator: Integrator,
     times: Float[Array, "n_t"],
-    given: Start,
-    settings: dict[str, Any],
+    at: Reached,
     progress: Callable[[int, int], None] | bool,
-) -> Run:
+) -> Integrated:
     """Motion as by the other two, in parts; after an interruption from the keyboard what there is up to then.
 
     Args:
-        model: Mechanism.
-        driven: What depends on time.
+        problem: What is integrated.
+        integrator: How, as checked.
         times: Times, the first is the start, (n_t,) [s].
-        given: Where it starts from.
-        settings: Of :func:`flexmb.simulate`.
+        at: Where it starts from.
         progress: See :func:`flexmb.simulate`.
 
     Returns:
-        Run, with rows for the times that were reached; those of the part that failed may be not finite.
+        Integrated, with rows for the times that were reached; those of the part that failed may be not finite.
     """
-    wanted = np.asarray(times)
-    bounds = _bounds(wanted, settings)
+    wanted, feedback, dt0 = np.asarray(times), problem.feedback, float(np.asarray(integrator.dt0))
+    bounds = _bounds(wanted, feedback, dt0)
     part = np.clip(np.searchsorted(bounds, wanted, side="right") - 1, 0, len(bounds) - 2)
     width = int(np.max(np.bincount(part))) + 1
-    sampled = isinstance(settings["feedback"], Sampled)
-    finds_step = not sampled and float(settings["dt0"]) == 0
-    at = begin(model, driven, jnp.asarray(wanted[0]), given, settings)
+    at = at._replace(state=begin(problem, integrator.form, jnp.asarray(wanted[0]), at.state))
     rows: list[list[np.ndarray]] = []
     steps, result = 0, RESULTS.successful
     with reporting(progress, "simulating", len(bounds) - 1) as report:
@@ -85,31 +82,25 @@ def integrate_in_parts(
             for i, (start, end) in enumerate(itertools.pairwise(bounds)):
                 own = wanted[part == i]
                 filled = np.append(own, np.full(width - len(own), end))
-                if sampled:
-                    period = settings["feedback"].period
-                    grid = sampled_intervals(filled, period, start, end)
-                    run = integrate_sampled(model, driven, grid, jnp.asarray(filled), at, settings)
+                if isinstance(feedback, Sampled):
+                    grid = sampled_intervals(filled, feedback.period, start, end)
+                    run = integrate_sampled(problem, integrator, grid, jnp.asarray(filled), at)
                 else:
-                    span = jnp.asarray([start, end])
-                    run = integrate(model, driven, span, jnp.asarray(filled), at, settings)
-                rows.append([np.asarray(column)[: len(own)] for column in run[:4]])
+                    run = integrate(problem, integrator, jnp.asarray([start, end]), jnp.asarray(filled), at)
+                rows.append([np.asarray(column)[: len(own)] for column in run.rows])
                 steps, result, at = steps + int(run.steps), RESULTS(int(run.result)), run.last
-                settings = settings | {"moved": run.moved}
                 if report is not None:
                     report(i + 1, len(bounds) - 1)
-                if result != RESULTS.successful or not np.all(np.isfinite(np.asarray(at[0].u))):
+                if result != RESULTS.successful or not np.all(np.isfinite(np.asarray(at.state[0]))):
                     break
-                if finds_step:
+                if not isinstance(feedback, Sampled) and dt0 == 0:
                     # The next part goes on with steps as long as these were.
-                    settings = settings | {"dt0": jnp.asarray((end - start) / max(int(run.steps), 1))}
+                    own_step = jnp.asarray((end - start) / max(int(run.steps), 1))
+                    integrator = dataclasses.replace(integrator, dt0=own_step)
         except KeyboardInterrupt:
             result = RESULTS.stopped
-    joined = [np.concatenate(column) for column in zip(*rows, strict=True)] if rows else _nothing(model, settings)
-    x, xd, near, u = (jnp.asarray(column) for column in joined)
-    return Run(x, xd, near, u, jnp.asarray(steps), jnp.asarray(int(result)), at, settings["moved"])
-
-
-def _nothing(model: Model, settings) -> list[np.ndarray]:
-    top = model.topology
-    inputs = len(model.labels.inputs) if settings["feedback"] is not None else 0
-    return [np.zeros((0, size)) for size in (top.n_x, top.n_x, top.n_e, inputs)]
+    if not rows:
+        top, inputs = problem.model.topology, 0 if feedback is None else len(problem.model.labels.inputs)
+        rows.append([np.zeros((0, size)) for size in (top.n_x, top.n_x, top.n_e, inputs)])
+    whole = WholeMotion(*(jnp.asarray(np.concatenate(column)) for column in zip(*rows, strict=True)))
+    return Integrated(whole, jnp.asarray(steps), jnp.asarray(int(result)), at)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from .term import equations_of
 
-# Share of the mechanism's extent, over the relative tolerance, that a root finder may leave.
+# The root finder of an implicit solver may be off by so much, as share of the relative tolerance of a step.
 LEFT = 1e-3
 
 
@@ -21,17 +21,17 @@ class Projected(diffrax.AbstractWrappedSolver):
 
     @property
     def term_structure(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """As the solver."""
+        """That of the solver."""
         return self.solver.term_structure
 
     @property
     def interpolation_cls(self):  # pyright: ignore[reportIncompatibleMethodOverride]
-        """As the solver."""
+        """That of the solver."""
         return self.solver.interpolation_cls
 
     @property
     def root_finder(self):
-        """As an implicit solver."""
+        """That of an implicit solver."""
         return self.solver.root_finder  # pyright: ignore[reportAttributeAccessIssue]
 
     def with_tolerances(self, controller) -> "Projected":
@@ -54,32 +54,22 @@ class Projected(diffrax.AbstractWrappedSolver):
         return eqx.tree_at(tolerances, self, [given[name] for name in names])
 
     def order(self, terms):
-        """As the solver."""
+        """That of the solver."""
         return self.solver.order(terms)
 
     def error_order(self, terms):
-        """As the solver."""
+        """That of the solver."""
         return self.solver.error_order(terms)
 
     def init(self, terms, t0, t1, y0, args):
-        """As the solver."""
+        """That of the solver."""
         return self.solver.init(terms, t0, t1, y0, args)
 
     def func(self, terms, t0, y0, args):
-        """As the solver."""
+        """That of the solver."""
         return self.solver.func(terms, t0, y0, args)
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
-        """A step of the solver, then the constraints.
-
-        Args:
-            terms: Equations of motion.
-            t0: Begin [s].
-            t1: End [s].
-            y0: State at the begin.
-            args: Not used.
-            solver_state: State of the solver.
-            made_jump: Whether loads jump at the begin.
-        """
+        """A step of the solver, then the constraints."""
         y1, error, dense, state, result = self.solver.step(terms, t0, t1, y0, args, solver_state, made_jump)
         return equations_of(terms).settle(t1, y1), error, dense, state, result

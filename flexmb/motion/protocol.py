@@ -1,8 +1,11 @@
 """What a solver of motion asks of the equations: states, residual, and how to stay on the constraints."""
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
+
+# Rates of the places whose velocities make up the kinetic energy, of each block of elements; None: it has no mass.
+InertiaRates = tuple[Float[Array, "elements k d"] | None, ...]
 
 
 class MotionState(NamedTuple):
@@ -18,6 +21,22 @@ class MotionState(NamedTuple):
     u: Float[Array, "n"]
     w: Float[Array, "n"]
     memory: Float[Array, "k"]
+
+
+class WholeMotion(NamedTuple):
+    """What a state stands for, or many states with a row for each.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        xd: Their velocities, (n_x,) [1/s].
+        near: Deformations, (n_e,) [m, rad]; angles are counted past full turns.
+        u: Inputs that a controller gives, (n_u,) [N, N m]; (0,) where there is none.
+    """
+
+    x: Float[Array, "n_x"]
+    xd: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    u: Float[Array, "n_u"]
 
 
 class Tangent(NamedTuple):
@@ -37,33 +56,130 @@ class Tangent(NamedTuple):
 
 
 class Equations(Protocol):
-    """Equations of motion 0 = R(t, u, w, z) with z = (accelerations (n,), multipliers (m,)), linear in z."""
+    """Equations of motion 0 = R(t, u, w, z) with z = (accelerations (n,), multipliers (m,)), linear in z.
+
+    These are all members that integration and solvers use; the three forms of the equations have them.
+    """
+
+    @property
+    def size(self) -> int:
+        """Number n of positions and of velocities, with the states of a controller, which count as velocities."""
+        ...
 
     @property
     def states(self) -> int:
         """Number of velocities, the last ones, that are states of a controller."""
         ...
 
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of a mechanism, with the controller at its start.
+
+        Args:
+            x: Nodal coordinates, (n_x,) [m, rad, -].
+            xd: Their velocities, (n_x,) [1/s].
+            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
+        """
+        ...
+
+    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+        """Everything about the mechanism that a state stands for.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        ...
+
     def residual(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
-        """R, (n + m,)."""
+        """R: forces out of balance along what moves, and second rates of the constraints, (n + m,).
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
         ...
 
     def tangent(self, t, state: MotionState, z: Float[Array, "r"]) -> Tangent:
-        """Derivatives of R."""
+        """Derivatives of R.
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
         ...
 
-    def acceleration(self, t, state: MotionState) -> Float[Array, "r"]:
-        """Z that makes R vanish."""
+    def acceleration(self, t, state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
+        """The z that makes R vanish, (n + m,), and whether every motion that the constraints allow carries mass.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
         ...
 
     def gap(self, t, state: MotionState) -> Float[Array, "m"]:
-        """How far the constraints of the multipliers are from being kept."""
+        """How far the constraints of the multipliers are from being kept, (m,) [m, rad].
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
         ...
 
     def rate_of_memory(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
-        """How the memory changes."""
+        """How the memory changes, (k,).
+
+        Args:
+            t: Time [s].
+            state: State.
+            z: Accelerations and multipliers, (n + m,).
+        """
         ...
 
-    def settle(self, t, state: MotionState, mass=None) -> MotionState:
-        """The state brought back onto the constraints, memory renewed; by the least change measured by a mass."""
+    def settle(self, t, state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
+        """The state brought back onto the constraints, by the least change that a mass measures; memory renewed.
+
+        Args:
+            t: Time [s].
+            state: State.
+            mass: Mass matrix of what moves, where it is at hand; otherwise a form takes one of its own.
+        """
+        ...
+
+
+class EnergyEquations(Equations, Protocol):
+    """Equations that also know the forces over a finite step, whose work is the energy that the elements gain."""
+
+    def inertia_rates(self, t, state: MotionState) -> InertiaRates:
+        """Rates of the places of inertia, of each block of elements.
+
+        Args:
+            t: Time [s].
+            state: State.
+        """
+        ...
+
+    def forces_over_step(
+        self, times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: InertiaRates, multipliers
+    ) -> tuple[Float[Array, "n"], InertiaRates]:
+        """Mean forces out of balance over a step, (n,), and the rates of the places of inertia at its end.
+
+        Args:
+            times: Its begin and end [s].
+            states: There; velocities are not used.
+            rates: Rates of the places of inertia at its begin.
+            multipliers: Mean multipliers, (m,) [N, N m].
+        """
+        ...
+
+    def velocities_of(self, t, state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
+        """Velocities that the constraints allow and that come closest to given rates of the places of inertia, (n,).
+
+        Args:
+            t: Time [s].
+            state: State; its velocities are not used.
+            rates: Rates.
+        """
         ...

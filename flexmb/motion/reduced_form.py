@@ -6,17 +6,13 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
-from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix
-from ..mechanics.transfer import correction, transfer
 from .coordinates_form import CoordinatesForm
-from .moving_matrices import balance, carried, moving_matrices
-from .protocol import MotionState, Tangent
-
-CORRECTIONS = 3
+from .moving_matrices import carried, dynamic_balance, moving_matrices
+from .protocol import MotionState, Tangent, WholeMotion
 
 
 class ReducedForm(Record):
@@ -28,7 +24,7 @@ class ReducedForm(Record):
 
     Attributes:
         form: The same equations in all coordinates.
-        sizes: What the degrees of freedom are measured in, (n_q,) [m, -].
+        sizes: Sizes by which the degrees of freedom are divided to be pure numbers, (n_q,) [m, -].
     """
 
     form: CoordinatesForm
@@ -45,13 +41,7 @@ class ReducedForm(Record):
         return self.sizes.shape[0]
 
     def state_of(self, x, xd, near) -> MotionState:
-        """State of nodal coordinates.
-
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            xd: Their velocities, (n_x,) [1/s].
-            near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
-        """
+        """State of nodal coordinates."""
         top, parameters = self.form.topology, self.form.parameters
         guess = jnp.zeros(top.n_e) if near is None else near
         e, jacobian = deformation_jacobian(top, parameters, x, guess)
@@ -68,24 +58,9 @@ class ReducedForm(Record):
             u: Degrees of freedom over their sizes, (n_q,) [-].
             memory: Coordinates and deformations to start from, (n_x + n_e,).
         """
-        form = self.form
-        top = form.topology
-        none = jnp.zeros(form.size)
-        given_x, given_e = form.prescribed(form.whole(t, none, none, none))
-        q = u * self.sizes
-        n = top.x.dof.shape[0]
-        wanted_x = put(given_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
-        wanted_e = put(given_e, top.e.dof, q[n:])
-        given = top.x.given
-
-        def corrected(_, at):
-            x, near = at
-            shift = put(jnp.zeros(top.n_x), given, (wanted_x - x)[given])
-            e, jacobian = deformation_jacobian(top, form.parameters, x, near)
-            excess = e - wanted_e + jacobian @ shift
-            return x + correction(top, transfer(top, jacobian), excess, shift), e
-
-        return jax.lax.fori_loop(0, CORRECTIONS, corrected, (memory[: top.n_x], memory[top.n_x :]))
+        none, n_x = jnp.zeros(self.form.size), self.form.topology.n_x
+        given = self.form.whole(t, none, none, none)
+        return self.form.placed(given, u * self.sizes, memory[:n_x], memory[n_x:])
 
     def everything(self, t, state: MotionState, z):
         """Coordinates, velocities, accelerations and deformations.
@@ -101,23 +76,13 @@ class ReducedForm(Record):
     def residual(self, t, state: MotionState, z):
         """Forces out of balance along the degrees of freedom, (n_q,) [N m].
 
-        Args:
-            t: Time [s].
-            state: State.
-            z: Second rates of the degrees of freedom over their sizes, (n_q,).
-
         Source:
             THEORY.md 5, eq. (5.3).
         """
-        return balance(self.form, t, *self.everything(t, state, z)).residual * self.sizes
+        return dynamic_balance(self.form, t, *self.everything(t, state, z)).residual * self.sizes
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
         """Derivatives of the residual.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Second rates of the degrees of freedom over their sizes, (n_q,).
 
         Source:
             THEORY.md 6, eq. (6.1).
@@ -129,69 +94,33 @@ class ReducedForm(Record):
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(by_u, by_w, by_z, by_t)
 
-    def acceleration(self, t, state: MotionState):
-        """Second rates of the degrees of freedom over their sizes, (n_q,).
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
-        return self.begin(t, state)[0]
-
     @jit_beside_options
-    def begin(self, t, state: MotionState):
-        """Accelerations, and whether all motions carry mass.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+    def acceleration(self, t, state: MotionState):
+        """Second rates of the degrees of freedom over their sizes, (n_q,), and whether all motions carry mass."""
         x, v, a, near = self.everything(t, state, jnp.zeros(self.size))
-        at = balance(self.form, t, x, v, a, near)
+        at = dynamic_balance(self.form, t, x, v, a, near)
         mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, x) @ at.DFx
         mass = self.sizes[:, None] * mass * self.sizes
         return factorise(mass).solve(-at.residual * self.sizes), is_positive_definite(mass) & at.regular
 
     def gap(self, t, state: MotionState):
-        """Constraints with multipliers: none, (0,).
-
-        Args:
-            t: Not used.
-            state: Not used.
-        """
+        """There are no constraints with multipliers, (0,)."""
         return jnp.zeros(0)
 
     def rate_of_memory(self, t, state: MotionState, z):
-        """How coordinates and deformations change.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Not used.
-        """
+        """How coordinates and deformations change."""
         x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
         _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, near)
         return jnp.concatenate([v, jacobian @ v])
 
     def settle(self, t, state: MotionState, mass=None) -> MotionState:
-        """The state with its memory renewed.
-
-        Args:
-            t: Time [s].
-            state: State.
-            mass: Not used.
-        """
+        """The state with its memory renewed; constraints are always kept."""
         return state._replace(memory=jnp.concatenate(self.placed(t, state.u, state.memory)))
 
-    def whole_motion(self, t, state: MotionState):
-        """Coordinates, velocities and deformations of a state.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+        """Coordinates, velocities and deformations of a state; no inputs."""
         x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
-        return x, v, near
+        return WholeMotion(x, v, near, jnp.zeros(0))
 
 
 def reduced_form(form: CoordinatesForm) -> ReducedForm:

@@ -125,43 +125,21 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
     jumps: eqx.AbstractVar[bool]
 
     def order(self, terms) -> int:
-        """Order of the method.
-
-        Args:
-            terms: Not used.
-        """
+        """Order of the method."""
         return self.tableau.order
 
     def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
-        """Accelerations and multipliers at the start.
-
-        Args:
-            terms: Equations of motion.
-            t0: Start [s].
-            t1: End of the first step [s].
-            y0: State.
-            args: Not used.
-        """
-        return equations_of(terms).acceleration(t0, y0)
+        """Accelerations and multipliers at the start."""
+        return equations_of(terms).acceleration(t0, y0)[0]
 
     @jit_beside_options
     def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
-        """One step.
-
-        Args:
-            terms: Equations of motion.
-            t0: Begin [s].
-            t1: End [s].
-            y0: State at the begin.
-            args: Not used.
-            solver_state: Accelerations and multipliers at the begin.
-            made_jump: Whether loads jump at the begin.
-        """
+        """One step, from the accelerations and multipliers at its begin, which are the state of the solver."""
         tab, equations = self.tableau, equations_of(terms)
         h, n, stages = t1 - t0, y0.u.shape[0], len(tab.m)
         z0 = solver_state
         if self.jumps:
-            z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0), lambda: solver_state)
+            z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
         tangent = equations.tangent(t0, y0, z0)
         hg = h * tab.gamma
         # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.

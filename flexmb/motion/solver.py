@@ -17,14 +17,7 @@ class MotionSolver(diffrax.AbstractSolver):
     interpolation_cls = MotionInterpolation
 
     def func(self, terms: MotionTerm, t0, y0: MotionState, args) -> MotionState:
-        """Rates of the state.
-
-        Args:
-            terms: Equations of motion.
-            t0: Time [s].
-            y0: State.
-            args: Not used.
-        """
+        """Rates of the state."""
         return terms.vf(t0, y0, args)
 
 
@@ -32,9 +25,5 @@ class SecondOrderSolver(MotionSolver):
     """A method of order two with steps of a fixed size."""
 
     def order(self, terms) -> int:
-        """Order of the method.
-
-        Args:
-            terms: Not used.
-        """
+        """Order of the method."""
         return 2

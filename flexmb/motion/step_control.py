@@ -39,32 +39,12 @@ class DisplacementController(diffrax.PIDController):
     states: int = eqx.field(static=True, default=0)
 
     def init(self, terms, t0, t1, y0: MotionState, *args, **named) -> Any:
-        """End of the first step, and the state of the controller.
-
-        Args:
-            terms: Equations of motion.
-            t0: Start [s].
-            t1: End [s].
-            y0: State.
-            args: As those of the other controller.
-            named: As those of the other controller.
-        """
+        """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
         return found[0], (found[1], _greatest(self.moved, y0))
 
     def adapt_step_size(self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state: Any) -> Any:
-        """Whether to keep a step, and the next one.
-
-        Args:
-            t0: Begin of the step [s].
-            t1: Its end [s].
-            y0: State at the begin.
-            y1_candidate: State at the end.
-            args: Not used.
-            y_error: Its estimated error.
-            error_order: Order of the estimate.
-            controller_state: State of the controller.
-        """
+        """Whether to keep a step, and the next one."""
         state, before = controller_state
         after = _greatest(before, y1_candidate)
         n = y0.u.shape[0]

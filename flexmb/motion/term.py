@@ -15,33 +15,16 @@ class MotionTerm(diffrax.AbstractTerm):
     equations: Equations
 
     def vf(self, t, y: MotionState, args) -> MotionState:
-        """Rates of the state.
-
-        Args:
-            t: Time [s].
-            y: State.
-            args: Not used.
-        """
-        z = self.equations.acceleration(t, y)
+        """Rates of the state."""
+        z, _ = self.equations.acceleration(t, y)
         return MotionState(y.w, z[: y.w.shape[0]], self.equations.rate_of_memory(t, y, z))
 
     def contr(self, t0, t1, **kwargs):
-        """Length of the interval.
-
-        Args:
-            t0: Its begin [s].
-            t1: Its end [s].
-            kwargs: Not used.
-        """
+        """Length of the interval."""
         return t1 - t0
 
     def prod(self, vf: MotionState, control) -> MotionState:
-        """Rates times length of the interval.
-
-        Args:
-            vf: Rates.
-            control: Length [s].
-        """
+        """Rates times length of the interval."""
         return MotionState(*(control * rate for rate in vf))
 
 

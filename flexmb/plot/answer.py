@@ -9,7 +9,7 @@ import numpy as np
 from ..checks.mobility import Mobility
 from ..design.sweep import Sweep
 from ..design.tune import Tuned
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..paths.path import Path
 from .bode import bode
 from .canvas import grid

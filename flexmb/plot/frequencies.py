@@ -6,7 +6,7 @@ import numpy as np
 
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..motion.linearized import linearize_motion
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..paths.path import Path
 from ..results import RESULTS
 from .canvas import plain_axes

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from .canvas import plain_axes
 from .path import index_of, most_moving, with_unit
 

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..paths.path import Path
 from .geometry import nodes_of
 

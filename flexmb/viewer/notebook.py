@@ -16,7 +16,7 @@ from ..linear.buckling import Buckling
 from ..linear.linearize import Linearization
 from ..linear.modes import Modes
 from ..model.model import Model
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..paths.path import Path
 from ..results import RESULTS
 

@@ -14,7 +14,7 @@ from ..linear.buckling import Buckling
 from ..linear.modes import Modes
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
-from ..motion.simulate import Motion
+from ..motion.motion import Motion
 from ..paths.path import Path
 from ..plot.geometry import PLACES, lines, masses, nodes_of
 from ..plot.marks import Mark, dofs, loads, supports

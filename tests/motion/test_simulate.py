@@ -114,6 +114,11 @@ def test_loads_as_functions_of_time():
         return 10.0 * np.where(t > 0, t - np.sin(omega * t) / omega, 0.0) / omega**2
 
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, ramp(times) - ramp(times - 0.7), atol=1e-9)
+    # The same in records, of which a keyword changes what it names; None stands for what is not given.
+    drives, integrator = fm.Drives(loads={"mass.x": table}), fm.Integrator(rtol=1e-3)
+    again = fm.simulate(model, times, drives=drives, integrator=integrator, rtol=1e-9, atol=None)
+    np.testing.assert_array_equal(again.x, found.x)
+    assert again.steps != fm.simulate(model, times, drives=drives, integrator=integrator).steps
 
 
 def oscillator():
@@ -191,6 +196,8 @@ def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, 0.01 * np.asarray(expected), atol=1e-7)
     seen = found.observe()
     # What the controller puts in is the change of energy and what the damper takes: trapezoidal rule of 20 intervals.
+    loop = fm.Loop(control=lead, reference=lambda t: jnp.array([0.01]))
+    np.testing.assert_array_equal(fm.simulate(model, times, loop=loop, rtol=1e-8, atol=1e-9).u, found.u)
     assert found.u.shape == (21, 1)
     assert np.all(np.isfinite(seen.power))
 
@@ -279,6 +286,18 @@ def test_names_and_times_are_checked(pendulum):
         fm.simulate(pendulum, [0, 1.0], control=lambda t, y: y)
     with pytest.raises(fm.ModelError, match="no incremental loads"):
         fm.simulate(pendulum, [0, 1.0], increment=jnp.sin)
+
+
+def test_keywords_and_records_are_checked(pendulum):
+    with pytest.raises(TypeError, match="no keyword `rtoll`"):
+        fm.simulate(pendulum, [0, 1.0], rtoll=1e-3)
+    for name in ("drives", "loop", "integrator"):
+        with pytest.raises(TypeError, match=rf"`{name}` must be fm\.{name.title()}\(\.\.\), not 1e-05"):
+            fm.simulate(pendulum, [0, 1.0], **{name: 1e-5})
+    with pytest.raises(ValueError, match="`rtol` must be positive"):
+        fm.simulate(pendulum, [0, 1.0], integrator=fm.Integrator(rtol=-1.0))
+    with pytest.raises(ValueError, match='controller needs form="coordinates"'):
+        fm.simulate(pendulum, [0, 1.0], control=abs, form="reduced")
 
 
 def test_motion_without_mass_is_named():

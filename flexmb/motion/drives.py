@@ -1,0 +1,173 @@
+"""Loads and prescribed motion as functions of time, by the names that a user gives them."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Float
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..compilation.program import Captured, captured
+from ..compilation.record import Record
+from ..errors import ModelError
+from ..model.model import Labels, Model
+from .drive import Driven, Table
+
+
+class Drives(Record):
+    """What depends on time in a simulation; each may be given to :func:`simulate` as a keyword too.
+
+    Attributes:
+        loads: Loads as functions of time, by name: a coordinate "tip.x" or a deformation "leaf.e2" (a stress that is
+            added) with a number, a node "tip" with its force components [N], a rotation in space "tip.rotation" with
+            the moment about global axes [N m]. A :class:`Table` is a piecewise linear function.
+        motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations as functions of time, by
+            name such as "tip.x", "tip.rotation" or "leaf.e1", twice differentiable.
+        increment: Factor of the incremental loads as function of time; zero unless given.
+        jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
+    """
+
+    loads: Mapping[str, Callable] | None = None
+    motion: Mapping[str, Callable] | None = None
+    increment: Callable | None = None
+    jumps: ArrayLike | None = None
+
+
+def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] | None:
+    """Times at which loads jump or bend, ascending; None where there are none.
+
+    Args:
+        drives: What was given.
+        driven: The same as :func:`driven_by` has it.
+
+    Raises:
+        ValueError: `jumps` is no list of times.
+    """
+    kinks = [jnp.asarray(one.value.times, float) for one in driven if isinstance(one.value, Table)]
+    if drives.jumps is not None:
+        check_numbers("Argument `jumps`", drives.jumps)
+        if np.ndim(drives.jumps) != 1:
+            raise ValueError(f"Argument `jumps` must be a list of times, not {shown(drives.jumps)}.")
+        kinks.append(jnp.asarray(drives.jumps, float))
+    return jnp.sort(jnp.concatenate(kinks)) if kinks else None
+
+
+def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
+    """Functions of time with the indices of what they drive.
+
+    Args:
+        model: Mechanism.
+        drives: What was given.
+
+    Raises:
+        ModelError: Unknown name, or what cannot be driven.
+    """
+    loads, motion = ({} if given is None else given for given in (drives.loads, drives.motion))
+    for argument, given in (("loads", loads), ("motion", motion)):
+        if not isinstance(given, Mapping):
+            raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
+    x_names = {str(entry): i for i, entry in enumerate(model.labels.x)}
+    e_names = {str(entry): i for i, entry in enumerate(model.labels.e) if entry.kind == "deformation"}
+    found = [_load(model.labels, x_names, e_names, name, value) for name, value in loads.items()]
+    moved: dict[tuple[str, int], str] = {}
+    for name, value in motion.items():
+        quantity, place, value = _prescribed(model, x_names, e_names, name, value)
+        first = moved.setdefault((quantity, place), name)
+        if first != name:
+            raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
+        found.append(Driven(quantity, jnp.array([place]), value))
+    if drives.increment is not None:
+        own = model.parameters.increment
+        if own is None:
+            raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
+        if own.gravity is not None:
+            raise ModelError("Gravity among the incremental loads does not change with time. Make it a constant load.")
+        factor = _function("Argument `increment`", drives.increment, 1)
+        found.append(Driven("increment", jnp.zeros(0, int), factor))
+    return tuple(found)
+
+
+def _load(labels: Labels, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any) -> Driven:
+    """A load by the name of a coordinate, a deformation, a node or a rotation in space."""
+    nodes, what = labels.coordinates(name), f"Load '{name}'"
+    if name in x_names:
+        return Driven("force", jnp.array([x_names[name]]), _function(what, value, 1))
+    if name in e_names:
+        return Driven("stress", jnp.array([e_names[name]]), _function(what, value, 1))
+    if not nodes:
+        raise ModelError(f"{what} names no coordinate, deformation or node. There are: {_some(x_names, e_names)}.")
+    turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
+    value = _function(what, value, 3 if turned else len(nodes))
+    return Driven("moment" if turned else "force", jnp.array(nodes), value)
+
+
+def _prescribed(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any):
+    """What a prescribed motion drives: "x" or "e", place among the PRESCRIBED ones, and the function of time."""
+    labels, topology, what = model.labels, model.topology, f"Motion '{name}'"
+    meant = _rotation_prescribed(labels, name)
+    for names, roles, quantity in ((x_names, topology.x, "x"), (e_names, topology.e, "e")):
+        if meant in names:
+            order = np.asarray(roles.prescribed).tolist()
+            if names[meant] not in order:
+                raise ModelError(f"{what} is not PRESCRIBED: say prescribe() of it in the builder.")
+            if isinstance(value, Table):
+                raise ModelError(f"{what} is a table, whose velocity jumps. Give a smooth function of time.")
+            return quantity, order.index(names[meant]), _function(what, value, 1)
+    if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
+        call = f"prescribe('{name.removesuffix('.rotation')}', \"rotation\", axis=..)"
+        raise ModelError(f"{what} is not PRESCRIBED: say {call} of it in the builder.")
+    raise ModelError(f"{what} names no coordinate or deformation. There are: {_some(x_names, e_names)}.")
+
+
+def _rotation_prescribed(labels: Labels, name: str) -> str:
+    """Name of what is prescribed in place of a rotation: its angle in the plane, that of a hinge in space."""
+    indices = labels.coordinates(name)
+    if not indices or labels.x[indices[0]].kind != "rotation":
+        return name
+    if labels.dimension == 2:
+        return f"{name}.{labels.x[indices[0]].symbol}"
+    return f"turn of {name.removesuffix('.rotation')}.e1"
+
+
+def _function(what: str, value: Any, size: int) -> Captured | Table:
+    """A function of time as it is now, which gives as many numbers as are driven.
+
+    Raises:
+        ModelError: It is no function, or gives another number of them.
+    """
+    if not callable(value):
+        raise ModelError(f"{what} must be a function of time, such as lambda t: 3.0, not {shown(value)}.")
+    if isinstance(value, Table):
+        _check_table(what, value)
+        taken, shape = value, np.shape(value.values)[1:]
+    else:
+        time = jax.ShapeDtypeStruct((), float)
+        try:
+            taken = captured(lambda t: jnp.asarray(value(t), float), time)
+        except Exception as fault:
+            first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+            raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
+        shape = jax.eval_shape(taken, time).shape
+    if shape != (size,) and not (size == 1 and shape == ()):
+        wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
+        raise ModelError(f"{what} must give {wanted}, but gives shape {shape}.")
+    return taken
+
+
+def _check_table(what: str, table: Table) -> None:
+    if not is_concrete(table):
+        return
+    times, values = np.asarray(table.times), np.asarray(table.values)
+    if times.ndim != 1 or len(times) < 2 or not np.all(np.isfinite(times)) or not np.all(np.diff(times) > 0):
+        raise ModelError(f"{what}: the times of a table must be finite and ascending, two at least.")
+    if values.ndim < 1 or len(values) != len(times):
+        raise ModelError(f"{what}: a table needs as many values as times, {len(times)}, not {np.shape(values)[:1]}.")
+    if not np.all(np.isfinite(values)):
+        raise ModelError(f"{what}: the values of a table must be finite.")
+
+
+def _some(*groups) -> str:
+    names = [name for group in groups for name in group]
+    return ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

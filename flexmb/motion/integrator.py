@@ -1,0 +1,101 @@
+"""How a simulation goes from step to step: solver, tolerances, step sizes, and where it ends."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Literal
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..arguments import check_choice, check_number, check_whole, shown
+from ..compilation.record import Record, static
+
+if TYPE_CHECKING:
+    import diffrax
+
+
+class Integrator(Record):
+    """How to integrate a motion; each may be given to :func:`simulate` as a keyword too.
+
+    Attributes:
+        form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
+            constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
+            freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
+        rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
+            mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
+            where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
+            beside a large motion want a smaller one.
+        atol: Part of that error which is allowed of a mechanism that has not moved, as share of its extent, and in
+            radians; by default just above round-off.
+        solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
+            ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
+        controller: Step size controller of diffrax, in place of the one of rtol and atol, or of fixed steps.
+        dt0: First step, or the step of a solver of fixed steps [s].
+        adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
+        event: Event of diffrax that ends the motion; later times are then given as not finite.
+        max_steps: Most steps to take, with ``progress`` in each part.
+    """
+
+    form: Literal["coordinates", "reduced"] = static(default="coordinates")
+    rtol: float | Float[Array, ""] = 1e-5
+    atol: float | Float[Array, ""] = 1e-13
+    solver: diffrax.AbstractSolver | None = None
+    controller: diffrax.AbstractStepSizeController | None = None
+    dt0: float | Float[Array, ""] | None = None
+    adjoint: diffrax.AbstractAdjoint | None = None
+    event: diffrax.Event | None = None
+    max_steps: int = static(default=200_000)
+
+    def checked(self, *, controlled: bool, jumps: bool) -> Integrator:
+        """The same with its numbers as arrays, and with a solver that keeps the constraints.
+
+        Args:
+            controlled: Whether there is a controller.
+            jumps: Whether loads jump.
+
+        Raises:
+            ValueError, TypeError: See :func:`simulate`.
+        """
+        import diffrax
+
+        from .energy_keeping import EnergyKeeping
+        from .projected import Projected
+        from .solver import MotionSolver
+
+        check_choice("form", self.form, ("coordinates", "reduced"))
+        if controlled and self.form == "reduced":
+            raise ValueError('A controller needs form="coordinates".')
+        check_number("rtol", self.rtol, above=0)
+        check_number("atol", self.atol, least=0)
+        if self.dt0 is not None:
+            check_number("dt0", self.dt0, above=0)
+        for name, kind, wanted in (
+            ("solver", diffrax.AbstractSolver, "a solver, such as Rodas5P() or diffrax.Dopri8()"),
+            ("controller", diffrax.AbstractStepSizeController, "a step size controller of diffrax"),
+            ("adjoint", diffrax.AbstractAdjoint, "an adjoint of diffrax"),
+            ("event", diffrax.Event, "an Event of diffrax"),
+        ):
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, kind):
+                raise TypeError(f"Argument `{name}` must be {wanted}, not {shown(value)}.")
+        solver = self.solver
+        if isinstance(solver, EnergyKeeping) and (controlled or self.form == "reduced"):
+            raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
+        if not isinstance(solver, diffrax.AbstractAdaptiveSolver | None) and self.controller is None:
+            name = type(solver).__name__
+            if self.dt0 is None:
+                raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
+            if jumps:
+                raise ValueError(
+                    f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`."
+                )
+        return dataclasses.replace(
+            self,
+            rtol=jnp.asarray(self.rtol, float),
+            atol=jnp.asarray(self.atol, float),
+            # Zero stands for none, so that parts with a given first step and those without are one program.
+            dt0=jnp.asarray(0.0 if self.dt0 is None else self.dt0, float),
+            solver=solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver),
+            max_steps=check_whole("max_steps", self.max_steps, 1),
+        )

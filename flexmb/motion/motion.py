@@ -1,0 +1,175 @@
+"""Result of a simulation: where everything was at the times asked for, and what follows from that."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_whole
+from ..compilation.compile import jit_beside_options
+from ..compilation.record import Record, static
+from ..math.indices import put
+from ..mechanics.inertia import mass_matrix, work_of_weight
+from ..mechanics.stress_resultants import is_nonlinear, nonlinear_energy, strain_of
+from ..model.model import Labels, Model
+from .coordinates_form import coordinates_form
+from .drive import Driven
+from .loop import under_inputs
+
+
+class Motion(Record):
+    """Motion of a mechanism at the times asked for.
+
+    Attributes:
+        t: Times, (n_t,) [s].
+        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
+        xd: Their velocities, (n_t, n_x) [1/s].
+        near: Deformations, (n_t, n_e) [m, rad]; angles are counted past full turns.
+        u: Inputs that a controller gave, (n_t, n_u), (n_t, 0) without one [N, N m].
+        steps: Number of time steps taken, refused ones included.
+        result: Code of RESULTS.
+        driven: What depended on time.
+        model: Mechanism.
+        form: Form of the equations that was integrated.
+        solver: Name of the solver.
+    """
+
+    t: Float[Array, "n_t"]
+    x: Float[Array, "n_t n_x"]
+    xd: Float[Array, "n_t n_x"]
+    near: Float[Array, "n_t n_e"]
+    u: Float[Array, "n_t n_u"]
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
+    driven: tuple[Driven, ...]
+    model: Model
+    form: str = static()
+    solver: str = static()
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.model.labels
+
+    def at(self, node: str) -> Float[Array, "n_t n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation", at every time.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.x[:, self.labels.known(node)]
+
+    def velocity(self, node: str) -> Float[Array, "n_t n"]:
+        """Velocities of a node's coordinates at every time.
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.xd[:, self.labels.known(node)]
+
+    def until(self, count: int) -> Motion:
+        """The first of the times only.
+
+        Args:
+            count: How many, from 0 to all.
+
+        Raises:
+            ValueError: There are not so many.
+        """
+        if not 0 <= check_whole("count", count) <= self.t.shape[0]:
+            raise ValueError(f"Argument `count` must be 0 to {self.t.shape[0]}, the number of times, but is {count}.")
+        parts = {name: getattr(self, name)[:count] for name in ("t", "x", "xd", "near", "u")}
+        return dataclasses.replace(self, **parts)
+
+    def observe(self) -> Observed:
+        """Everything else about the motion: accelerations, deformations, stresses, reactions, energies, power.
+
+        Returns:
+            Observed.
+        """
+        model = self.model
+        return _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
+
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook."""
+        from ..viewer.notebook import card
+
+        return card(self)
+
+
+class Observed(Record):
+    """Quantities that follow from positions and velocities, at every time.
+
+    Attributes:
+        xdd: Accelerations, (n_t, n_x) [1/s^2].
+        e: Deformations, (n_t, n_e) [m, rad].
+        ed: Their rates, (n_t, n_e) [m/s, rad/s].
+        sigma: Stress resultants, multipliers included, (n_t, n_e) [N, N m].
+        reactions: Forces of the supports on the mechanism, (n_t, n_x) [N, N m].
+        kinetic: Kinetic energy, (n_t,) [J].
+        elastic: Elastic energy, (n_t,) [J].
+        potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
+        power: Power of all other loads and of prescribed motion, less what dampers and laws take, (n_t,) [W].
+    """
+
+    xdd: Float[Array, "n_t n_x"]
+    e: Float[Array, "n_t n_e"]
+    ed: Float[Array, "n_t n_e"]
+    sigma: Float[Array, "n_t n_e"]
+    reactions: Float[Array, "n_t n_x"]
+    kinetic: Float[Array, "n_t"]
+    elastic: Float[Array, "n_t"]
+    potential: Float[Array, "n_t"]
+    power: Float[Array, "n_t"]
+
+    @property
+    def energy(self) -> Float[Array, "n_t"]:
+        """Whole energy, (n_t,) [J]; its rate is ``power``."""
+        return self.kinetic + self.elastic + self.potential
+
+
+@jit_beside_options
+def _observe(model, driven, t, x, xd, near, u):
+    topology, parameters = model.topology, model.parameters
+    undriven = coordinates_form(topology, parameters, driven)
+    gravity = parameters.loads.gravity
+
+    def one(at):
+        t, x, xd, near, u = at
+        form = under_inputs(model, undriven, u)
+        state = form.state_of(x, xd, near)
+        z, _ = form.acceleration(t, state)
+        kin, sigma, force, whole = form.forces(t, state, z)
+        mass = mass_matrix(topology, parameters, whole.x)
+        drive = form.drive(t)
+        moving = whole.x - parameters.reference
+        constant = parameters.loads.force
+        potential = jnp.array(0.0) if constant is None else -constant @ moving
+        if gravity is not None:
+            potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
+        stored = strain_of(parameters, kin.e)
+        # Stress that comes of stored energy, and that energy.
+        conservative, elastic = form.S @ stored, 0.5 * stored @ form.S @ stored
+        if is_nonlinear(topology):
+            energy, stress = jax.value_and_grad(lambda e: nonlinear_energy(topology, parameters, e))(stored)
+            conservative, elastic = conservative + stress, elastic + energy
+        if drive.loads.prestress is not None:
+            conservative, elastic = conservative + drive.loads.prestress, elastic + drive.loads.prestress @ stored
+        # All forces but inertia, springs, constant forces and gravity.
+        other = form.applied(t, whole.x) - (0.0 if constant is None else constant)
+        held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
+        reactions = jnp.where(held == 1.0, force, 0.0)
+        power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
+        kinetic = 0.5 * whole.v @ mass @ whole.v
+        return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
+
+    return jax.lax.map(one, (t, x, xd, near, u))
