@@ -201,7 +201,7 @@ FAULTS = [
     ),
     Fault("cli.py", 'if data["status"] != "ok":', "if False:", "design/test_study.py -k exit_1"),
     Fault("cli.py", "code = EXIT_WRONG_CALL", "code = 0", "test_cli.py -k wrong_call"),
-    Fault("cli.py", "return names[text]", "return 7", "test_cli.py -k named"),
+    Fault("cli.py", "return names[text]", "return 7", "test_cli.py -k by_number_and_by_name"),
     Fault(
         "answers/answers.py",
         "@ values / 2 if len(indices) == 4",
