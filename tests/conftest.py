@@ -14,6 +14,17 @@ fm.enable_cache(CACHE, thorough=False)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
+# A relative tolerance that stands alone is one: pytest's own absolute 1e-12 beside it passes any number below that.
+_approx = pytest.approx
+
+
+def approx(expected, rel=None, abs=None, nan_ok=False):
+    """As pytest's, without an absolute tolerance where only a relative one is given."""
+    return _approx(expected, rel, 0.0 if abs is None and rel is not None else abs, nan_ok)
+
+
+pytest.approx = approx
+
 # The same examples in every run, few of them; the first call compiles, so that no deadline holds. Explaining a failure
 # runs it a hundred times more.
 phases = tuple(phase for phase in hypothesis.Phase if phase is not hypothesis.Phase.explain)

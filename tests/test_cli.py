@@ -405,6 +405,26 @@ def test_a_fault_nobody_foresaw_is_one_line(monkeypatch):
     assert result.stderr == "flexmb: RuntimeError: \\x1b[31m (--debug shows where)\n"
 
 
+@pytest.mark.parametrize(
+    ("words", "number"),
+    [
+        ("--mode 7", 7),
+        ("--mode -10", 10),
+        ("--mode buckling", 8),
+        ("--analysis path", 10),
+        ("--analysis simulate-linearise", 4),
+        ("--analysis mobility", 0),
+    ],
+)
+def test_modes_by_number_and_by_name(words, number, monkeypatch):
+    def asked(builder, name, mode, *_, **__):
+        raise RuntimeError(f"mode {mode}")
+
+    monkeypatch.setattr(answers, "answer", asked)
+    result = call("run", mechanism_path("pf2d"), *words.split())
+    assert result.stderr == f"flexmb: RuntimeError: mode {number} (--debug shows where)\n"
+
+
 @pytest.mark.parametrize("command", ["check", "demo", "sweep", "tune"])
 def test_the_same_of_every_command(command, monkeypatch, tmp_path):
     def surprised(*_, **__):

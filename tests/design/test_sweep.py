@@ -33,11 +33,16 @@ def test_grid_is_the_closed_form(grid):
     assert not grid.failures()
 
 
-def test_labels_go_to_pandas_and_xarray(grid):
+def test_labels_go_to_pandas(grid):
     pytest.importorskip("pandas")
     frame = grid.to_pandas()
     assert list(frame.columns) == ["thickness", "width", "first_frequency", "result"]
     assert frame.attrs["units"] == {"first_frequency": "Hz"}
+    np.testing.assert_array_equal(frame["first_frequency"], np.ravel(grid["first_frequency"]))
+    assert set(frame["result"]) == {"successful"}
+
+
+def test_labels_go_to_xarray(grid):
     pytest.importorskip("xarray")
     data = grid.to_xarray()
     assert data["first_frequency"].dims == ("thickness", "width")
