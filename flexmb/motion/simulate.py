@@ -117,7 +117,10 @@ def simulate(
     drives, loop = _group("drives", drives, Drives, given), _group("loop", loop, Loop, given)
     integrator = _group("integrator", integrator, Integrator, given)
     if given:
-        raise TypeError(f"fm.simulate has no keyword `{next(iter(given))}`.")
+        known = ", ".join(Keywords.__annotations__)
+        raise TypeError(
+            f"fm.simulate has no keyword `{next(iter(given))}`. Beside its own arguments there are: {known}."
+        )
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
     times = _checked_times(times)
