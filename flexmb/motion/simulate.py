@@ -134,9 +134,9 @@ def simulate(
     if progress and not is_concrete((model, times, start, drives.loads)):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
     feedback = as_feedback(model, loop)
-    # Where rotations in space are measured from; no number of the program where none is.
-    measured = start.x if feedback is not None and any(s.axis is not None for s in model.labels.outputs) else None
-    problem = Problem(model.without_names(), driven, feedback, jumps, measured)
+    # No number of the program where no rotation in space is measured.
+    rotations = feedback is not None and any(s.axis is not None for s in model.labels.outputs)
+    problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
     at = Reached(start, feedback.start if isinstance(feedback, Sampled) else None, jnp.array(0.0))
