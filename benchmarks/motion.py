@@ -182,7 +182,7 @@ def general(model, bent, times, rtol: float):
     def placed(y):
         return form.settle(0.0, MotionState(y[:n], y[n:], start.memory))
 
-    rates = jax.jit(lambda y: jnp.concatenate([y[n:], form.acceleration(0.0, placed(y))]))
+    rates = jax.jit(lambda y: jnp.concatenate([y[n:], form.acceleration(0.0, placed(y))[0]]))
     whole = jax.jit(jax.vmap(lambda y: form.whole_motion(0.0, placed(y))[0]))
 
     def run():

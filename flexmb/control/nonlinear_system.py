@@ -1,5 +1,6 @@
 """The nonlinear mechanism as a system of python-control."""
 
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
@@ -33,7 +34,9 @@ def _rates(model: Model, driven, t, state, memory, u):
     return jnp.concatenate([state[n:], form.acceleration(t, at)[0] * form.sizes]), y, at.memory
 
 
-def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.NonlinearIOSystem":
+def to_nonlinear_system(
+    model: Model, *, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
+) -> "control.NonlinearIOSystem":
     """The mechanism with all its nonlinearity as a plant for ``control.input_output_response`` and its like.
 
     States are the degrees of freedom, from the undeformed mechanism, and their rates; inputs and outputs those that the
@@ -42,8 +45,8 @@ def to_nonlinear_system(model: Model, *, loads=None, motion=None) -> "control.No
 
     Args:
         model: Mechanism with named inputs and outputs.
-        loads: Loads as functions of time, see :func:`flexmb.simulate`.
-        motion: Prescribed motion as functions of time, see :func:`flexmb.simulate`.
+        loads: Loads as functions of time, see :class:`flexmb.Drives`.
+        motion: Prescribed motion as functions of time, see :class:`flexmb.Drives`.
 
     Returns:
         control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].

@@ -1,6 +1,6 @@
 """Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -59,9 +59,9 @@ class Whole(NamedTuple):
     x: Float[Array, "n_x"]
     v: Float[Array, "n_x"]
     a: Float[Array, "n_x"]
-    e: Any
-    ed: Any
-    edd: Any
+    e: Float[Array, "held"]
+    ed: Float[Array, "held"]
+    edd: Float[Array, "held"]
 
 
 class CoordinatesForm(Record):
@@ -213,7 +213,7 @@ class CoordinatesForm(Record):
         """Deformations at the last accepted state, from the memory of a state; zero where no turns are counted."""
         return memory if memory.shape[0] else zero_near(self.topology)
 
-    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Any, Any, Whole]:
+    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
         """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])

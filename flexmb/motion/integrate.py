@@ -34,14 +34,14 @@ class Problem(Record):
         driven: What depends on time.
         feedback: Controller, or None.
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
-        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -]; None: none is measured.
+        measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
     """
 
     model: Model
     driven: tuple[Driven, ...]
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
-    start: Float[Array, "n_x"] | None
+    measured_from: Float[Array, "n_x"] | None
 
 
 class Start(NamedTuple):
@@ -174,7 +174,7 @@ def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | C
     if form == "reduced":
         return reduced_form(mechanism)
     if isinstance(problem.feedback, Feedback):
-        return controlled_form(problem.model, mechanism, problem.feedback, problem.start)
+        return controlled_form(problem.model, mechanism, problem.feedback, problem.measured_from)
     return mechanism
 
 
@@ -255,7 +255,7 @@ def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals,
     """
     sampled: Any = problem.feedback
     undriven = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
-    sensors = measuring(problem.model, undriven, problem.start)
+    sensors = measuring(problem.model, undriven, problem.measured_from)
 
     def interval(carry, at):
         state, memory, moved = carry

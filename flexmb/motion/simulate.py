@@ -117,7 +117,10 @@ def simulate(
     drives, loop = _group("drives", drives, Drives, given), _group("loop", loop, Loop, given)
     integrator = _group("integrator", integrator, Integrator, given)
     if given:
-        raise TypeError(f"fm.simulate has no keyword `{next(iter(given))}`.")
+        known = ", ".join(Keywords.__annotations__)
+        raise TypeError(
+            f"fm.simulate has no keyword `{next(iter(given))}`. Beside its own arguments there are: {known}."
+        )
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
     times = _checked_times(times)
@@ -131,9 +134,9 @@ def simulate(
     if progress and not is_concrete((model, times, start, drives.loads)):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
     feedback = as_feedback(model, loop)
-    # Where rotations in space are measured from; no number of the program where none is.
-    measured = start.x if feedback is not None and any(s.axis is not None for s in model.labels.outputs) else None
-    problem = Problem(model.without_names(), driven, feedback, jumps, measured)
+    # No number of the program where no rotation in space is measured.
+    rotations = feedback is not None and any(s.axis is not None for s in model.labels.outputs)
+    problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
     at = Reached(start, feedback.start if isinstance(feedback, Sampled) else None, jnp.array(0.0))

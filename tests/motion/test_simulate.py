@@ -20,6 +20,7 @@ from scipy.io import loadmat
 import flexmb as fm
 from flexmb import planar
 from flexmb.mechanisms import mechanism_path
+from flexmb.motion.simulate import Keywords
 
 
 @pytest.fixture(scope="module")
@@ -294,7 +295,9 @@ def test_names_and_times_are_checked(pendulum):
 
 
 def test_keywords_and_records_are_checked(pendulum):
-    with pytest.raises(TypeError, match="no keyword `rtoll`"):
+    groups = [fm.Drives, fm.Loop, fm.Integrator]
+    assert list(Keywords.__annotations__) == [field.name for kind in groups for field in dataclasses.fields(kind)]
+    with pytest.raises(TypeError, match=r"no keyword `rtoll`.* form, rtol, atol,"):
         fm.simulate(pendulum, [0, 1.0], rtoll=1e-3)
     for name in ("drives", "loop", "integrator"):
         with pytest.raises(TypeError, match=rf"`{name}` must be fm\.{name.title()}\(\.\.\), not 1e-05"):
