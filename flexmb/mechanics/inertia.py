@@ -106,6 +106,23 @@ def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Fl
     return put(jnp.zeros(topology.n_x), topology.axes, columns)
 
 
+def total_mass(topology: Topology, parameters: Parameters) -> Float[Array, ""]:
+    """Mass of the whole mechanism, distributed mass included.
+
+    Args:
+        topology: Structure.
+        parameters: Numbers.
+
+    Returns:
+        () [kg].
+
+    Source:
+        Twice the kinetic energy of a uniform unit velocity.
+    """
+    along = uniform_motion(topology, jnp.eye(len(topology.axes))[0])
+    return along @ mass_matrix(topology, parameters, parameters.reference) @ along
+
+
 def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, function, ref, properties) -> Any:
     """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
 

@@ -109,7 +109,7 @@ class CoordinatesForm(Record):
             xd: Their velocities, (n_x,) [1/s].
             near: Deformations there, (n_e,) [m, rad], or None: turns are counted from the undeformed mechanism.
         """
-        tracks = any(block.element.tracks_angle for block in self.topology.blocks)
+        tracks = self.topology.counts_turns
         memory = jnp.zeros(0)
         if tracks:
             guess = zero_near(self.topology) if near is None else near
