@@ -36,9 +36,6 @@ def named(model: Model, motions: np.ndarray) -> str:
 def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray]:
     """Flexibility in all motions that meet stiffness, and the motions that meet none.
 
-    Args:
-        m: Linearised equations.
-
     Returns:
         Inverse of K on what is not free, (n_q, n_q), and free motions in the degrees of freedom, (n_q, k).
 

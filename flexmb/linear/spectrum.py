@@ -125,14 +125,7 @@ def to_frequency(eigenvalues: Any) -> Any:
 
 
 def is_real(values: Any) -> Any:
-    """Which of several values are real but for round-off.
-
-    Args:
-        values: Complex, (n,).
-
-    Returns:
-        (n,).
-    """
+    """Which of several complex values are real but for round-off, (n,)."""
     return abs(values.imag) <= REAL * abs(values)
 
 
@@ -154,17 +147,9 @@ def _with_shift(k, m, solve: Callable[[np.ndarray], Any]) -> tuple[float, Any]:
 
 
 def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """As :func:`spectrum`, on the host: where each size comes but once and compiling would take longer than solving.
+    """Eigenvalues of the motions with mass as of :func:`spectrum`, (at most n,) [rad^2/s^2], on the host.
 
-    Args:
-        k: Symmetric stiffness, (n, n).
-        m: Symmetric mass, positive semidefinite, (n, n).
-
-    Returns:
-        omega^2 of the motions with mass, ascending, (at most n,) [rad^2/s^2].
-
-    Raises:
-        AnalysisError: singular_stiffness.
+    For sizes that come but once, where compiling takes longer than solving.
     """
     import scipy.linalg
 
@@ -174,10 +159,6 @@ def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
 
 def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
     """Eigenvalues and vectors of K v = omega^2 M v where K may be unsymmetric, on the host.
-
-    Args:
-        k: Stiffness, (n, n).
-        m: Mass, (n, n).
 
     Returns:
         omega^2 by ascending real part, complex, infinite for motions without mass, (n,) [rad^2/s^2]; vectors, complex,
@@ -195,11 +176,6 @@ def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
 
 def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray, "n"]:
     """Solutions of det(lambda^2 M + lambda C + K) = 0 on the host, ordered by |Im|; those at infinity are left out.
-
-    Args:
-        k: Stiffness, (n, n).
-        c: Damping, (n, n).
-        m: Mass, (n, n).
 
     Returns:
         At most (2 n,) [rad/s].
@@ -282,9 +258,6 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and vectors of a mass matrix, each degree of freedom in a unit that makes its own mass one.
 
-    Args:
-        mass: M, (n, n).
-
     Returns:
         Ascending, (n,) [-], and motions in the degrees of freedom, one a column, (n, n).
     """
@@ -295,11 +268,7 @@ def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def massless_freedoms(mass: np.ndarray) -> list[int]:
-    """Degrees of freedom to condense, so that the mass matrix of the others is regular.
-
-    Args:
-        mass: M, (n, n).
-    """
+    """Degrees of freedom to condense, so that the mass matrix of the others is regular."""
     values, motions = masses_of_motions(mass)
     null = motions[:, values <= WITHOUT_MASS * len(values)]
     chosen, _ = independent_rows(null, null.shape[1], 0.0)

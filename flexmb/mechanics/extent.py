@@ -12,12 +12,7 @@ from ..model.topology import Topology
 
 
 def extent_of(topology: Topology, parameters: Parameters) -> float:
-    """Largest distance of the nodes along any axis, 1 where there is none, () [m]; of concrete numbers.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-    """
+    """Largest distance of the nodes along any axis, 1 where there is none, () [m]; of concrete numbers."""
     points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
     return (float(np.max(np.ptp(points, axis=1))) if points.size else 0.0) or 1.0
 
@@ -27,10 +22,6 @@ def sizes_of(topology: Topology, parameters: Parameters) -> Any:
 
     A displacement counts as a share of the mechanism's extent; a rotation counts in radians, an Euler parameter as
     it is.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
 
     Returns:
         The extent for positions, 1 for rotations, (n_x,) [m, -]; outside a trace by NumPy, for which nothing is

@@ -232,7 +232,6 @@ class Walker:
 
     Attributes:
         parts: Topology and parameters.
-        ramp: Load factors along the path.
         scale: What makes metres, radians and load comparable.
         code: Why the walk cannot begin, or successful.
         step: Largest change of the load factor in a step, () [-].
