@@ -253,7 +253,8 @@ def solve_state(
 
     Args:
         target: Load factors of the equilibrium.
-        tell_critical: Whether a critical state is told; what is asked about the stiffness there has an answer.
+        tell_critical: Whether the code says that a state is critical. It is right all the same, and what is asked about
+            its stiffness has an answer.
 
     Returns:
         State, ``near``, code of RESULTS, and number of Newton iterations.
