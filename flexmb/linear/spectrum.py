@@ -26,6 +26,9 @@ LOWEST = 1e-14
 # motion.
 FIRST_SHIFT = 1e-8
 SHIFT_GROWTH = 8.0
+# Of an unsymmetric K, whose definiteness no factors tell: beside a free motion, eigenvalues from 1e-12 to 1 of |K|/|M|
+# then keep nine digits.
+GENERAL_SHIFT = 1e-6
 MAX_SHIFTS = 40
 # A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
 MASSLESS = 100 * float(np.finfo(float).eps)
@@ -129,7 +132,7 @@ def is_real(values: Any) -> Any:
     return abs(values.imag) <= REAL * abs(values)
 
 
-def _with_shift(k, m, solve: Callable[[np.ndarray], Any]) -> tuple[float, Any]:
+def _with_shift(k, m, solve: Callable[[np.ndarray], Any], first: float = FIRST_SHIFT) -> tuple[float, Any]:
     """Smallest tried s >= 0 for which a problem in K + s M has a solution, and that solution; on the host."""
     heaviest = np.max(np.diag(m), initial=0.0)
     ratio = np.max(np.abs(np.diag(k)), initial=0.0) / heaviest if heaviest > 0 else 1.0
@@ -142,7 +145,7 @@ def _with_shift(k, m, solve: Callable[[np.ndarray], Any]) -> tuple[float, Any]:
         # Zero stiffness but for round-off would leave no digits for the others.
         if found is not None and np.all(np.abs(found[0]) * LOWEST * ratio < 1):
             return shift, found
-        shift = max(SHIFT_GROWTH * shift, FIRST_SHIFT * ratio)
+        shift = max(SHIFT_GROWTH * shift, first * ratio)
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
@@ -167,7 +170,7 @@ def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
     Raises:
         AnalysisError: singular_stiffness.
     """
-    shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)))
+    shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)), GENERAL_SHIFT)
     massive = np.abs(mu) > MASSLESS * len(mu) * np.max(np.abs(mu), initial=0.0)
     values: Any = np.where(massive, 1 / np.where(massive, mu, 1.0) - shift, np.inf).astype(complex)
     order = np.argsort(values.real, kind="stable")
