@@ -13,7 +13,7 @@ from ..errors import SpacarError, heard
 from ..linear.linearize import Linearization
 from ..linear.loose import without_mass
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import extent_of
 from ..model.model import Model
 from ..motion.linearized import linearize_motion
 from ..motion.motion import Motion
@@ -145,7 +145,7 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     matrices = BESIDE_MATRICES + 6 * n_q**2 + (2 * n_q + n_u) * (2 * n_q + n_y) if linearised else 0
     times = times_of(name, settings, 4 + 2 * (n_x + n_e) + matrices)
     error = settings.get("ERROR", {})
-    extent = float(jnp.max(sizes_of(model.topology, model.parameters)[model.topology.axes], initial=0.0)) or 1.0
+    extent = extent_of(model.topology, model.parameters)
     rtol = error.get("relative", RTOL)
     atol = error["absolute"] / extent if "absolute" in error else None
     driven = _motions(model, settings)

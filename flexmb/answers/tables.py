@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import shown
-from ..mechanics.inertia import mass_matrix, uniform_motion
+from ..mechanics.inertia import total_mass
 from ..model.model import Model
 from ..model.roles import Role
 from ..spacar.lines import statements
@@ -117,17 +117,6 @@ def _counts(kind: str, roles) -> str:
     return f"N{kind}O {found['O']}  N{kind}MM {found['M']}  N{kind}M {found['M'] + found['R']}  N{kind}C {found['C']}"
 
 
-def total_mass(model: Model) -> float:
-    """Mass of the whole mechanism, distributed mass included, () [kg].
-
-    Args:
-        model: Mechanism.
-    """
-    topology, parameters = model.topology, model.parameters
-    along = np.asarray(uniform_motion(topology, np.eye(model.labels.dimension)[0]))
-    return float(along @ np.asarray(mass_matrix(topology, parameters, parameters.reference)) @ along)
-
-
 def log(found: Answer, source: str) -> str:
     """Log of a run: input, structure, numbers, transfer functions and results.
 
@@ -152,7 +141,7 @@ def log(found: Answer, source: str) -> str:
         for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
             lines.append(f"  {block.element.name}, {block.x.shape[0]} elements: {properties}")
         lines += ["LOADS", f"  {model.parameters.loads}", f"  increments: {model.parameters.increment}"]
-        lines.append(f"TOTAL MASS {total_mass(model):.9g} kg")
+        lines.append(f"TOTAL MASS {float(total_mass(model.topology, model.parameters)):.9g} kg")
     if lin is not None:
         from ..linear.linearize import second_transfer
 

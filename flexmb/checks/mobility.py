@@ -10,6 +10,7 @@ from ..elements.element import ELASTIC
 from ..errors import ModelError
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import undeformed
+from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates
 from ..model.model import Entry, Model, Signal, as_model
 
@@ -164,10 +165,7 @@ def constraints(model: Model) -> Constraints:
     """
     topology, parameters = model.topology, model.parameters
     e, jacobian = undeformed(topology, parameters)
-    points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
-    extent = float(np.max(np.ptp(points, axis=1))) if points.size else 0.0
-    columns = np.ones(topology.n_x)
-    columns[np.asarray(topology.axes).ravel()] = extent or 1.0
+    columns = sizes_of(topology, parameters)
     scaled = jacobian * columns
     sizes = np.linalg.norm(scaled, axis=1)
     _check_undeformed(model, e, sizes)

@@ -212,7 +212,7 @@ def _refuse_idle_inputs(lin: Linearization, condensed: tuple[int, ...]) -> None:
     Raises:
         ModelError: An input moves nothing.
     """
-    sizes = np.asarray(sizes_of(lin.model.topology, lin.model.parameters))
+    sizes = sizes_of(lin.model.topology, lin.model.parameters)
     idle = set(range(len(lin.labels.inputs)))
     for m in _at_each_time(lin):
         # How far, in extents and radians, each degree of freedom moves what it moves most.

@@ -8,6 +8,7 @@ import numpy as np
 from ..errors import AnalysisError
 from ..linear.linearize import Linearization
 from ..linear.spectrum import symmetric_eigenvalues, to_frequency
+from ..mechanics.extent import extent_of
 from ..mechanics.signals import along_coordinates, input_row
 
 # Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
@@ -121,8 +122,7 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
     dfx, dfe = np.asarray(m.DFx), np.asarray(m.DFe)
     n = dfx.shape[1]
     inputs = [np.asarray(input_row(s, m.x, dfx, dfe)) for s in labels.inputs]
-    places = np.asarray(lin.model.parameters.reference)[np.asarray(lin.model.topology.axes)]
-    extent = float(np.max(np.ptp(places, axis=1))) or 1.0
+    extent = extent_of(lin.model.topology, lin.model.parameters)
     outputs, kinds, orders = [], [], []
     for s in labels.outputs:
         if s.quantity == "stress":

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 from ..arguments import check_number, check_numbers, check_whole
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization, linearized
-from ..mechanics.inertia import mass_matrix, uniform_motion
+from ..mechanics.inertia import total_mass
 from ..model.model import Model, as_model
 
 AXES = {2: ("x", "y", "phi"), 3: ("x", "y", "z", "rx", "ry", "rz")}
@@ -27,9 +27,7 @@ def mass(model: Model) -> Float[Array, ""]:
     Source:
         Twice the kinetic energy of a uniform unit velocity.
     """
-    topology, parameters = as_model(model, "mass").topology, model.parameters
-    along = jnp.asarray(uniform_motion(topology, np.eye(model.labels.dimension)[0]))
-    return along @ mass_matrix(topology, parameters, parameters.reference) @ along
+    return total_mass(as_model(model, "mass").topology, model.parameters)
 
 
 def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool = False) -> Float[Array, ""]:

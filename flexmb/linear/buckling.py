@@ -57,8 +57,6 @@ def geometric_stiffness_of_increment(
     """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         at: Preloaded state.
         near: Deformations there, (n_e,) [m, rad].
 
@@ -87,9 +85,6 @@ def scaled_stiffness(
     """Stiffness that stays and stiffness that is scaled with the loads, about a state.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
-        at: State.
         near: Deformations there, (n_e,) [m, rad].
 
     Returns:
@@ -180,13 +175,7 @@ def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[
 
 @jit
 def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -> Float[Array, "n_q"]:
-    """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        m: Linearised equations.
-    """
+    """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`."""
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
     tangent = m.x, m.e, jacobian, m.S, m.DFx
     noise = _noise(topology, parameters, tangent, m.K0, m.sigma, sizes_of(topology, parameters))

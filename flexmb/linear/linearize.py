@@ -166,8 +166,6 @@ def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) ->
     """Equilibrium and linearisation in one; part of the compiled kernels.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         target: Load factors of the equilibrium.
 
     Returns:
@@ -183,9 +181,6 @@ def matrices_at(
     """Linearisation about a state that is in equilibrium.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
-        at: State.
         iterations: What the equilibrium took.
         result: Its code of RESULTS.
 

@@ -36,9 +36,6 @@ def named(model: Model, motions: np.ndarray) -> str:
 def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray]:
     """Flexibility in all motions that meet stiffness, and the motions that meet none.
 
-    Args:
-        m: Linearised equations.
-
     Returns:
         Inverse of K on what is not free, (n_q, n_q), and free motions in the degrees of freedom, (n_q, k).
 
@@ -62,10 +59,6 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray]:
 def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
     """Whether directions take part in any of some motions.
 
-    Args:
-        rows: Directions by the degrees of freedom, (k, n_q).
-        free: Motions, (n_q, f).
-
     Returns:
         (k,).
     """
@@ -73,11 +66,7 @@ def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
 
 
 def negative_mass(lin: Linearization) -> str:
-    """Names of the coordinates whose mass is negative in a motion of negative mass; empty where there is none.
-
-    Args:
-        lin: Linearization.
-    """
+    """Names of the coordinates whose mass is negative in a motion of negative mass; empty where there is none."""
     m = lin.matrices
     mass = np.asarray(m.M0)
     if mass.ndim != 2 or not mass.size:
@@ -93,9 +82,6 @@ def negative_mass(lin: Linearization) -> str:
 
 def refuse_negative_mass(lin: Linearization) -> None:
     """Refuse a mass matrix with a negative eigenvalue.
-
-    Args:
-        lin: Linearization.
 
     Raises:
         AnalysisError: singular_mass, with the names of the nodes.
@@ -125,11 +111,7 @@ def without_mass(model: Model) -> str:
 
 
 def without_anything(lin: Linearization) -> str:
-    """Names of the motions that have neither mass nor stiffness, for a message; empty where there is none.
-
-    Args:
-        lin: Linearization.
-    """
+    """Names of the motions that have neither mass nor stiffness, for a message; empty where there is none."""
     m = lin.matrices
     _, free = free_motions(m)
     mass = np.asarray(m.M0)

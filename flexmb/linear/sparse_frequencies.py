@@ -90,7 +90,6 @@ def sparse_eigenvalues(model: Model, target: LoadFactors, count: int) -> Float[A
 
     Args:
         model: As for :func:`sparse_equilibrium`.
-        target: Load factors.
         count: How many.
 
     Raises:

@@ -26,6 +26,9 @@ LOWEST = 1e-14
 # motion.
 FIRST_SHIFT = 1e-8
 SHIFT_GROWTH = 8.0
+# Of an unsymmetric K, whose definiteness no factors tell: beside a free motion, eigenvalues from 1e-12 to 1 of |K|/|M|
+# then keep nine digits.
+GENERAL_SHIFT = 1e-6
 MAX_SHIFTS = 40
 # A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
 MASSLESS = 100 * float(np.finfo(float).eps)
@@ -125,18 +128,11 @@ def to_frequency(eigenvalues: Any) -> Any:
 
 
 def is_real(values: Any) -> Any:
-    """Which of several values are real but for round-off.
-
-    Args:
-        values: Complex, (n,).
-
-    Returns:
-        (n,).
-    """
+    """Which of several complex values are real but for round-off, (n,)."""
     return abs(values.imag) <= REAL * abs(values)
 
 
-def _with_shift(k, m, solve: Callable[[np.ndarray], Any]) -> tuple[float, Any]:
+def _with_shift(k, m, solve: Callable[[np.ndarray], Any], first: float = FIRST_SHIFT) -> tuple[float, Any]:
     """Smallest tried s >= 0 for which a problem in K + s M has a solution, and that solution; on the host."""
     heaviest = np.max(np.diag(m), initial=0.0)
     ratio = np.max(np.abs(np.diag(k)), initial=0.0) / heaviest if heaviest > 0 else 1.0
@@ -149,22 +145,14 @@ def _with_shift(k, m, solve: Callable[[np.ndarray], Any]) -> tuple[float, Any]:
         # Zero stiffness but for round-off would leave no digits for the others.
         if found is not None and np.all(np.abs(found[0]) * LOWEST * ratio < 1):
             return shift, found
-        shift = max(SHIFT_GROWTH * shift, FIRST_SHIFT * ratio)
+        shift = max(SHIFT_GROWTH * shift, first * ratio)
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
 def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """As :func:`spectrum`, on the host: where each size comes but once and compiling would take longer than solving.
+    """Eigenvalues of the motions with mass as of :func:`spectrum`, (at most n,) [rad^2/s^2], on the host.
 
-    Args:
-        k: Symmetric stiffness, (n, n).
-        m: Symmetric mass, positive semidefinite, (n, n).
-
-    Returns:
-        omega^2 of the motions with mass, ascending, (at most n,) [rad^2/s^2].
-
-    Raises:
-        AnalysisError: singular_stiffness.
+    For sizes that come but once, where compiling takes longer than solving.
     """
     import scipy.linalg
 
@@ -175,10 +163,6 @@ def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
 def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
     """Eigenvalues and vectors of K v = omega^2 M v where K may be unsymmetric, on the host.
 
-    Args:
-        k: Stiffness, (n, n).
-        m: Mass, (n, n).
-
     Returns:
         omega^2 by ascending real part, complex, infinite for motions without mass, (n,) [rad^2/s^2]; vectors, complex,
         one a column, (n, n).
@@ -186,7 +170,7 @@ def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
     Raises:
         AnalysisError: singular_stiffness.
     """
-    shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)))
+    shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)), GENERAL_SHIFT)
     massive = np.abs(mu) > MASSLESS * len(mu) * np.max(np.abs(mu), initial=0.0)
     values: Any = np.where(massive, 1 / np.where(massive, mu, 1.0) - shift, np.inf).astype(complex)
     order = np.argsort(values.real, kind="stable")
@@ -195,11 +179,6 @@ def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
 
 def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray, "n"]:
     """Solutions of det(lambda^2 M + lambda C + K) = 0 on the host, ordered by |Im|; those at infinity are left out.
-
-    Args:
-        k: Stiffness, (n, n).
-        c: Damping, (n, n).
-        m: Mass, (n, n).
 
     Returns:
         At most (2 n,) [rad/s].
@@ -282,9 +261,6 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and vectors of a mass matrix, each degree of freedom in a unit that makes its own mass one.
 
-    Args:
-        mass: M, (n, n).
-
     Returns:
         Ascending, (n,) [-], and motions in the degrees of freedom, one a column, (n, n).
     """
@@ -295,11 +271,7 @@ def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def massless_freedoms(mass: np.ndarray) -> list[int]:
-    """Degrees of freedom to condense, so that the mass matrix of the others is regular.
-
-    Args:
-        mass: M, (n, n).
-    """
+    """Degrees of freedom to condense, so that the mass matrix of the others is regular."""
     values, motions = masses_of_motions(mass)
     null = motions[:, values <= WITHOUT_MASS * len(values)]
     chosen, _ = independent_rows(null, null.shape[1], 0.0)

@@ -171,9 +171,9 @@ def _resultants(topology: Topology, parameters: Parameters, x, sigma, felt, plac
 @jit
 def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
     found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
-    told = [p for b, p in zip(topology.blocks, parameters.properties, strict=True) if "resultants" in b.companions]
+    given = [p for b, p in zip(topology.blocks, parameters.properties, strict=True) if "resultants" in b.companions]
     pieces = []
-    for values, properties in zip(found, told, strict=True):
+    for values, properties in zip(found, given, strict=True):
         start = 0
         for stack in _sections(properties):
             own = values[start : start + _count(stack)]
@@ -181,7 +181,7 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, 
             if stack.has_shape:
                 pieces.append(jax.vmap(jax.vmap(type(stack).stress, (None, 0)))(stack, own))
             else:
-                # Of a rigid element in a block with others: its row is not told.
+                # A rigid element in a block with flexible ones has no stress; ``rows`` leaves these zeros out.
                 pieces.append((jnp.zeros((*own.shape[:2], POINTS)),) * 2)
     sigma_x, tau = (jnp.concatenate(part)[rows] for part in zip(*pieces, strict=True))
     return jnp.concatenate(found)[rows], sigma_x, tau, von_mises(sigma_x, tau)
@@ -193,7 +193,7 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float |
     points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
-        raise ModelError("No flexible element has a section. Give the beams or trusses one that are to be told about.")
+        raise ModelError("No flexible element has a section. Give one to the beams or trusses to be asked about.")
     if at is None:
         if increment is None:
             warn_of_increment(model, function)

@@ -17,12 +17,7 @@ SMALL = 700
 
 
 def multiplied(a: Float[Array, "*n i j"], b: Float[Array, "*n j k"]) -> Float[Array, "*n i k"]:
-    """Matrix products; of small matrices as sums of products, which the compiler fuses with what is around them.
-
-    Args:
-        a: (..., i, j).
-        b: (..., j, k).
-    """
+    """Matrix products; of small matrices as sums of products, which the compiler fuses with what is around them."""
     if a.shape[-2] * a.shape[-1] * b.shape[-1] > SMALL:
         return a @ b
     return jnp.sum(a[..., :, :, None] * b[..., None, :, :], axis=-2)
@@ -66,11 +61,7 @@ class Factors(NamedTuple):
 
 
 def factorise(matrix: Float[Array, "n n"]) -> Factors:
-    """LU factors of a square matrix.
-
-    Args:
-        matrix: (n, n).
-    """
+    """LU factors of a square matrix."""
     lu, _, permutation = jax.lax.linalg.lu(jax.lax.stop_gradient(matrix))
     return Factors(matrix, lu, permutation)
 
@@ -102,11 +93,7 @@ def _triangular(matrix, right, **options):
 
 
 def diagonal_of(matrix: Float[Array, "n n"]) -> Float[Array, "n"]:
-    """Diagonal of a square matrix, by one gather where ``jnp.diagonal`` provides for more.
-
-    Args:
-        matrix: (n, n).
-    """
+    """Diagonal of a square matrix, by one gather where ``jnp.diagonal`` provides for more."""
     every = np.arange(matrix.shape[0])
     return matrix.at[every, every].get(**TRUSTED)
 

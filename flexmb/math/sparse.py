@@ -54,11 +54,7 @@ class SparseFactors:
             self.regular = False
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """Solution of A z = right.
-
-        Args:
-            right: (n,).
-        """
+        """Solution of A z = right."""
         wanted = self.scale * np.asarray(right)
         z = self.factors.solve(wanted)
         return self.scale * (z + self.factors.solve(wanted - self.matrix @ z))

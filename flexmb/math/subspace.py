@@ -12,9 +12,6 @@ RANK_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
 def null_spaces(matrix: np.ndarray) -> tuple[int, np.ndarray, np.ndarray]:
     """Rank and orthonormal bases of the left and right null space.
 
-    Args:
-        matrix: (m, n).
-
     Returns:
         Rank, left null vectors as columns (m, m - rank), right null vectors as columns (n, n - rank).
     """
@@ -31,7 +28,6 @@ def independent_rows(candidates: np.ndarray, wanted: int, threshold: float) -> t
     """Choose rows that are as independent as can be, by pivoted Gram-Schmidt.
 
     Args:
-        candidates: (m, n).
         wanted: How many rows to choose at most.
         threshold: A row is taken only while what is left of it exceeds this.
 

@@ -55,8 +55,6 @@ def each_block(topology: Topology, parameters: Parameters, companion: str):
     """Blocks that have a companion, with the function of one element and the stacked arguments it is mapped over.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         companion: Field of Element, such as "stiffness".
 
     Yields:

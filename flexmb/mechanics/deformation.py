@@ -18,8 +18,6 @@ def deformation_functions(topology: Topology, parameters: Parameters, near: Floa
     """Blocks that deform, with the deformation function of one element and what it is mapped over beside x.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
 
     Yields:
@@ -46,8 +44,6 @@ def deformations(
     """Deformations of all elements, unit norms included.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad]: which turn an angle is counted in.
 
@@ -90,8 +86,6 @@ def deformation_jacobian(
     """Deformations and their derivatives by the nodal coordinates, element by element.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
 
@@ -122,10 +116,6 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
     """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
     Compiled for each type of element and number of them, whatever else there is in the mechanism.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
 
     Returns:
         e, (n_e,) [m, rad], and D_x, (n_e, n_x).
@@ -182,8 +172,6 @@ def deformation_curvature(
     """Second derivative of ``sigma . D(x)`` at constant sigma: the stiffness of the stress resultants.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         sigma: Stress resultants, multipliers of FIXED deformations and unit norms included, (n_e,) [N, N m].
@@ -199,9 +187,5 @@ def deformation_curvature(
 
 
 def zero_near(topology: Topology) -> Float[Array, "n_e"]:
-    """``near`` of the undeformed mechanism, (n_e,) [m, rad].
-
-    Args:
-        topology: Structure.
-    """
+    """``near`` of the undeformed mechanism, (n_e,) [m, rad]."""
     return jnp.zeros(topology.n_e)

@@ -1,23 +1,36 @@
-"""What a change of each coordinate is measured against."""
+"""Size of the mechanism, by which changes of coordinates become pure numbers that can be compared."""
+
+from typing import Any
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+import numpy as np
 
+from ..arguments import is_concrete
 from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 
 
-def sizes_of(topology: Topology, parameters: Parameters) -> Float[Array, "n_x"]:
-    """What a change of each coordinate is measured against: the mechanism's extent for positions, 1 for rotations.
+def extent_of(topology: Topology, parameters: Parameters) -> float:
+    """Largest distance of the nodes along any axis, 1 where there is none, () [m]; of concrete numbers."""
+    points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
+    return (float(np.max(np.ptp(points, axis=1))) if points.size else 0.0) or 1.0
 
-    Args:
-        topology: Structure.
-        parameters: Numbers.
+
+def sizes_of(topology: Topology, parameters: Parameters) -> Any:
+    """What a change of each coordinate is divided by, so that displacements and rotations can be compared.
+
+    A displacement counts as a share of the mechanism's extent; a rotation counts in radians, an Euler parameter as
+    it is.
 
     Returns:
-        (n_x,) [m, -].
+        The extent for positions, 1 for rotations, (n_x,) [m, -]; outside a trace by NumPy, for which nothing is
+        compiled.
     """
+    if is_concrete((topology.axes, parameters.reference)):
+        sizes = np.ones(topology.n_x)
+        sizes[np.asarray(topology.axes)] = extent_of(topology, parameters)
+        return sizes
     points = parameters.reference[topology.axes]
     extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
     extent = jnp.where(extent > 0, extent, 1.0)

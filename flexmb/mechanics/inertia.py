@@ -51,8 +51,6 @@ def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
     """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
 
     Returns:
@@ -70,8 +68,6 @@ def kinetic_energy(
     """Kinetic energy of nodal velocities, element by element.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         v: Their velocities, (n_x,) [1/s].
 
@@ -96,7 +92,6 @@ def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Fl
     """Nodal acceleration of a mechanism that translates as a whole.
 
     Args:
-        topology: Structure.
         acceleration: Of the whole, (axes,) [m/s^2].
 
     Returns:
@@ -106,11 +101,23 @@ def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Fl
     return put(jnp.zeros(topology.n_x), topology.axes, columns)
 
 
+def total_mass(topology: Topology, parameters: Parameters) -> Float[Array, ""]:
+    """Mass of the whole mechanism, distributed mass included.
+
+    Returns:
+        () [kg].
+
+    Source:
+        Twice the kinetic energy of a uniform unit velocity.
+    """
+    along = uniform_motion(topology, jnp.eye(len(topology.axes))[0])
+    return along @ mass_matrix(topology, parameters, parameters.reference) @ along
+
+
 def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, function, ref, properties) -> Any:
     """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
 
     Args:
-        topology: Structure.
         felt: Gravity and motion.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         block: Block of the elements.
@@ -165,8 +172,6 @@ def work_of_weight(
     """Work of gravity on the way from the undeformed mechanism.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         gravity: Acceleration, (axes,) [m/s^2].
 
@@ -195,8 +200,6 @@ def weight(
     A uniform field acts as the inertia of a uniform acceleration: f = M(x) t with t the translation at g.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         gravity: Acceleration, (axes,) [m/s^2].
 
@@ -237,8 +240,6 @@ def weight_stiffness(
     """Derivative of :func:`weight` by the nodal coordinates, symmetric.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         gravity: Acceleration, (axes,) [m/s^2].
 

@@ -42,7 +42,6 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
     undeformed mechanism, which the caller supplies by scaling differences (see statics).
 
     Args:
-        parameters: Numbers.
         factors: Factors.
 
     Returns:
@@ -60,21 +59,12 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
 
 
 def without_gravity(parameters: Parameters) -> Parameters:
-    """The same numbers without gravity.
-
-    Args:
-        parameters: Numbers.
-    """
+    """The same numbers without gravity."""
     return dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
 
 
 def has_loads(topology: Topology, parameters: Parameters) -> bool:
-    """Whether there are loads or strains, which move the mechanism from its undeformed state; known before tracing.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-    """
+    """Whether there are loads or strains, which move the mechanism from its undeformed state; known before tracing."""
     sets = (parameters.loads, parameters.increment, parameters.strain)
     return bool(jax.tree.leaves(sets)) or any(block.element.force is not None for block in topology.blocks)
 
@@ -83,9 +73,6 @@ def lacks_potential(topology: Topology) -> bool:
     """Whether some load or law has no potential, so that tangents are not symmetric; known before tracing.
 
     The law of a single deformation has one, for what it is at rest.
-
-    Args:
-        topology: Structure.
     """
     laws = any("law" in block.companions and block.e.shape[1] > 1 for block in topology.blocks)
     return laws or any(block.element.force is not None for block in topology.blocks)
@@ -108,8 +95,6 @@ def nodal_forces(
     """Nodal forces of all constant loads at a configuration.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         factors: Factors of the two load sets.
         x: Nodal coordinates, (n_x,) [m, rad, -].
 
@@ -135,8 +120,6 @@ def load_stiffness(
     """Derivative of :func:`nodal_forces` by the nodal coordinates.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         factors: Factors of the two load sets.
         x: Nodal coordinates, (n_x,) [m, rad, -].
 

@@ -70,8 +70,6 @@ def state(
     """Evaluate the static equations at a configuration.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         factors: Factors of the two load sets.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
@@ -116,9 +114,6 @@ def iterate(
     what stiff deformations measure in x, and the constraint forces that balance it, would spoil the tangent.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
-        factors: Load factors.
         x: Nodal coordinates of the iterate, (n_x,) [m, rad, -].
         near: Deformations that angles are counted from, (n_e,) [m, rad].
         strained: Deformations of the iterate: e + D_x dx of the step that led to it, (n_e,) [m, rad].
@@ -153,7 +148,6 @@ def reduced_response(
     """Change of x at constant q, and the force out of balance along q that is left after it, to first order.
 
     Args:
-        topology: Structure.
         at: State whose tangent is used.
         excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, the effect of ``shift`` included,
             (n_e,) [m, rad].

@@ -20,8 +20,6 @@ def stiffness_pieces(
     """Stiffness of each block's elements, with row and column indices.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         companion: "stiffness" or "damping".
     """
     pieces = []
@@ -34,8 +32,6 @@ def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[A
     """Stiffness times deformations, block by block.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         strain: Deformations less those without stress, (n_e,) [m, rad].
 
     Returns:
@@ -59,10 +55,6 @@ def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Flo
 def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Stiffness S between deformations and stress resultants, block diagonal.
 
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-
     Returns:
         S, (n_e, n_e) [N/m, N m/rad].
 
@@ -76,10 +68,6 @@ def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array
 def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Damping S_d between deformation rates and stress resultants, block diagonal.
 
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-
     Returns:
         S_d, (n_e, n_e) [N s/m, N m s/rad].
 
@@ -90,11 +78,7 @@ def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, 
 
 
 def is_nonlinear(topology: Topology) -> bool:
-    """Whether some element states an energy, a dissipation or a law; known before tracing.
-
-    Args:
-        topology: Structure.
-    """
+    """Whether some element states an energy, a dissipation or a law; known before tracing."""
     return any(not set(NONLINEAR).isdisjoint(block.companions) for block in topology.blocks)
 
 
@@ -127,8 +111,6 @@ def nonlinear_stress(
     """Stress resultants of the elements' energies, dissipations and laws.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         e: Deformations less those without stress, (n_e,) [m, rad].
         ed: Their rates, (n_e,) [m/s, rad/s].
 
@@ -151,8 +133,6 @@ def nonlinear_tangents(
     """Derivatives of :func:`nonlinear_stress` by the deformations and by their rates.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         e: Deformations less those without stress, (n_e,) [m, rad].
         ed: Their rates, (n_e,) [m/s, rad/s].
 
@@ -176,8 +156,6 @@ def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array,
     """Elastic energy of the elements that state one.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         e: Deformations less those without stress, (n_e,) [m, rad].
 
     Returns:
@@ -196,7 +174,6 @@ def strain_of(parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, "n
     """Deformations less those at which the elements are free of stress.
 
     Args:
-        parameters: Numbers.
         e: Deformations, (n_e,) [m, rad].
     """
     return e if parameters.strain is None else e - parameters.strain
@@ -213,8 +190,6 @@ def stress_resultants(
     """Stress resultants of the elements, sigma = S (e - strain) + nonlinear ones + prestress.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         loads: Loads, of which the prestress is used.
         stiffness: S, (n_e, n_e) [N/m, N m/rad].
         e: Deformations, (n_e,) [m, rad].
@@ -244,8 +219,6 @@ def stress_tangents(
     """Derivatives of the stress resultants by the deformations and by their rates.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
         damping: S_d of constant damping, (n_e, n_e) [N s/m, N m s/rad], or None.
         e: Deformations, (n_e,) [m, rad].
@@ -275,8 +248,6 @@ def section_resultants(
     """Forces and moments in the cross-sections of the elements, block by block.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         sigma: Stress resultants, multipliers of FIXED deformations included, (n_e,) [N, N m].
         felt: Gravity and motion, which act along the elements.

@@ -32,7 +32,6 @@ def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     """First-order transfer functions by implicit differentiation of D(x) = e.
 
     Args:
-        topology: Structure.
         jacobian: D_x, (n_e, n_x).
 
     Returns:
@@ -67,7 +66,6 @@ def multipliers(
     s that belongs to DOF deformations vanishes.
 
     Args:
-        topology: Structure.
         tangent: Transfer functions at the configuration.
         jacobian: D_x, (n_e, n_x).
         sigma: Stress resultants of the elastic elements; entries of held deformations are ignored, (n_e,) [N, N m].
@@ -92,7 +90,6 @@ def correction(
     """Change of the DEPENDENT coordinates that removes, to first order, an excess of the held deformations.
 
     Args:
-        topology: Structure.
         tangent: Transfer functions at the configuration.
         excess: Deformations minus their wanted values; DEPENDENT entries are ignored, (n_e,) [m, rad].
         shift: Change of the other coordinates already decided on, whose effect ``excess`` includes, (n_x,).

@@ -108,7 +108,7 @@ class CoordinatesForm(Record):
 
     def state_of(self, x, xd, near) -> MotionState:
         """State of nodal coordinates; the memory holds all deformations where an element counts turns."""
-        tracks = any(block.element.tracks_angle for block in self.topology.blocks)
+        tracks = self.topology.counts_turns
         memory = jnp.zeros(0)
         if tracks:
             guess = zero_near(self.topology) if near is None else near

@@ -71,8 +71,6 @@ def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -
     sign of the determinant; the rest is infinite.
 
     Args:
-        topology: Structure.
-        at: State.
         sizes: What changes of x are measured against, (n_x,) [m, rad].
 
     Returns:
@@ -111,7 +109,6 @@ def null_vectors(
     """Right and left null vector of a nearly singular stiffness, by inverse iteration.
 
     Args:
-        topology: Structure.
         at: State near a critical point.
         sizes: What changes of x are measured against, (n_x,) [m, rad].
         shift: Small beside the other eigenvalues of (K, Z^T Z), so that an exact zero does no harm, () [N m].
@@ -150,10 +147,6 @@ def begin_path(
     topology: Topology, parameters: Parameters
 ) -> tuple[Ramp, Point, Direction, Scale, State, Int[Array, ""]]:
     """State at load factor zero and the direction in which the path leaves it.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
 
     Returns:
         Ramp, point, unit tangent with rising load, scale, state, code of RESULTS.

@@ -101,7 +101,7 @@ class Path(Record):
 
 
 class _Found(NamedTuple):
-    """What is told about a state on the path; eigenvalues that may be complex are found outside compiled code."""
+    """What a path reports of one state; eigenvalues that may be complex are found outside compiled code."""
 
     matrices: Matrices
     eigenvalues: Any

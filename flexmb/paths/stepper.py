@@ -85,15 +85,9 @@ class Scale(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """A step.
+    """A step: where it ends, unit tangent and static equations there, and how it was found.
 
-    Attributes:
-        point: Where it ends.
-        tangent: Tangent of the path there, of unit length.
-        at: Static equations there.
-        converged: Whether the corrector converged.
-        cosine: Of the angle between the direction of the step and the tangent at its end.
-        corrections: Newton iterations.
+    ``cosine`` is that of the angle between the direction of the step and the tangent at its end.
     """
 
     point: Point
@@ -105,44 +99,23 @@ class Stepped(NamedTuple):
 
 
 def can_be_taken(converged, cosine) -> Any:
-    """Whether a step ends on the path that it began on, as far as its end tells.
-
-    Args:
-        converged: Whether the corrector converged.
-        cosine: Of the angle by which the tangent turned.
-    """
+    """Whether a step ends on the path that it began on, as far as one can tell from its end."""
     return converged & (cosine > SMALLEST_COSINE)
 
 
 def next_length(length, corrections, cosine) -> Any:
-    """Length to try after a step that was taken.
-
-    Args:
-        length: Its length.
-        corrections: Newton iterations that it took.
-        cosine: Of the angle by which the tangent turned in it.
-    """
+    """Length to try after a step that was taken, by its length and how easily it was found."""
     return length * (1.0 + ((corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT)))
 
 
 def scales_increment(topology: Topology, parameters: Parameters) -> bool:
-    """Whether there are incremental loads; known before tracing.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-    """
+    """Whether there are incremental loads; known before tracing."""
     elements = any(dict(block.options).get("incremental", False) for block in topology.blocks)
     return elements or parameters.increment is not None
 
 
 def ramp_of(topology: Topology, parameters: Parameters) -> Ramp:
-    """Incremental loads are scaled while the others stay; without incremental loads all are.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-    """
+    """Incremental loads are scaled while the others stay; without incremental loads all are."""
     if scales_increment(topology, parameters):
         return Ramp(load_factors(1.0, 0.0), load_factors(0.0, 1.0))
     return Ramp(load_factors(0.0, 0.0), load_factors(1.0, 0.0))
@@ -152,12 +125,6 @@ def load_response(
     topology: Topology, parameters: Parameters, ramp: Ramp, at: State
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
     """Derivatives by the load factor at constant q: of x, and of the residual.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        ramp: Load factors along the path.
-        at: State.
 
     Returns:
         dx, (n_x,) [m, rad, -], and dr, (n_q,) [N, N m].
@@ -194,7 +161,6 @@ def direction_of(at: State, dx: Float[Array, "n_x"], load) -> Direction:
     """Direction of a change of x and the load factor, deformations to first order.
 
     Args:
-        at: State.
         dx: Change of x, (n_x,) [m, rad, -].
         load: Change of the load factor, () [-].
     """
@@ -205,9 +171,6 @@ def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State
     """Tangent of the path, on the side that the plane's normal points to; not of unit length.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
-        ramp: Load factors along the path.
         at: State on the path.
         plane: Normal of a plane across the path.
     """
@@ -219,10 +182,6 @@ def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State
 def length(scale: Scale, d: Direction) -> Float[Array, ""]:
     """Length of a change of the state, positions and angles weighed against load.
 
-    Args:
-        scale: Weights.
-        d: Change.
-
     Returns:
         () [-].
     """
@@ -230,22 +189,12 @@ def length(scale: Scale, d: Direction) -> Float[Array, ""]:
 
 
 def normal_to(scale: Scale, d: Direction) -> Plane:
-    """Plane across a direction.
-
-    Args:
-        scale: Weights.
-        d: Direction.
-    """
+    """Plane across a direction."""
     return Plane(scale.weights * d.x, d.load)
 
 
 def unit(scale: Scale, d: Direction) -> Direction:
-    """Direction of unit length.
-
-    Args:
-        scale: Weights.
-        d: Direction.
-    """
+    """Direction of unit length."""
     size = length(scale, d)
     return Direction(d.x / size, d.strained / size, d.load / size)
 
@@ -254,8 +203,6 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
     """Weights by which the motion under the first load and the load itself count alike.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         tangent: Tangent at the begin of the path.
     """
     sizes = sizes_of(topology, parameters)
@@ -287,10 +234,6 @@ def step_along(
     Deformations are carried as numbers of their own, as in the equilibrium's search.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
-        ramp: Load factors along the path.
-        scale: Weights.
         begin: Where the step begins.
         direction: Where to.
         step: How much of it, () [-].

@@ -232,7 +232,6 @@ class Walker:
 
     Attributes:
         parts: Topology and parameters.
-        ramp: Load factors along the path.
         scale: What makes metres, radians and load comparable.
         code: Why the walk cannot begin, or successful.
         step: Largest change of the load factor in a step, () [-].
@@ -312,7 +311,7 @@ class Walker:
     ) -> Zero | None:
         """Where a value that changes sign on a step is zero; None if it jumps.
 
-        Where the value is ``alone`` in changing its sign, states on another branch are told by their orientation.
+        Where the value is ``alone`` in changing its sign, states on another branch are known by their orientation.
 
         Beside a bifurcation the corrector's equations are nearly singular: it finds no state, or one that is astray
         along the motion that meets no stiffness, and so is its tangent. The zero is then taken between states on both

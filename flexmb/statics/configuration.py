@@ -96,8 +96,6 @@ def configured(
     """One step of Newton's method towards the configuration at given degrees of freedom.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         given: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
         q: Degrees of freedom, (n_q,) [m, rad].
         x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
@@ -114,8 +112,6 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     """Configuration and velocity at given degrees of freedom; part of the compiled kernels.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         q: Degrees of freedom, coordinates as displacements from their start, (n_q,) [m, rad].
         qd: Their rates, (n_q,) [1/s].
 

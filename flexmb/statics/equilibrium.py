@@ -113,7 +113,7 @@ def equilibrium(
         increment: Factor of the incremental loads, () [-]; zero unless given.
         sparse: For thousands of elements: sparse factors in all coordinates, no degrees of freedom needed
             (``Builder.build(check=False)``). Dead loads, gravity and elements of constant stiffness only; outside
-            ``jax.jit``; a failure raises; a critical state is not told.
+            ``jax.jit``; a failure raises; a critical state is not reported.
         throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
             look at ``result`` before using a derivative.
 

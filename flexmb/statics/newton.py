@@ -42,22 +42,11 @@ class Newton(NamedTuple):
     most: int
 
     def slow(self, size, before) -> Any:
-        """Whether a correction is hardly smaller than the one before it.
-
-        Args:
-            size: Size of the correction, () [-].
-            before: Size of the one before it, infinite for the first, () [-].
-        """
+        """Whether a correction is hardly smaller than the one before it, which is infinite for the first."""
         return size > self.contraction * before
 
     def astray(self, size, before, tries) -> Any:
-        """Whether a correction is refused, one that is no number among them.
-
-        Args:
-            size: Size of the correction, () [-].
-            before: Size of the one before it, infinite for the first, () [-].
-            tries: How many corrections there were before, () [-].
-        """
+        """Whether a correction after so many others is refused, one that is no number among them."""
         slow = self.slow(size, before) & (size > self.round_off)
         return ~(size < self.largest) | slow | (tries >= self.most)
 
@@ -69,36 +58,18 @@ ACROSS_PATH = Newton(largest=0.3, contraction=0.5, round_off=1e-7, most=10)
 
 
 def near_enough(size, load, tries) -> Any:
-    """Whether the iteration at a load ends after a correction.
-
-    Args:
-        size: Size of the correction, () [-].
-        load: Share of the load, () [-]; at 1 the equilibrium itself is wanted.
-        tries: How many corrections there were before, () [-].
-    """
+    """Whether a correction after so many others ends the iteration at a share of the load: at 1 it must be small."""
     return (size < STEP_TOLERANCE) | ((load < 1.0) & (size < LOOSE_TOLERANCE) & (tries > 0))
 
 
 def shorter_load_step(step, first, tries) -> Any:
-    """Load step to try in place of one in which the iteration went astray.
-
-    Args:
-        step: Load step, as share of the load, () [-].
-        first: Size of its first correction, () [-].
-        tries: How many corrections there were before the refused one, () [-].
-    """
+    """Load step in place of one whose correction was refused after so many others, the first of size ``first``."""
     fitting, xp = _fitting(first), _library(step)
     return step * xp.where((tries == 0) & (fitting > 0), xp.clip(fitting, 0.02, 0.5), 0.25)
 
 
 def next_load_step(step, first, contraction) -> Any:
-    """Load step after one at whose end the iteration converged.
-
-    Args:
-        step: Load step, as share of the load, () [-].
-        first: Size of its first correction, () [-].
-        contraction: Share that its last correction was of the one before, zero if there was one alone, () [-].
-    """
+    """Load step after one whose iteration converged: ``contraction`` is its last correction over the one before."""
     xp = _library(step)
     return step * xp.clip(xp.minimum(_fitting(first), xp.sqrt(WANTED_CONTRACTION / contraction)), 0.5, 4.0)
 

@@ -39,11 +39,6 @@ class _Solved(NamedTuple):
 def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
     """Coordinates and deformations with the PRESCRIBED ones at their values, the others as undeformed.
 
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        factors: Load factors.
-
     Returns:
         x, (n_x,) [m, rad, -], and e, (n_e,) [m, rad].
     """
@@ -203,7 +198,6 @@ def change_of_equations(
     """Change of the equilibrium equations with parameters and load factors, at constant x.
 
     Args:
-        topology: Structure.
         at: State in equilibrium.
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         primals: Parameters and load factors.
@@ -258,10 +252,9 @@ def solve_state(
     """Equilibrium and everything of first order about it; differentiable. Part of the compiled kernels.
 
     Args:
-        topology: Structure.
-        parameters: Numbers.
         target: Load factors of the equilibrium.
-        tell_critical: Whether a critical state is told; what is asked about the stiffness there has an answer.
+        tell_critical: Whether the code says that a state is critical. It is right all the same, and what is asked about
+            its stiffness has an answer.
 
     Returns:
         State, ``near``, code of RESULTS, and number of Newton iterations.
@@ -284,7 +277,6 @@ def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
     """Forces of the supports on the mechanism, at FIXED and PRESCRIBED coordinates, zero elsewhere.
 
     Args:
-        topology: Structure.
         at: Equilibrium state.
 
     Returns:

@@ -7,11 +7,11 @@ element by element, and solutions with the same factors.
 from typing import Any, NamedTuple
 
 import jax
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import is_concrete
 from ..compilation.compile import jit
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
@@ -46,24 +46,13 @@ class Balanced(NamedTuple):
 
 
 def unknowns(topology: Topology) -> tuple[Array, Array, Array]:
-    """Coordinates that move, coordinates that do not, and deformations that are held.
-
-    Args:
-        topology: Structure.
-    """
+    """Coordinates that move, coordinates that do not, and deformations that are held."""
     return jnp.sort(topology.x.free), topology.x.held, topology.e.held
 
 
 @jit
 def elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]):
-    """Stress resultants of linear elements, without the multipliers of held deformations.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        factors: Load factors.
-        e: Deformations, (n_e,) [m, rad].
-    """
+    """Stress resultants of linear elements, without the multipliers of held deformations."""
     sigma = stress_of_strain(topology, parameters, strain_of(parameters, e))
     prestress = scaled_loads(parameters, factors).prestress
     return sigma if prestress is None else sigma + prestress
@@ -109,17 +98,7 @@ class Assembled(NamedTuple):
 
 
 def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) -> Assembled:
-    """Tangent of the equilibrium at a state, on the host.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        factors: Load factors.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        sigma: Stress resultants, multipliers included, (n_e,) [N, N m].
-        mass: Whether to assemble the mass too.
-    """
+    """Tangent of the equilibrium at a state with stress resultants ``sigma``, on the host; with its mass if asked."""
     import scipy.sparse
 
     found, e, elastic, force = _matrices(
@@ -141,33 +120,14 @@ def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) 
 
 
 def refuse_traced(*trees) -> None:
-    """Refuse numbers that are traced.
-
-    Args:
-        trees: Pytrees.
-
-    Raises:
-        TypeError: There is one.
-    """
-    if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees)):
+    """Raise where a number is traced."""
+    if not is_concrete(trees):
         raise TypeError("The sparse path runs on the host: call it outside jax.jit and jax.vmap; jax.grad applies.")
 
 
 @jax.custom_jvp
 def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
-    """Equilibrium by Newton's method, the stress of the iterate's own deformations in the tangent.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        target: Load factors.
-
-    Raises:
-        AnalysisError: singular_stiffness or not_converged.
-
-    Source:
-        As :func:`flexmb.mechanics.residual.iterate`, with the multipliers as unknowns.
-    """
+    """Equilibrium by Newton's method on coordinates and multipliers, see :func:`flexmb.mechanics.residual.iterate`."""
     refuse_traced(parameters, target)
     free, fast, held = (np.asarray(i) for i in unknowns(topology))
     if not has_loads(topology, parameters):
@@ -263,9 +223,6 @@ def _balance_jvp(primals, tangents):
 def refuse_what_is_not_sparse(topology: Topology) -> None:
     """Raise where the sparse path has no equations.
 
-    Args:
-        topology: Structure.
-
     Raises:
         ModelError: Loads that follow a body, moments about fixed axes, or elements with a law or an energy.
     """
@@ -282,8 +239,6 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 
     Args:
         topology: Structure, which needs no degrees of freedom (``Builder.build(check=False)``).
-        parameters: Numbers.
-        target: Load factors.
 
     Returns:
         What an :class:`flexmb.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, iterations, result.
