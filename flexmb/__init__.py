@@ -23,7 +23,7 @@ _ROOMS = {
         "warping_factor",
     ),
     "elements.element": ("Element",),
-    "elements.nodes": ("Angle", "Point2", "Point3", "Rotation3"),
+    "elements.nodes": ("Angle", "Point2", "Point3", "Rotation3", "Static"),
     "build.builder": ("Builder",),
     "model.model": ("Model",),
     "errors": ("AnalysisError", "FlexmbWarning", "MechanismError", "ModelError", "SpacarError"),
