@@ -28,6 +28,7 @@ from .elements.nodes import Angle as Angle
 from .elements.nodes import Point2 as Point2
 from .elements.nodes import Point3 as Point3
 from .elements.nodes import Rotation3 as Rotation3
+from .elements.nodes import Static as Static
 from .elements.sections import Circle as Circle
 from .elements.sections import Damping as Damping
 from .elements.sections import HollowRectangle as HollowRectangle

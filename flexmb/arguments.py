@@ -27,7 +27,7 @@ def shown(value: Any) -> str:
     Args:
         value: Anything.
     """
-    if isinstance(value, np.ndarray | jax.Array):
+    if isinstance(value, np.ndarray | jax.Array) and is_concrete(value):
         value = np.asarray(value).tolist()
     return " ".join(reprlib.repr(value).split())
 

@@ -384,9 +384,9 @@ OTHERS = {
     "a strip without width": (lambda: fm.warping_factor(0.1, 0.0, 0.3), "`width` must be positive"),
     "a Poisson's ratio in percent": (lambda: fm.warping_factor(0.1, 0.02, 30), "`nu` must be .* at most 1"),
     "a side below zero": (lambda: fm.torsion_series(-0.02, 5e-4), "`width` must be positive"),
-    "half an order": (lambda: planar.spectral_beam(2.5), "`order` must be a whole number"),
+    "half an order": (lambda: planar.spectral_beam(2.5), "`order` of spectral_beam must be a whole number"),
     "an order beyond sense": (lambda: fm.spatial.spectral_beam(10_000), "order must be at least 1 and at most 40"),
-    "a law that is none": (lambda: planar.spring_damper(3.0), "A law must be a function"),
+    "a law that is none": (lambda: planar.spring_damper(3.0), "`law` of spring_damper must be a function"),
 }
 
 

@@ -25,7 +25,7 @@ UNIT_NORM = Element(unit_norm)
 
 
 def is_option(value: Any) -> bool:
-    """Whether a property chooses code and is no number.
+    """Whether a property chooses code and is no number, though it is not annotated ``Static``.
 
     Args:
         value: The property.
@@ -150,7 +150,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
             and (c != "resultants" or properties.get("section") is not None)
             and element.arguments(getattr(element, c), properties) is not None
         )
-        key = (element, _structure(element.arguments(element.deformation, properties)))
+        key = (element, _structure(element.of_deformation(properties)))
         groups.setdefault(key, []).append(_Piece(name, x, e, splits, properties, present))
     found: list[tuple[Block, dict[str, Any], tuple[str | None, ...]]] = []
     for (element, _), pieces in groups.items():
@@ -159,7 +159,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
             alike.setdefault(_structure(piece.properties), []).append(piece)
         apart = len(alike) > 1
         if apart and pieces[0].e:
-            deformed = [p._replace(properties=element.arguments(element.deformation, p.properties)) for p in pieces]
+            deformed = [p._replace(properties=element.of_deformation(p.properties)) for p in pieces]
             found.append(_block(element, ("deformation",), deformed))
         for own in alike.values():
             companions = tuple(c for c in COMPANIONS if any(c in p.companions for p in own))

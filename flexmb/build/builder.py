@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
-from ..elements.element import ALL, COMPANIONS, Element
+from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3
 from ..errors import ModelError
 from ..model.model import Model
@@ -22,7 +22,7 @@ from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
 from .properties import complete as complete_properties
-from .properties import element_type, number_of_deformations
+from .properties import element_type, number_of_deformations, with_options
 
 
 class Builder(Description):
@@ -114,7 +114,7 @@ class Builder(Description):
             released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED at zero.
                 By default as the element type says: all of an elastic element, none of a rigid one. What an element
                 only measures is released in any case.
-            properties: What the element type asks for, such as ``section``.
+            properties: What the element type asks for, such as ``section``, and its options, such as ``order``.
 
         Returns:
             The name.
@@ -127,14 +127,15 @@ class Builder(Description):
         name = self._free_name(element.name) if name is None else named("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
+        element, properties = with_options(element, name, properties)
         properties = complete_properties(element, name, properties)
         n_e = number_of_deformations(element, name, properties)
         companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
         if not n_e and all(element.arguments(c, properties) is None for c in companions):
             wanted = ", ".join(repr(key) for c in companions for key in element.wanted(c)) or "a companion"
             raise ModelError(f"Element '{name}' ({element.name}) does nothing without the property {wanted}.")
-        usual = (ALL if element.is_elastic(properties) else ()) if element.released is None else element.released
         roles = [Role.FIXED] * n_e
+        usual = element.freed(properties)
         for i in (*released_in(name, usual if released is None else released, n_e), *element.measured):
             roles[i - 1] = Role.DEPENDENT
         resolved = self._resolve(element, name, [str(n) for n in nodes])

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.record import Record
-from ..elements.element import COMPANIONS, NONLINEAR, Element
+from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
 from ..elements.sections import Damping, Section
 from ..errors import ModelError
 from .assemble import is_option, stack
@@ -39,9 +39,6 @@ def element_type(given: Any) -> Element:
         raise ModelError(
             f"Element type must be an Element or a deformation function, such as planar.beam, not {shown(given)}."
         )
-    if function is given and inspect.signature(function).return_annotation is Element:
-        name = function.__name__
-        raise ModelError(f"Function '{name}' makes element types: call it, such as {name}(4).")
     found = given if isinstance(given, Element) else Element(given)
     for name in COMPANIONS:
         companion = getattr(found, name)
@@ -54,6 +51,28 @@ def element_type(given: Any) -> Element:
     if not nodes:
         raise ModelError(f"Element type '{found.name}' joins no nodes: annotate its positional parameters.")
     return found
+
+
+def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[Element, dict[str, Any]]:
+    """An element type with the options among what a caller gives, and the rest: its properties.
+
+    Args:
+        element: Element type.
+        name: Name of the element, for messages.
+        given: Options and properties; what is given as None counts as not given.
+
+    Raises:
+        ModelError: An option of the wrong kind, one that cannot be hashed, one that is needed and missing.
+    """
+    own = {key: value for key, value in given.items() if key in element.option_names and value is not None}
+    try:
+        made = element(**own)
+    except (TypeError, ValueError) as fault:
+        raise ModelError(f"Element '{name}' ({element.name}): {fault}") from None
+    for key in made.option_names:
+        if key not in made.options:
+            raise ModelError(f"Element '{name}' ({element.name}) needs the option '{key}'.")
+    return made, {key: value for key, value in given.items() if key not in element.option_names}
 
 
 def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, Any]:
@@ -74,7 +93,8 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
     for key in given:
         if key not in known and key != "incremental":
             raise ModelError(
-                f"Element '{name}' ({element.name}) has no property '{key}'. It takes: {', '.join(known) or 'none'}."
+                f"Element '{name}' ({element.name}) has no property '{key}'. It takes:"
+                f" {', '.join([*known, *element.option_names]) or 'none'}."
             )
     found = {key: _checked(element, name, key, value) for key, value in given.items() if value is not None}
     needed = {n for f in (element.deformation, element.law) if f is not None for n in element.wanted(f)}
@@ -198,21 +218,11 @@ def _check_fields(of: str, record: Any) -> None:
             if not right:
                 _check_fields(of, value)
         elif field.metadata.get("static"):
-            right = _wanted_option(value, hint)
+            right = wanted_option(value, hint)
         elif float in wanted and not (value is None and type(None) in typing.get_args(hint)):
             right = "" if _is_scalar(value) else "a number"
         if right:
             raise ModelError(f"The {of} has {field.name} = {shown(value)}, but it must be {right}.")
-
-
-def _wanted_option(value: Any, hint: Any) -> str:
-    """What an option should be, empty if it is."""
-    if typing.get_origin(hint) is typing.Literal:
-        allowed = typing.get_args(hint)
-        return "" if value in allowed else f"one of {', '.join(map(repr, allowed))}"
-    if hint is bool:
-        return "" if isinstance(value, bool) else "True or False"
-    return ""
 
 
 def _is_scalar(value: Any) -> bool:
@@ -263,8 +273,8 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         own = element.arguments(companion, {**numbers, **options})
         if own is None:
             return None
-        fixed = {k: v for k, v in own.items() if is_option(v)}
-        varying = {k: v for k, v in own.items() if not is_option(v)}
+        varying = {k: v for k, v in own.items() if k in numbers}
+        fixed = {k: v for k, v in own.items() if k not in numbers}
 
         def call(arguments, nodes, varying, extra):
             return companion(*arguments, ref=element.reference(nodes), **varying, **fixed, **extra)

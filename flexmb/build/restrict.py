@@ -58,7 +58,7 @@ class Restriction(Record):
         more = self.topology.n_e - model.topology.n_e
         properties = own.properties
         if more:
-            parts = tuple(_alone(model.topology.blocks[i], own.properties[i]) for i in self.tied)
+            parts = tuple(model.topology.blocks[i].element.of_deformation(own.properties[i]) for i in self.tied)
             of = tuple(jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], part) for part in parts)
             properties = (*properties, {"weights": self.weights, "of": of})
 
@@ -72,11 +72,6 @@ class Restriction(Record):
             own.reference, properties, loads(own.loads) or Loads(), loads(own.increment), longer(own.strain), None
         )
         return Model(self.topology, parameters, self.labels)
-
-
-def _alone(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
-    """Properties that the deformation of a block's elements asks for."""
-    return block.element.arguments(block.element.deformation, properties) or {}
 
 
 def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarray) -> Restriction:

@@ -73,7 +73,7 @@ def _own_vibrations(model: Model) -> list[tuple[str, float]]:
     """First natural frequency of each SPACAR beam with both ends held, by name [Hz]."""
     found = []
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        if block.element not in (planar.beam, spatial.beam) or "stiffness" not in block.companions:
+        if block.element.usual not in (planar.beam, spatial.beam) or "stiffness" not in block.companions:
             continue
         section = jax.vmap(lambda s: s.rigidity())(companion_of(block, properties, "stiffness")[1]["section"])
         nodes = np.asarray(model.parameters.reference)[np.asarray(block.x)]

@@ -3,7 +3,6 @@
 A traced build sees no numbers and refuses none: a thickness below zero would have a frequency like any other.
 """
 
-import inspect
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -93,7 +92,7 @@ def _of_sections(sections: Section) -> np.ndarray:
 def _of_check(block: Block, check: Callable[..., list[str]], reference: Any, properties: dict[str, Any]) -> np.ndarray:
     """Whether the check of each element has a fault, (designs, elements)."""
     element = block.element
-    wanted = {n: p for n, p in inspect.signature(check).parameters.items() if n != "ref"}
+    wanted = element.wanted(check)
     if any(p.default is p.empty and n not in properties for n, p in wanted.items()):
         # A block of deformations alone; the one of the companions has the other properties.
         return np.zeros((len(reference), 0), bool)
@@ -102,7 +101,8 @@ def _of_check(block: Block, check: Callable[..., list[str]], reference: Any, pro
 
     def ask(one):
         reference, own = one
-        return check(ref=element.reference(np.split(reference, block.splits, axis=-1)), **options, **own)
+        given: dict[str, Any] = element.arguments(check, {**options, **own}) or {}
+        return check(ref=element.reference(np.split(reference, block.splits, axis=-1)), **given)
 
     return _each(ask, (reference, numbers), check)
 

@@ -6,6 +6,7 @@ from jaxtyping import Array, Float
 from numpy.polynomial import polynomial
 
 from .nodes import length
+from .sections import Damping, Section
 
 # Mass of cubics in the end positions and end slopes times length, over m l / 420 (REFERENCES.md T4: axially too).
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
@@ -87,17 +88,17 @@ def truss(p, q, *, ref):
     return (length(q - p) - beam_length(ref))[None]
 
 
-def truss_stiffness(*, ref, section) -> Float[Array, "1 1"]:
+def truss_stiffness(*, ref, section: Section) -> Float[Array, "1 1"]:
     """Axial stiffness EA/l0, (1, 1) [N/m]; tutorial (2.11)."""
     return (section.rigidity().EA / beam_length(ref)).reshape(1, 1)
 
 
-def truss_damping(*, ref, damping) -> Float[Array, "1 1"]:
+def truss_damping(*, ref, damping: Damping) -> Float[Array, "1 1"]:
     """Axial damping EdA/l0, (1, 1) [N s/m]; tutorial (2.12)."""
     return (damping.EA / beam_length(ref)).reshape(1, 1)
 
 
-def line_inertia(p, q, *, ref, section):
+def line_inertia(p, q, *, ref, section: Section):
     """Distributed mass with linear interpolation of the position, exact for a straight rigid line.
 
     Source:
@@ -106,7 +107,12 @@ def line_inertia(p, q, *, ref, section):
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
-def truss_resultants(p, q, *, ref, place, sigma, section, fall=None):
+def rigid_inertia(p, rot_p, q, *, ref, section: Section):
+    """Distributed mass of a rigid line from p, a body with a rotation, to q."""
+    return line_inertia(p, q, ref=ref, section=section)
+
+
+def truss_resultants(p, q, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
     """Normal force alone, (6,) [N, N m]."""
     normal = sigma[0]
     if fall is not None:
@@ -165,25 +171,21 @@ def along(ends, place) -> Float[Array, "..."]:
     return (1 - place) * ends[0] + place * ends[1]
 
 
-def straight(p, q, place) -> Float[Array, "d"]:
-    """Point of the straight line between two points.
-
-    Args:
-        p: First end, (d,) [m].
-        q: Last end, (d,) [m].
-        place: From 0 to 1, () [-].
-
-    Returns:
-        (d,) [m].
-    """
-    return p + place * (q - p)
-
-
 def check_length(*, ref) -> list[str]:
     """Faults of an element with two end positions."""
     if np.any(np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) == 0):
         return ["has zero length: its two ends have the same position"]
     return []
+
+
+def straight_shape(p, rot_p, q, rot_q, *, ref, place) -> Float[Array, "d"]:
+    """Companion ``shape`` of a joint between two bodies: the straight line between its points."""
+    return p + place * (q - p)
+
+
+def point_inertia(p, *, ref, mass: float):
+    """Companion ``inertia`` of a point mass."""
+    return p[None], jnp.reshape(mass, (1, 1))
 
 
 def check_mass(*, ref, mass: float) -> list[str]:

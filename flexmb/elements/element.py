@@ -1,14 +1,25 @@
 """An element type is a pure function of nodal coordinates; its signature is read here."""
 
+import collections.abc
 import dataclasses
 import functools
 import inspect
+import types
 import typing
 from collections import namedtuple
 from collections.abc import Callable
 from typing import Any
 
-from .nodes import NodeKind
+import jax.core
+import numpy as np
+
+from ..arguments import as_whole, shown
+from .nodes import STATIC, NodeKind
+
+EMPTY = inspect.Parameter.empty
+# Kinds of options: what passes for them, and how they are called.
+ALIKE = {bool: bool | np.bool_, float: float | int}
+WORDS = {bool: "True or False", int: "a whole number", float: "a number", collections.abc.Callable: "a function"}
 
 ALL = "all"
 # Companions by what makes them: stress resultants from deformations, and the rest.
@@ -23,8 +34,15 @@ GIVEN = ("ref", "near", "place", "sigma", "fall")
 class Element:
     """An element type: the deformation function and its companions.
 
-    Companions are functions too, called with the properties that they name in their signature. One that names a
-    property whose value is None is not called: a beam without a section has neither stiffness nor mass.
+    Companions are functions too, called with the properties and options that they name in their signature. One that
+    names a property whose value is None is not called: a beam without a section has neither stiffness nor mass. What
+    the deformation has annotated, companions need not annotate again.
+
+    A keyword-only parameter annotated ``Static`` is an option: any hashable value, which chooses code and is no number.
+    ``builder.add(planar.spectral_beam, .., order=4)`` chooses it, and so does a call of the element type,
+    ``planar.spectral_beam(order=4)`` or ``planar.spectral_beam(4)``, which gives the type with that option. A companion
+    that takes ``**properties`` hands them to the functions among its options, whose keyword-only parameters are then
+    properties of the element.
 
     Attributes:
         deformation: ``f(*nodes, ref, **properties) -> (n_e,)``, zero at ``ref`` and unchanged by rigid motion.
@@ -53,10 +71,13 @@ class Element:
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers. Those of
             this package also take many elements at once, stacked along leading axes.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
-            The rest is FIXED. None: all if the element is elastic, none if not.
+            The rest is FIXED. None: those of the strain fields; where there are none all if the element is elastic,
+            none if not.
         measured: Numbers (from 1) of the deformations that no one holds: what companions need to know, and angles whose
             turns are counted. They are DEPENDENT whatever the caller releases.
-        fields: Numbers (from 1) of the deformations of each strain field, where the strains are series.
+        series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, where the strains
+            are series. Their coefficients are what the node of an annotation ``Series2`` or ``Series3`` holds.
+        chosen: Options that are not as usual: name, type and value of each, in alphabetical order.
     """
 
     deformation: Callable[..., Any]
@@ -72,7 +93,63 @@ class Element:
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     measured: tuple[int, ...] = ()
-    fields: tuple[tuple[int, ...], ...] = ()
+    series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
+    chosen: tuple[tuple[str, type, Any], ...] = ()
+
+    def __call__(self, *values: Any, **options: Any) -> "Element":
+        """The same element type with options chosen; those that are not given stay as they are.
+
+        Args:
+            values: Values of the first options, in the order of the signature.
+            options: Values of others, by name.
+
+        Raises:
+            TypeError: There is no such option, or it is not of the kind that its annotation asks for, or not hashable.
+            ValueError: A value beyond its range.
+        """
+        kinds = _options(self)
+        given = dict(zip(kinds, values, strict=False))
+        unknown = [name for name in options if name not in kinds or name in given]
+        if len(values) > len(kinds) or unknown:
+            wrong = f"`{unknown[0]}` is unknown or given twice" if unknown else f"there are not {len(values)} of them"
+            raise TypeError(f"Options of {self.name} are: {', '.join(kinds) or 'none'}; {wrong}.")
+        found = self.options
+        for name, value in (given | options).items():
+            kind = kinds[name][0]
+            if wanted := wanted_option(value, kind):
+                raise TypeError(f"Option `{name}` of {self.name} must be {wanted}, not {shown(value)}.")
+            found[name] = kind(value) if kind in (bool, int, float) else value
+        # Of what is equal but of another type, such as 1 and True, each chooses its own code.
+        typed = {name: (type(value), value) for name, value in sorted(found.items())}
+        usual = {name: (type(value), value) for name, (_, value) in kinds.items()}
+        chosen = tuple((name, *own) for name, own in typed.items() if own != usual[name])
+        made = self if chosen == self.chosen else _with(self, chosen)
+        # What the options make of the deformations: a value beyond its range shows here.
+        _ = made.fields
+        return made
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Values of the options; one that must be chosen and is not is left out."""
+        usual = {name: default for name, (_, default) in _options(self).items() if default is not EMPTY}
+        return usual | {name: value for name, _, value in self.chosen}
+
+    @property
+    def option_names(self) -> tuple[str, ...]:
+        """Names of all options, in the order of the signature."""
+        return tuple(_options(self))
+
+    @property
+    def usual(self) -> "Element":
+        """The element type with no options chosen."""
+        return _with(self, ())
+
+    @property
+    def fields(self) -> tuple[tuple[int, ...], ...]:
+        """Numbers (from 1) of the deformations of each strain field, where the strains are series."""
+        if self.series is None or _keywords(self.series).keys() - self.options.keys():
+            return ()
+        return self.series(**self._named_options(self.series))
 
     @property
     def name(self) -> str:
@@ -82,15 +159,16 @@ class Element:
     @property
     def nodes(self) -> dict[str, NodeKind]:
         """Node kind of each positional parameter, in order."""
-        return _nodes(self.deformation)
+        count = sum(map(len, self.fields))
+        return {name: kind if kind.start else kind.sized(count) for name, kind in _nodes(self.deformation).items()}
 
     @property
     def properties(self) -> dict[str, inspect.Parameter]:
         """Properties that the deformation and the companions name."""
         found: dict[str, inspect.Parameter] = {}
         for function in self._functions():
-            for name, parameter in _properties(function).items():
-                if name not in found or found[name].default is inspect.Parameter.empty:
+            for name, parameter in self.wanted(function).items():
+                if name not in found or found[name].default is EMPTY:
                     found[name] = parameter
         return found
 
@@ -120,6 +198,33 @@ class Element:
         """
         return any(self.arguments(getattr(self, name), properties) is not None for name in ELASTIC)
 
+    def freed(self, properties: dict[str, Any]) -> tuple[int, ...] | str:
+        """Deformations that may change unless the caller says otherwise: numbers from 1, or "all".
+
+        Args:
+            properties: All properties of the element.
+        """
+        if self.released is not None:
+            return self.released
+        return tuple(n for field in self.fields for n in field) or (ALL if self.is_elastic(properties) else ())
+
+    def of_deformation(self, properties: dict[str, Any]) -> dict[str, Any]:
+        """Those properties that the deformation names.
+
+        Args:
+            properties: All properties of the element.
+        """
+        wanted = self.wanted(self.deformation)
+        return {name: value for name, value in properties.items() if name in wanted}
+
+    def alone(self) -> "Element":
+        """The deformation without companions, and with those options alone that it names."""
+        own = self._named_options(self.deformation)
+        return Element(self.deformation, chosen=tuple((name, type(v), v) for name, v in sorted(own.items())))
+
+    def _named_options(self, function: Callable[..., Any]) -> dict[str, Any]:
+        return {name: value for name, value in self.options.items() if name in _keywords(function)}
+
     def _functions(self) -> list[Callable[..., Any]]:
         companions = (getattr(self, name) for name in (*COMPANIONS, "shape", "check"))
         return [self.deformation, *(c for c in companions if c is not None)]
@@ -138,10 +243,10 @@ class Element:
         Args:
             companion: The function.
         """
-        return _properties(companion)
+        return _wanted(self, companion)
 
-    def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict | None:
-        """Properties that a companion names, or None where it does not exist for these properties.
+    def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict[str, Any] | None:
+        """Properties and options that a companion names, or None where it does not exist for these properties.
 
         Args:
             companion: One of this element's functions, or None.
@@ -149,16 +254,71 @@ class Element:
         """
         if companion is None:
             return None
-        wanted = _properties(companion)
+        wanted = self.wanted(companion)
         chosen = {name: properties[name] for name in wanted if name in properties}
         required = companion is not self.deformation and companion is not self.check
         if required and any(value is None for name, value in chosen.items() if wanted[name].default is not None):
             return None
-        return chosen
+        return chosen | self._named_options(companion)
 
 
 @functools.cache
-def _properties(function) -> dict[str, inspect.Parameter]:
+def _with(element: Element, chosen: tuple[tuple[str, type, Any], ...]) -> Element:
+    return dataclasses.replace(element, chosen=chosen)
+
+
+@functools.cache
+def _options(element: Element) -> dict[str, tuple[Any, Any]]:
+    """Kind and usual value of each keyword-only parameter that is annotated ``Static``, in order of appearance."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for function in element._functions():
+        for name, parameter in _keywords(function).items():
+            hint = _hints(function).get(name)
+            if STATIC in getattr(hint, "__metadata__", ()) and found.get(name, (None, EMPTY))[1] is EMPTY:
+                found[name] = typing.get_args(hint)[0], parameter.default
+    # Of the deformation alone, whose companions may have the annotation.
+    return {name: (kind, EMPTY) for name, kind, _ in element.chosen} | found
+
+
+@functools.cache
+def _wanted(element: Element, function) -> dict[str, inspect.Parameter]:
+    """Properties that a function names, those of the functions that it hands them to among them."""
+    known = element.option_names
+    found = {name: p for name, p in _keywords(function).items() if name not in known}
+    if any(p.kind is p.VAR_KEYWORD for p in inspect.signature(function).parameters.values()):
+        for option in element._named_options(function).values():
+            found |= _keywords(option) if callable(option) else {}
+    return found
+
+
+def wanted_option(value: Any, kind: Any) -> str:
+    """What an option should be by its annotation, in words; empty if it is.
+
+    Args:
+        value: The option.
+        kind: Its annotation; where that says nothing, any hashable value will do.
+    """
+    origin, within = typing.get_origin(kind), typing.get_args(kind)
+    if isinstance(value, jax.core.Tracer):
+        return "known before tracing"
+    if origin is typing.Literal:
+        return "" if value in within else f"one of {', '.join(map(repr, within))}"
+    if origin in (types.UnionType, typing.Union):
+        wanted = [wanted_option(value, one) for one in within]
+        return "" if "" in wanted else " or ".join(wanted)
+    base = origin or kind
+    kinds = ALIKE.get(kind, base if inspect.isclass(base) else object)
+    if as_whole(value) is None if kind is int else not isinstance(value, kinds):
+        return WORDS.get(base, f"a {base.__name__}")
+    try:
+        hash(value)
+    except TypeError:
+        return "hashable"
+    return ""
+
+
+@functools.cache
+def _keywords(function) -> dict[str, inspect.Parameter]:
     """Keyword-only parameters but for those that are given."""
     parameters = inspect.signature(function).parameters.items()
     return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in GIVEN}

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ..math.rotation import counted, initial_frame, relative_parameters, rotation_matrix, turned
 from . import beams
 from .element import Element
-from .laws import diagonal_damping, diagonal_stiffness, mesh_damping, mesh_stiffness
+from .laws import mesh_damping, mesh_stiffness, uncoupled
 from .nodes import Point3, Rotation3
 
 
@@ -68,7 +68,7 @@ def _hinge(
     return turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)
 
 
-hinge = Element(_hinge, stiffness=diagonal_stiffness(3), damping=diagonal_damping(3), check=check_axis, released=(1,))
+hinge = Element(_hinge, **uncoupled(3), check=check_axis, released=(1,))
 """Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
 
 Properties: axis (global, undeformed state), stiffness and damping (of e1, or one for each).
@@ -86,7 +86,7 @@ def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref, axis: Float[Array, "
     return _offset(p, rot_p, q, ref, axis)
 
 
-slider = Element(_slider, stiffness=diagonal_stiffness(3), damping=diagonal_damping(3), check=check_axis, released=(1,))
+slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 and e3 off it (FIXED)
 [m].
 
@@ -102,18 +102,7 @@ def _prismatic(
     return jnp.concatenate([_offset(p, rot_p, q, ref, axis), _frame(axis).T @ rotation])
 
 
-def _joint_shape(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref, place) -> Float[Array, "3"]:
-    return beams.straight(p, q, place)
-
-
-prismatic = Element(
-    _prismatic,
-    stiffness=diagonal_stiffness(6),
-    damping=diagonal_damping(6),
-    shape=_joint_shape,
-    check=check_axis,
-    released=(1,),
-)
+prismatic = Element(_prismatic, **uncoupled(6), shape=beams.straight_shape, check=check_axis, released=(1,))
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
 e4 to e6 rotation [rad], FIXED.
 
@@ -138,7 +127,7 @@ def _screw(
     return jnp.stack([along - pitch * turn, turn, off_y, off_z, tilt_y, tilt_z])
 
 
-screw = Element(_screw, shape=_joint_shape, check=check_axis, released=(2,))
+screw = Element(_screw, shape=beams.straight_shape, check=check_axis, released=(2,))
 """Screw of body q in body p, about an axis through q: e1 displacement along the axis less pitch times turn [m], FIXED;
 e2 turn, counted past full turns [rad]; e3 and e4 displacement off the axis [m] and e5 and e6 tilt [rad], FIXED.
 

@@ -5,8 +5,7 @@ that the signature is the element's only declaration.
 """
 
 import dataclasses
-import functools
-from typing import Annotated, Any
+from typing import Annotated, TypeVar
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -33,6 +32,15 @@ class NodeKind:
     components: tuple[str, ...]
     freedoms: int
 
+    def sized(self, count: int) -> "NodeKind":
+        """The kind with so many coordinates, all of them free and zero at the start.
+
+        Args:
+            count: Number of coordinates.
+        """
+        names = tuple(f"c{i + 1}" for i in range(count))
+        return dataclasses.replace(self, start=(0.0,) * count, components=names, freedoms=count)
+
     @property
     def size(self) -> int:
         """Number of coordinates."""
@@ -50,16 +58,18 @@ Point3 = Annotated[Float[Array, "3"], POINT3]
 Rotation3 = Annotated[Float[Array, "4"], ROTATION3]
 
 
-@functools.cache
-def Internal(size: int, dimension: int) -> Any:
-    """Annotation of coordinates that an element owns; the builder makes a node of them, "element.internal".
+# Coordinates that an element owns, coefficients of its strains; the builder makes a node of them, "element.internal".
+# How many there are the element's options say, see :attr:`flexmb.Element.series`.
+SERIES2 = NodeKind("Internal", "internal", 2, (), (), 0)
+SERIES3 = NodeKind("Internal", "internal", 3, (), (), 0)
 
-    Args:
-        size: Number of coordinates, zero in the undeformed mechanism.
-        dimension: 2 in the plane, 3 in space.
-    """
-    names = tuple(f"c{i + 1}" for i in range(size))
-    return Annotated[Float[Array, f"{size}"], NodeKind("Internal", "internal", dimension, (0.0,) * size, names, size)]
+Series2 = Annotated[Float[Array, "_n"], SERIES2]
+Series3 = Annotated[Float[Array, "_n"], SERIES3]
+
+STATIC = "static"
+Kind = TypeVar("Kind")
+Static = Annotated[Kind, STATIC]
+"""Annotation of an option, ``order: Static[int] = 5``: any hashable value, which chooses code and is no number."""
 
 
 def unit_norm(rotation: Rotation3, *, ref) -> Float[Array, "1"]:

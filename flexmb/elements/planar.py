@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import cosine_and_sine, rotation_plane
-from . import beams, spectral, transmission
+from . import beams, spectral_planar, transmission
 from .element import ALL, Element
-from .laws import diagonal_damping, diagonal_stiffness, spring_damper_of
-from .nodes import Angle, Point2
+from .laws import characteristic, uncoupled
+from .nodes import Angle, Point2, Static
 from .sections import Damping, Section
 
 
@@ -21,20 +21,12 @@ def _truss(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
     return beams.truss(p, q, ref=ref)
 
 
-def _truss_inertia(p: Point2, q: Point2, *, ref, section: Section):
-    return beams.line_inertia(p, q, ref=ref, section=section)
-
-
-def _truss_resultants(p: Point2, q: Point2, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
-    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma, section=section, fall=fall)
-
-
 truss = Element(
     _truss,
     stiffness=beams.truss_stiffness,
     damping=beams.truss_damping,
-    inertia=_truss_inertia,
-    resultants=_truss_resultants,
+    inertia=beams.line_inertia,
+    resultants=beams.truss_resultants,
     check=beams.check_length,
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
@@ -53,7 +45,9 @@ def _axes(rot_p: Angle, rot_q: Angle, ref) -> Float[Array, "2 2 2"]:
     return c[:, None, None] * frame + s[:, None, None] * (QUARTER_TURN @ frame)
 
 
-def _beam(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order: bool = True) -> Float[Array, "3"]:
+def _beam(
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order: Static[bool] = True
+) -> Float[Array, "3"]:
     """Elongation and two bendings of a planar beam, tutorial (3.3)-(3.5) with the bending term in the elongation.
 
     Without that term a guide of two leaf springs buckles at 94.5 N where 78.75 N is right (REFERENCES.md T3).
@@ -98,17 +92,7 @@ def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, sect
 
 
 def _beam_resultants(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    *,
-    ref,
-    place,
-    sigma,
-    section: Section,
-    fall=None,
-    second_order: bool = True,
+    p, rot_p, q, rot_q, *, ref, place, sigma, section: Section, second_order, fall=None
 ) -> Float[Array, "6"]:
     """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
@@ -148,10 +132,13 @@ beam = Element(
     resultants=_beam_resultants,
     check=beams.check_length,
 )
-"""Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping, second_order."""
+"""Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping.
+
+Options: second_order, whether the elongation counts the shortening by bending, True unless given.
+"""
 
 
-spectral_beam = spectral.planar_beam
+spectral_beam = spectral_planar.spectral_beam
 
 
 def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]:
@@ -160,11 +147,7 @@ def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]
     return turned.T @ (q - p) - (ref.q - ref.p)
 
 
-def _rigid_beam_inertia(p: Point2, rot_p: Angle, q: Point2, *, ref, section: Section):
-    return beams.line_inertia(p, q, ref=ref, section=section)
-
-
-rigid_beam = Element(_rigid_beam, inertia=_rigid_beam_inertia, released=())
+rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, released=())
 """Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. Properties: section (mass)."""
 
 
@@ -177,7 +160,7 @@ def _hinge(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
     return (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
 
 
-hinge = Element(_hinge, stiffness=diagonal_stiffness(1), damping=diagonal_damping(1), released=ALL)
+hinge = Element(_hinge, **uncoupled(1), released=ALL)
 """Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
 
 
@@ -191,9 +174,7 @@ def _check_axis(*, ref, axis: Float[Array, "2"]) -> list[str]:
     return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
 
 
-slider = Element(
-    _slider, stiffness=diagonal_stiffness(2), damping=diagonal_damping(2), check=_check_axis, released=(1,)
-)
+slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 off it (FIXED) [m].
 
 Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
@@ -206,18 +187,7 @@ def _prismatic(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, axis: F
     return jnp.concatenate([_slider(p, rot_p, q, ref=ref, axis=axis), turn])
 
 
-def _prismatic_shape(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place) -> Float[Array, "2"]:
-    return beams.straight(p, q, place)
-
-
-prismatic = Element(
-    _prismatic,
-    stiffness=diagonal_stiffness(3),
-    damping=diagonal_damping(3),
-    shape=_prismatic_shape,
-    check=_check_axis,
-    released=(1,),
-)
+prismatic = Element(_prismatic, **uncoupled(3), shape=beams.straight_shape, check=_check_axis, released=(1,))
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 off it [m] and e3 rotation
 [rad], FIXED.
 
@@ -230,7 +200,13 @@ def _spring_damper(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
     return beams.truss(p, q, ref=ref)
 
 
-spring_damper = spring_damper_of(_spring_damper, beams.check_length)
+spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length)
+"""Spring, damper or actuator with a force of one's own that pulls two points together: e1 change of their distance [m].
+It holds nothing: what is beside it does. Properties: those that the law names.
+
+Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Define it once: each function is an
+element type of its own, ``spring_damper(law)``.
+"""
 
 
 def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
@@ -238,7 +214,8 @@ def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1
     return _hinge(rot_p, rot_q, ref=ref)
 
 
-rotary_spring_damper = spring_damper_of(_rotary_spring_damper)
+rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic)
+"""The same between two bodies, with a moment on body p [N m]: e1 rotation of body q relative to body p [rad]."""
 
 
 gear = transmission.gear
@@ -250,11 +227,7 @@ def _nothing_at(p: Point2, *, ref) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-def _mass_inertia(p: Point2, *, ref, mass: float):
-    return p[None], jnp.reshape(mass, (1, 1))
-
-
-mass = Element(_nothing_at, inertia=_mass_inertia, check=beams.check_mass)
+mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
 
 

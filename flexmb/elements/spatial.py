@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import CROSS, initial_frame, lbar, turned
-from . import beams, joints, spectral
+from . import beams, joints, spectral_spatial
 from .element import Element
-from .laws import spring_damper_of
-from .nodes import Point3, Rotation3
+from .laws import characteristic
+from .nodes import Point3, Rotation3, Static
 from .sections import Damping, Section
 
 
@@ -21,20 +21,12 @@ def _truss(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
     return beams.truss(p, q, ref=ref)
 
 
-def _truss_inertia(p: Point3, q: Point3, *, ref, section: Section):
-    return beams.line_inertia(p, q, ref=ref, section=section)
-
-
-def _truss_resultants(p: Point3, q: Point3, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
-    return beams.truss_resultants(p, q, ref=ref, place=place, sigma=sigma, section=section, fall=fall)
-
-
 truss = Element(
     _truss,
     stiffness=beams.truss_stiffness,
     damping=beams.truss_damping,
-    inertia=_truss_inertia,
-    resultants=_truss_resultants,
+    inertia=beams.line_inertia,
+    resultants=beams.truss_resultants,
     check=beams.check_length,
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
@@ -55,7 +47,7 @@ def _beam(
     *,
     ref,
     y: Float[Array, "3"] | None = None,
-    second_order: bool = True,
+    second_order: Static[bool] = True,
 ) -> Float[Array, "6"]:
     """Elongation, torsion and four bendings of a spatial beam.
 
@@ -117,16 +109,7 @@ for _k in range(4):
 INERTIA = np.concatenate([CUBIC, ROTARY])
 
 
-def _beam_inertia(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    *,
-    ref,
-    section: Section,
-    y: Float[Array, "3"] | None = None,
-):
+def _beam_inertia(p, rot_p, q, rot_q, *, ref, section: Section, y=None):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's triad."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
     axes = jnp.swapaxes(_triads(rot_p, rot_q, ref, y), 1, 2).reshape(6, 3)
@@ -136,18 +119,7 @@ def _beam_inertia(
 
 
 def _beam_resultants(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    *,
-    ref,
-    place,
-    sigma,
-    section: Section,
-    fall=None,
-    y: Float[Array, "3"] | None = None,
-    second_order: bool = True,
+    p, rot_p, q, rot_q, *, ref, place, sigma, section: Section, second_order, fall=None, y=None
 ) -> Float[Array, "6"]:
     """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
@@ -194,11 +166,13 @@ beam = Element(
 )
 """Flexible beam: e1 elongation, e2 torsion (l0 times twist), e3, e4 bending along z, e5, e6 along y [m].
 
-Properties: section, damping, y (vector that fixes local y), second_order.
+Properties: section, damping, y (vector that fixes local y).
+
+Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
 """
 
 
-spectral_beam = spectral.spatial_beam
+spectral_beam = spectral_spatial.spectral_beam
 
 
 def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:
@@ -206,11 +180,7 @@ def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, 
     return turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
 
 
-def _rigid_beam_inertia(p: Point3, rot_p: Rotation3, q: Point3, *, ref, section: Section):
-    return beams.line_inertia(p, q, ref=ref, section=section)
-
-
-rigid_beam = Element(_rigid_beam, inertia=_rigid_beam_inertia, released=())
+rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, released=())
 """Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. Properties: section (mass)."""
 
 
@@ -230,7 +200,13 @@ def _spring_damper(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
     return beams.truss(p, q, ref=ref)
 
 
-spring_damper = spring_damper_of(_spring_damper, beams.check_length)
+spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length)
+"""Spring, damper or actuator with a force of one's own that pulls two points together: e1 change of their distance [m].
+It holds nothing: what is beside it does. Properties: those that the law names.
+
+Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Define it once: each function is an
+element type of its own, ``spring_damper(law)``.
+"""
 
 
 def _rotary_spring_damper(
@@ -240,18 +216,17 @@ def _rotary_spring_damper(
     return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]
 
 
-rotary_spring_damper = spring_damper_of(_rotary_spring_damper, joints.check_axis)
+rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis)
+"""The same between two bodies, with a moment on body p [N m]: e1 rotation of body q relative to body p, counted past
+full turns [rad]. Properties: axis (global, undeformed state), and those that the law names.
+"""
 
 
 def _nothing_at(p: Point3, *, ref) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-def _mass_inertia(p: Point3, *, ref, mass: float):
-    return p[None], jnp.reshape(mass, (1, 1))
-
-
-mass = Element(_nothing_at, inertia=_mass_inertia, check=beams.check_mass)
+mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import angle_between, counted, rotation_plane
+from . import beams
 from .element import Element
 from .laws import mesh_damping, mesh_stiffness
 from .nodes import Angle, Point2
@@ -27,9 +28,7 @@ def _gear(
 
 
 def _check_centres(*, ref) -> list[str]:
-    if np.any(np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) == 0):
-        return ["has its two centres in one place"]
-    return []
+    return ["has its two centres in one place"] if beams.check_length(ref=ref) else []
 
 
 def _check_gear(*, ref, ratio: float) -> list[str]:
@@ -41,7 +40,7 @@ def _around(centre, start, turns) -> Float[Array, "2"]:
     return centre + rotation_plane(2 * np.pi * jnp.clip(turns, 0.0, 1.0)) @ (start - centre)
 
 
-def _gear_shape(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place, ratio: float) -> Float[Array, "2"]:
+def _gear_shape(p, rot_p, q, rot_q, *, ref, place, ratio) -> Float[Array, "2"]:
     """Both pitch circles, from where they meet."""
     meeting = p + (q - p) / (1 + ratio)
     return jnp.where(place < 0.5, _around(p, meeting, 2 * place), _around(q, meeting, 2 * place - 1))
@@ -124,9 +123,7 @@ def _check_belt(*, ref, radius_p: float, radius_q: float, section: Section | Non
     return faults
 
 
-def _belt_shape(
-    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, place, radius_p: float, radius_q: float
-) -> Float[Array, "2"]:
+def _belt_shape(p, rot_p, q, rot_q, *, ref, place, radius_p, radius_q) -> Float[Array, "2"]:
     """Pulley p, the straight part, pulley q, a third of the way each."""
     d = q - p
     _, angle = _span(d, radius_p, radius_q)
@@ -178,7 +175,7 @@ def _check_point(*, ref, radius_p: float, section: Section | None = None) -> lis
     return _check_belt(ref=ref, radius_p=radius_p, radius_q=0.0, section=section)
 
 
-def _point_shape(p: Point2, rot_p: Angle, q: Point2, *, ref, place, radius_p: float) -> Float[Array, "2"]:
+def _point_shape(p, rot_p, q, *, ref, place, radius_p) -> Float[Array, "2"]:
     return _belt_shape(p, rot_p, q, rot_p, ref=ref, place=place, radius_p=radius_p, radius_q=0.0)
 
 

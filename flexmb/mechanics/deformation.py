@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit, traced_once
-from ..elements.element import Element
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
@@ -123,17 +122,16 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
     alike: dict[Any, list[Any]] = {}
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         if "deformation" in block.companions and block.e.shape[1]:
-            wanted: Any = block.element.arguments(block.element.deformation, {**dict(block.options), **properties})
-            chosen = with_rigidities({name: value for name, value in properties.items() if name in wanted})
-            fixed = tuple((name, value) for name, value in block.options if name in wanted)
-            told = block.element.deformation, dict(block.meaning or ()).get("deformation")
+            chosen = with_rigidities(block.element.of_deformation(properties))
+            fixed = tuple(block.element.of_deformation(dict(block.options)).items())
+            told = block.element.alone(), dict(block.meaning or ()).get("deformation")
             key = (told, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
     found, jacobian = np.zeros(topology.n_e), np.zeros((topology.n_e, topology.n_x))
-    for ((function, meaning), fixed, _, splits, _), members in alike.items():
+    for ((element, meaning), fixed, _, splits, _), members in alike.items():
         x, e, chosen = jax.tree.map(lambda *rows: np.concatenate(rows), *members)
         then = (("deformation", meaning),)
-        block = Block(Element(function), ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
+        block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
         matrices, found[e] = map(np.asarray, _jacobians(block, chosen, np.asarray(parameters.reference)[x]))
         np.add.at(jacobian, (e[:, :, None], x[:, None, :]), matrices)
     return found, jacobian

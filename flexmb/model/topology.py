@@ -15,9 +15,9 @@ class Block(Record):
     """Elements of equal type and equal property structure, stacked.
 
     Attributes:
-        element: Their type.
+        element: Their type, with its options.
         companions: Which of the element's functions this block is for.
-        options: Properties that choose code rather than numbers (booleans, strings), as sorted pairs.
+        options: Properties that choose code (booleans, strings) though not annotated ``Static``, as sorted pairs.
         x: Index of each element's coordinates, (elements, coordinates).
         e: Index of each element's deformations, (elements, deformations).
         splits: Where the coordinates of one node end and the next begin.

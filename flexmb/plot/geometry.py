@@ -238,7 +238,7 @@ def _curves(block: Block, properties: dict[str, Any], reference, x, places) -> F
     if block.element.shape is not None:
         named = block.element.arguments(block.element.shape, {**options, **properties})
         if named is not None:
-            own = {name: value for name, value in named.items() if name not in options}
+            own = {name: value for name, value in properties.items() if name in named}
             return np.asarray(_shapes(block, own, jnp.asarray(ref), jnp.asarray(at), jnp.asarray(places)))
     points = parts_of(kinds, block.splits, at, "position")
     if not points:

@@ -95,11 +95,8 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
             raise Fault(f"{kind.keyword} has no {what} of {value} must be 0")
         if name not in ("stiffness", "damping", "Jyz") and known(value) and value < 0:
             raise Fault(f"{name} must not be negative, but is {value}")
-    if (
-        kind.series is not None
-        and s.keyword == "ESTIFF"
-        and sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6]) == 1
-    ):
+    counted = sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6])
+    if kind.element.fields and s.keyword == "ESTIFF" and counted == 1:
         raise Fault(f"{kind.keyword} counts shear in both directions or in none: give shear_z and shear_y, or neither")
     r.once(s, p["element"])
     r.lines.setdefault(p["element"], {})[s.keyword] = values

@@ -1,7 +1,6 @@
 """Element types as SPACAR input files name them, and the order of their numbers; read and written alike."""
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any
 
 from ..build.assemble import stack
@@ -22,13 +21,12 @@ class ElementKind:
 
     Attributes:
         keyword: Keyword.
-        element: Element type; of a spectral beam that of the usual order.
+        element: Element type; of a spectral beam that of the usual order, which a line may change.
         form: Parameters of the keyword; see lines.parse.
         stiffness: Names in Rigidity of the numbers of ESTIFF, in order; ("stiffness",) * n for a hinge.
         mass: Names in Rigidity of the numbers of EM.
         damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
         numbers: Other numbers of the form and the properties they are, in the order of the form.
-        series: Of a spectral beam: element type by order, and by whether shear is counted.
     """
 
     keyword: str
@@ -38,7 +36,6 @@ class ElementKind:
     mass: tuple[str, ...] = ()
     damping: tuple[str, ...] = ()
     numbers: tuple[tuple[str, str], ...] = ()
-    series: Callable[[int, bool], Element] | None = None
 
     @property
     def dimension(self) -> int:
@@ -57,9 +54,9 @@ class ElementKind:
             order: Order of a spectral beam, where given.
             stiffness: Numbers of ESTIFF.
         """
-        if self.series is None:
-            return self.element
-        return self.series(ORDER if order is None else order, any(not known(v) or v != 0 for v in stiffness[4:]))
+        counts = any(not known(v) or v != 0 for v in stiffness[4:])
+        found = {"order": order, "shear": counts}
+        return self.element(**{name: v for name, v in found.items() if name in self.element.options and v is not None})
 
     def stands_for(self, element: Element) -> bool:
         """Whether this keyword names an element type.
@@ -67,10 +64,7 @@ class ElementKind:
         Args:
             element: Element type.
         """
-        if self.series is None:
-            return self.element is element
-        made = (self.series(len(element.fields[0]), shear) for shear in (False, True) if element.fields)
-        return any(other is element for other in made)
+        return self.element.usual == element.usual
 
     def properties(
         self, lines: dict[str, list[float]], vector: list[float] | None, numbers: dict[str, float]
@@ -123,7 +117,6 @@ KINDS = (
         _BEAM,
         ("mass", "Jx", "Jy", "Jz", "Jyz"),
         _BEAM[:4],
-        series=spatial.spectral_beam,
     ),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
     ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
@@ -145,7 +138,6 @@ KINDS = (
         ("EA", "EIy", NOTHING),
         ("mass", "Jy"),
         ("EA", "EIy"),
-        series=lambda order, shear: planar.spectral_beam(order),
     ),
     ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
     ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),

@@ -121,7 +121,7 @@ class _Writer:
             raise ModelError(
                 f"Element '{name}' ({member.element.name}) has no keyword in a SPACAR input file; it has: {known}."
             )
-        if member.properties.get("second_order", True) is not True:
+        if member.element.options.get("second_order", True) is not True:
             raise ModelError(
                 f"Element '{name}' ({member.element.name}) has second_order=False, which a SPACAR input file cannot"
                 " express."
@@ -131,7 +131,7 @@ class _Writer:
                 f"Element '{name}' ({member.element.name}) has an initial curvature, which a SPACAR input file cannot"
                 " express."
             )
-        if found[0].series is not None:
+        if member.element.fields:
             return found[0]
         # A rigid beam without length is what the format calls a pinned body.
         p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))

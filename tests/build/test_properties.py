@@ -109,7 +109,7 @@ WRONG = {
         {"section": fm.Rectangle(0.018, 5e-4, STEEL, shear="no")},
         r"section of element 'leaf' has shear = 'no', but it must be True or False",
     ),
-    "second_order a word": ({"section": LEAF, "second_order": "no"}, r"'second_order' of element 'leaf' must be True"),
+    "second_order a word": ({"section": LEAF, "second_order": "no"}, r"'leaf' .*`second_order` of beam must be True"),
     "too large": ({"section": fm.Rigidity(EA=1e200)}, r"'section' of element 'leaf' has a value .* too large"),
     "a damping below zero": (
         {"section": LEAF, "damping": fm.Damping(EA=-1.0)},
@@ -166,7 +166,6 @@ OTHERS = {
     ),
     "no function": (lambda b: b.add("beam", "A", "B"), r"Element type must be .* such as planar.beam, not 'beam'"),
     "the module": (lambda b: b.add(spatial, "A", "B"), r"Element type must be .* such as planar.beam"),
-    "a factory": (lambda b: b.add(spatial.spectral_beam, "A", "B"), r"'spatial_beam' makes element types: call it"),
 }
 
 
@@ -175,6 +174,91 @@ def test_wrong_properties_of_others(case):
     act, message = OTHERS[case]
     with pytest.raises(fm.ModelError, match=message):
         act(ends(3))
+
+
+# -- options ------------------------------------------------------------------------------------------------------
+
+
+def powers(p: fm.Point2, q: fm.Point2, *, ref, exponents: fm.Static[tuple] = (1,), scale: fm.Static = 1.0):
+    """A deformation for each exponent."""
+    return scale * jnp.concatenate([beams.truss(p, q, ref=ref) ** n for n in exponents])
+
+
+def each(*, ref, exponents, stiffness: float):
+    return stiffness * jnp.eye(len(exponents))
+
+
+POWERS = fm.Element(powers, stiffness=each)
+WRONG_OPTIONS = {
+    "half an order": (planar.spectral_beam, {"order": 2.5}, "`order` of spectral_beam must be a whole number, not 2.5"),
+    "an order beyond sense": (planar.spectral_beam, {"order": 41}, "order must be at least 1 and at most 40, but"),
+    "shear in the plane": (planar.spectral_beam, {"shear": True}, "has no property 'shear'. It takes: .*order"),
+    "shear a word": (spatial.spectral_beam, {"shear": "no"}, "`shear` of .* must be True or False, not 'no'"),
+    "no law": (planar.spring_damper, {"k": 1.0}, "needs the option 'law'"),
+    "a law that is none": (planar.spring_damper, {"law": 3.0}, "`law` of spring_damper must be a function, not 3.0"),
+    "a law of the deformation alone": (planar.spring_damper, {"law": lambda e: e}, "its law cannot be computed"),
+    "a list": (POWERS, {"exponents": [1, 2]}, r"`exponents` of powers must be a tuple, not \[1, 2\]"),
+    "a list in a tuple": (POWERS, {"exponents": (1, [2])}, r"`exponents` .* must be hashable, not \(1, \[2\]\)"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_OPTIONS)
+def test_wrong_options(case):
+    element, given, message = WRONG_OPTIONS[case]
+    with pytest.raises(fm.ModelError, match=rf"Element 'own' \({element.name}\).*{message}"):
+        ends(next(iter(element.nodes.values())).dimension).add(element, "A", "B", name="own", **given)
+
+
+def test_an_option_cannot_be_traced():
+    def built(t):
+        return ends().add(POWERS, "A", "B", name="own", scale=t)
+
+    with pytest.raises(fm.ModelError, match=r"'own'.*`scale` of powers must be known before tracing"):
+        jax.jit(built)(1.0)
+
+
+def test_options_by_name_and_by_call_are_one_thing():
+    b = ends()
+    b.add(planar.spectral_beam, "A", "B", name="named", section=LEAF, order=3)
+    b.add(planar.spectral_beam(3), "A", "B", name="called", section=LEAF)
+    b.add(planar.spectral_beam(4), "A", "B", name="named after", section=LEAF, order=3)
+    b.add(planar.spectral_beam, "A", "B", name="usual", section=LEAF)
+    (blocks,) = {tuple(len(block.x) for block in assemble(b).topology.blocks)}
+    assert blocks == (3, 1)
+    assert b.members["called"].element is b.members["named"].element
+    assert b.members["usual"].element is planar.spectral_beam is planar.spectral_beam(order=5)
+    assert [len(m.roles) for m in b.members.values()] == [9, 9, 9, 13]
+    assert b.nodes["called.internal"].kind.size == 6
+
+
+def test_an_option_is_any_hashable_and_chooses_code():
+    b = ends()
+    b.add(POWERS, "A", "B", name="one", stiffness=1.0)
+    b.add(POWERS, "A", "B", name="three", stiffness=1.0, exponents=(1, 2, 3))
+    # Equal, and yet of another type.
+    b.add(POWERS, "A", "B", name="whole", stiffness=1.0, scale=1)
+    b.add(POWERS((1,), scale=1.0), "A", "B", name="again", stiffness=2.0)
+    blocks = assemble(b).topology.blocks
+    assert [block.e.tolist() for block in blocks] == [[[0], [5]], [[1, 2, 3]], [[4]]]
+    assert [block.element.options["scale"] for block in blocks] == [1.0, 1.0, 1]
+    with pytest.raises(TypeError, match="Options of powers are: exponents, scale; `power` is unknown or given twice"):
+        POWERS(power=2)
+    with pytest.raises(TypeError, match="Options of truss are: none; there are not 1 of them"):
+        planar.truss(1)
+
+
+def test_properties_of_a_law_that_is_an_option():
+    def stop(e, ed, *, k, gap=0.0):
+        return k * (e - gap)
+
+    b = ends()
+    b.add(planar.spring_damper, "A", "B", name="own", law=stop, k=2.0)
+    b.add(planar.spring_damper(stop), "A", "B", name="other", k=3.0, gap=0.1)
+    (properties,) = assemble(b).parameters.properties
+    np.testing.assert_array_equal(properties["k"], [2.0, 3.0])
+    np.testing.assert_array_equal(properties["gap"], [0.0, 0.1])
+    with pytest.raises(fm.ModelError, match=r"'third' \(spring_damper\) has no property 'gab'. It takes: k, gap, law"):
+        b.add(planar.spring_damper, "A", "B", name="third", law=stop, k=2.0, gab=1.0)
 
 
 # -- elements of one's own ----------------------------------------------------------------------------------------

@@ -323,7 +323,7 @@ def test_deformations_are_the_closure_and_then_one_field_after_the_other(space):
     assert element.fields == tuple(
         tuple(range(closure + 1 + order * i, closure + 1 + order * (i + 1))) for i in range(len(rigidities))
     )
-    assert element.released == tuple(range(closure + 1, closure + order * len(rigidities) + 1))
+    assert element.freed({}) == tuple(range(closure + 1, closure + order * len(rigidities) + 1))
     b = chain(element, straight(1, space), fm.Rigidity(**rigidities), **({"y": (0, 1, 0)} if space else {}))
     f = 1e-7
     b.force("1", (f, 0, 2 * f) if space else (f, 2 * f))

@@ -85,20 +85,20 @@ def squared(p: fm.Point2, q: fm.Point2, *, ref):
     return ((q - p) @ (q - p))[None]
 
 
-HARD, BUFFER = fm.Element(own, energy=hard), planar.spring_damper(buffer)
+HARD = fm.Element(own, energy=hard)
 # Element types by dimension, with properties that may be given.
 TYPES: dict[int, list[tuple[Any, dict[str, Any]]]] = {
     2: [
         (planar.truss, {"section": LEAF}),
         (planar.beam, {"section": LEAF, "damping": fm.Damping(EIy=1e-3), "second_order": False}),
-        (planar.spectral_beam(2), {"section": LEAF, "curvature": 2.0}),
+        (planar.spectral_beam(2), {"section": LEAF, "curvature": 2.0, "order": 2}),
         (planar.rigid_beam, {"section": fm.Rigidity(mass=1.0)}),
         (planar.hinge, {"stiffness": 2.0, "damping": 0.1}),
         (planar.slider, {"axis": (1.0, 0.0), "stiffness": 3.0}),
         (planar.gear, {"ratio": 2.0, "stiffness": 1.0}),
         (planar.belt_to_point, {"radius_p": 0.01, "section": LEAF}),
         (HARD, {"k": 1.0, "cubic": 2.0, "gain": 2.0}),
-        (BUFFER, {"gap": 0.01, "drag": 1.0}),
+        (planar.spring_damper, {"law": buffer, "gap": 0.01, "drag": 1.0}),
         (own, {"gain": 3.0}),
         (squared, {}),
     ],
