@@ -45,6 +45,9 @@ class StateMatrices(NamedTuple):
     C: Float[Array, "n_y z"]
     D: Float[Array, "n_y n_u"]
 
+    def __repr__(self) -> str:
+        return "StateMatrices: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
+
 
 def _massless(m: Matrices) -> list[int]:
     """Degrees of freedom to condense, so that the mass matrix of the rest is regular."""

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..compilation.record import Record
+from ..display import Result, States, Summary, listed
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
@@ -22,6 +23,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import held_values, solve_state
 from .linearize import Linearization, Matrices, linearize
+from .modes import modal_summary
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -32,7 +34,7 @@ ROUND_OFF = 1e-15
 REAL = 1e-8
 
 
-class Buckling(Record):
+class Buckling(Result, Record):
     """Load multipliers and buckling modes, by magnitude.
 
     Attributes:
@@ -44,12 +46,17 @@ class Buckling(Record):
     multipliers: Float[Array, "n"]
     shapes: Float[Array, "n_x n"]
     lin: Linearization
+    one_axis = "multipliers"
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The modes about their state, each with its load multiplier."""
+        told = enumerate(np.asarray(self.multipliers).tolist())
+        titles = [f"buckling mode {i + 1}: λ = {own:.5g}" for i, own in told]
+        return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Load multipliers."""
+        return modal_summary("Buckling", self.states(), {"load multipliers": listed(self.multipliers)})
 
 
 def geometric_stiffness_of_increment(

@@ -10,6 +10,7 @@ from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
+from ..display import Result, States, Summary, listed
 from ..math.linear import diagonal_of, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined, as_model
@@ -30,7 +31,7 @@ SHIFT_GROWTH = 8.0
 MAX_SHIFTS = 40
 
 
-class Modes(Record):
+class Modes(Result, Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
 
     Attributes:
@@ -50,12 +51,36 @@ class Modes(Record):
     massless: int
     stable: bool
     lin: Linearization
+    one_axis = "eigenvalues"
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The modes about their state, each with its frequency."""
+        values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)
+        told = [f"{hertz:.5g} Hz" if hertz >= 0 else f"unstable, ω² = {own:.4g} rad²/s²" for hertz, own in values]
+        titles = [f"mode {i + 1}: {text}" for i, text in enumerate(told)]
+        return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Frequencies and stability."""
+        rows = {"frequencies": listed(self.frequencies, "Hz"), "stable": "yes" if self.stable else "no"}
+        if self.massless:
+            rows["motions without mass"] = str(self.massless)
+        return modal_summary("Modes", self.states(), rows)
+
+
+def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
+    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
+
+    Args:
+        what: Their kind.
+        found: The modes about their state.
+        rows: What is to be known about them.
+    """
+    moves, names = np.asarray(found.moves), found.model.labels.x
+    count = moves.shape[1]
+    moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""
+    title = f"{what}: {count} of {found.model.topology.n_q}, shapes {moves.shape}{moving}"
+    return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})
 
 
 def shift_to_definite(
