@@ -202,3 +202,18 @@ def course(states: States) -> str:
         return f"x {x.shape}"
     index = states.most_moving()
     return f"x {x.shape}, {names[index]} moves most, {span(x[:, index], unit_of(names[index]))}"
+
+
+def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
+    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
+
+    Args:
+        what: Their kind.
+        found: The modes about their state.
+        rows: What is to be known about them.
+    """
+    moves, names = np.asarray(found.moves), found.model.labels.x
+    count = moves.shape[1]
+    moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""
+    title = f"{what}: {count} of {found.model.topology.n_q}, shapes {moves.shape}{moving}"
+    return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})

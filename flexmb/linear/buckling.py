@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..compilation.record import Record
-from ..display import Result, States, Summary, listed
+from ..display import Result, States, Summary, listed, modal_summary
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
@@ -23,7 +23,6 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import held_values, solve_state
 from .linearize import Linearization, Matrices, linearize
-from .modes import modal_summary
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9

@@ -175,6 +175,8 @@ class Linearization(AboutState, Result, Record):
             raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
+    instant = at_time
+
     @property
     def condition(self) -> float:
         """Condition number of the stiffness, each degree of freedom in a unit of its own that makes its stiffness one.
@@ -188,14 +190,6 @@ class Linearization(AboutState, Result, Record):
         k = np.asarray(self.matrices.K)
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
-
-    def instant(self, number: int) -> "Linearization":
-        """The equations at one of the times of ``fm.linearize_motion``.
-
-        Args:
-            number: Which, from 0; -1 is the last.
-        """
-        return Linearization(jax.tree.map(lambda a: a[number], self.matrices), self.model)
 
     def states(self) -> States:
         """The state that the equations are about."""

@@ -10,7 +10,7 @@ from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
-from ..display import Result, States, Summary, listed
+from ..display import Result, States, Summary, listed, modal_summary
 from ..math.linear import diagonal_of, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined, as_model
@@ -66,21 +66,6 @@ class Modes(Result, Record):
         if self.massless:
             rows["motions without mass"] = str(self.massless)
         return modal_summary("Modes", self.states(), rows)
-
-
-def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
-    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
-
-    Args:
-        what: Their kind.
-        found: The modes about their state.
-        rows: What is to be known about them.
-    """
-    moves, names = np.asarray(found.moves), found.model.labels.x
-    count = moves.shape[1]
-    moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""
-    title = f"{what}: {count} of {found.model.topology.n_q}, shapes {moves.shape}{moving}"
-    return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})
 
 
 def shift_to_definite(
