@@ -98,7 +98,7 @@ from .spacar.light import StructArray as StructArray
 from .spacar.light import spacar_light as spacar_light
 from .spacar.light import spacar_light_model as spacar_light_model
 from .spacar.spacar import read_spacar as read_spacar
-from .spacar.spacar import write_spacar as write_spacar
+from .spacar.write import write_spacar as write_spacar
 from .statics.configuration import Configuration as Configuration
 from .statics.configuration import configuration as configuration
 from .statics.equilibrium import Equilibrium as Equilibrium
