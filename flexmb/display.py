@@ -166,20 +166,32 @@ def span(values: Any, unit: str = "") -> str:
     return f"{short(finite.min())} to {short(finite.max())} {unit}".strip() if finite.size else "none"
 
 
-def largest(values: Any, names: Sequence[Any], unit: str = "") -> str:
+def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at") -> str:
     """The number of largest size, and whose it is.
 
     Args:
-        values: Numbers, (n,).
+        values: Numbers, (n,), of which those that are not finite do not count.
         names: Whose each of them is.
         unit: Of all of them.
+        word: What stands before the name.
     """
     values = np.asarray(values)
-    if not values.size:
+    sizes = np.where(np.isfinite(values), np.abs(values), -1.0)
+    if np.max(sizes, initial=-1.0) < 0:
         return "none"
-    index = int(np.argmax(np.abs(values)))
-    of = f" at {names[index]}" if values[index] and len(names) == len(values) else ""
+    index = int(np.argmax(sizes))
+    of = f" {word} {names[index]}" if values[index] and len(names) == len(values) else ""
     return f"{short(values[index])} {unit}".strip() + of
+
+
+def counted(count: int, thing: str) -> str:
+    """How many things there are, as "1 element" or "3 elements".
+
+    Args:
+        count: How many.
+        thing: One of them.
+    """
+    return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def unit_of(entry: Any) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Collection
 import jax.numpy as jnp
 import numpy as np
 
-from ..display import AT_MOST, Result, States, Summary
+from ..display import AT_MOST, Result, States, Summary, counted
 from ..elements.element import ELASTIC
 from ..errors import ModelError
 from ..math.subspace import null_spaces
@@ -103,9 +103,12 @@ class Mobility(Result):
         rows = dict(title.split(": ", 1) for title in self.states().titles)
         for i in range(self.underconstraints):
             rows[f"free motion {i + 1}"] = ", ".join(f"{s.of}.{s.symbol}" for s in self.motions(i)[:AT_MOST])
-        over, under = self.overconstraints, self.underconstraints
-        title = f"Mobility: {self.status}, {over} over-constraints, {under} under-constraints"
-        return Summary(title, rows, "self_stress" if over else "mechanism")
+        over, under = (
+            counted(self.overconstraints, "over-constraint"),
+            counted(self.underconstraints, "under-constraint"),
+        )
+        title = f"Mobility: {self.status}, {over}, {under}"
+        return Summary(title, rows, "self_stress" if self.overconstraints else "mechanism")
 
     def report(self) -> str:
         """What is over- and under-constrained, by name, and what to release."""

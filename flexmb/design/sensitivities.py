@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments import check_whole
 from ..compilation.compile import jit
-from ..display import Result, Summary, largest, short
+from ..display import Result, Summary, counted, largest, short
 from ..errors import shown
 from ..results import RESULTS, check
 from .designs import MOST, numbers
@@ -61,10 +61,12 @@ class Sensitivities(Result):
         """Each answer, and what a percent of the dimension that matters most makes of it."""
         rows = {}
         for name, value, row in zip(self.answers, self.values, self.table, strict=True):
-            rows[name] = f"{short(value)}, {largest(row, self.dimensions, '%')} per %"
+            rows[name] = f"{short(value)}, {largest(row, self.dimensions, '%', 'per % of')}"
         count, many = np.shape(self.table)
         return Summary(
-            f"Sensitivities of {count} answers to {many} dimensions: {self.result.name}", rows, "sensitivities"
+            f"Sensitivities of {counted(count, 'answer')} to {counted(many, 'dimension')}: {self.result.name}",
+            rows,
+            "sensitivities",
         )
 
     def __str__(self) -> str:
@@ -188,9 +190,11 @@ class Tolerances(Result):
         """Each answer with its deviation, and the dimension with the largest share in that."""
         rows = {}
         for name, value, deviation, row in zip(self.answers, self.values, self.deviations, self.shares, strict=True):
-            rows[name] = f"{short(value)} ± {short(deviation)}, {largest(100 * row, self.dimensions, '%')}"
+            rows[name] = f"{short(value)} ± {short(deviation)}, {largest(100 * row, self.dimensions, '%', 'from')}"
         count, many = np.shape(self.shares)
-        return Summary(f"Tolerances of {count} answers from {many} dimensions", rows, "sensitivities")
+        return Summary(
+            f"Tolerances of {counted(count, 'answer')} from {counted(many, 'dimension')}", rows, "sensitivities"
+        )
 
     def __str__(self) -> str:
         first = max(len(name) for name in (*self.answers, "answer"))

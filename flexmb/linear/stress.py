@@ -11,7 +11,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
-from ..display import Result, Summary, span
+from ..display import Result, Summary, counted, span
 from ..elements.surface import POINTS, von_mises
 from ..errors import ModelError
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
@@ -54,7 +54,7 @@ class SectionResultants(Result, Record):
     def summary(self) -> Summary:
         """Outcome, and the extremes of each force and moment."""
         rows = {"result": RESULTS(int(self.result)).name, **_extremes(self.quantities(), self.names, self.places)}
-        return Summary(f"SectionResultants of {len(self.names)} elements at {len(self.places)} places", rows)
+        return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
 
 
 def _extremes(quantities: dict[str, tuple[np.ndarray, str]], names, places) -> dict[str, str]:
@@ -112,7 +112,7 @@ class Stress(Result, Record):
         found = {name: (values, "Pa") for name, (values, unit) in self.quantities().items() if unit == "Pa"}
         rows = {"result": RESULTS(int(self.resultants.result)).name, **_extremes(found, self.names, self.places)}
         count, places, points = self.von_mises.shape
-        return Summary(f"Stress of {count} elements at {places} places, {points} points each", rows)
+        return Summary(f"Stress of {counted(count, 'element')} at {places} places, {points} points each", rows)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ import scipy.linalg
 
 from .. import __version__
 from ..build.builder import Builder
-from ..display import Result, Summary, span
+from ..display import Result, Summary, counted, span
 from ..linear.buckling import multipliers_about
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization
@@ -80,7 +80,7 @@ class LightResults(Result):
         if self.stressmax is not None:
             rows["largest stress"] = span(self.stressmax, "Pa")
         rows |= {"released": str(self.overconstraints or "nothing"), "warnings": str(len(self.warnings))}
-        return Summary(f"LightResults of {len(self.linearizations)} load steps, {self.ndof} degrees of freedom", rows)
+        return Summary(f"LightResults of {counted(len(self.linearizations), 'load step')}, ndof {self.ndof}", rows)
 
     def node(self, number: int) -> "LightNode":
         """Results of a node at all steps.

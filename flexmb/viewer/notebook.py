@@ -13,13 +13,15 @@ DOTS_PER_INCH = 60
 COLOURS = 32
 
 
-def card(found: Result) -> str:
-    """Summary of a result as a table beside a picture, as HTML without a script.
+def card(found: Result) -> str | None:
+    """Summary of a result as a table beside a picture, as HTML without a script; None where it has neither.
 
     Args:
         found: Result of concrete numbers, of one mechanism.
     """
     _, rows, picture, small = found.summary()
+    if not rows and picture is None:
+        return None
     cells = "".join(
         f'<tr><th style="text-align: left">{html.escape(name)}</th>'
         f'<td style="text-align: left">{html.escape(text)}</td></tr>'

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..display import States
+from ..display import States, counted
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
 from ..plot.geometry import PLACES, lines, masses, nodes_of
@@ -109,7 +109,7 @@ def _view(model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours 
     }
     labels = {int(index[0]): name for name, index in nodes_of(model).items()}
     return View(
-        title=f"{_TITLES[kind]}: {_counted(len(drawn.parts), 'element')}, {_counted(len(nodes.names), 'node')}",
+        title=f"{_TITLES[kind]}: {counted(len(drawn.parts), 'element')}, {counted(len(nodes.names), 'node')}",
         kind=kind,
         dimension=model.labels.dimension,
         lines=drawn,
@@ -120,10 +120,6 @@ def _view(model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours 
         masses=tuple(labels[int(index[0])] for index in masses(model)),
         **{**settings, **options},
     )
-
-
-def _counted(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 _TITLES = {
