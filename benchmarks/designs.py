@@ -83,7 +83,7 @@ def ours(beams: int, found: dict, run: dict) -> None:
     import flexmb as fm
     from flexmb.build.carry import carried
     from flexmb.compilation.threads import cores
-    from flexmb.design.chunks import Part, Task, kernel_of
+    from flexmb.design.chunks import Chunk, Task, kernel_of
     from flexmb.design.evaluate import build_once
 
     build, at = guide(beams), jnp.array(list(POINT.values()))
@@ -98,7 +98,7 @@ def ours(beams: int, found: dict, run: dict) -> None:
     designs = {name: v * draw.uniform(0.8, 1.2, DESIGNS) for name, v in POINT.items()}
     example = {name: np.asarray(value) for name, value in POINT.items()}
     kernel = kernel_of(Task(build, {"first": first}, True, 1, example), threads=cores())
-    part = Part(designs, DESIGNS)
+    part = Chunk(designs, DESIGNS)
     compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(part)[0])]
     slopes, differences = np.asarray(both(at)[1] * at), []
     for i in range(len(at)):

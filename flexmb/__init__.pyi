@@ -4,10 +4,8 @@ from . import control as control
 from . import design as design
 from . import linear as linear
 from . import motion as motion
-from . import paths as paths
 from . import plot as plot
 from . import spacar as spacar
-from . import statics as statics
 from .answers.motion_file import save_motion as save_motion
 from .build.builder import Builder as Builder
 from .checks.mobility import mobility as mobility

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 import shutil
 import subprocess
 import sys
@@ -38,9 +39,7 @@ ROWS = [
 RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
 # Open to all: why a solve failed, what is raised, what arguments must be, how far one is, and the facade, whose names
 # are loaded on use.
-OPEN = {"results", "errors", "arguments", "setup", "progress", "files", "lazy", ""}
-# What notebooks ask a result for; it alone may look upwards, when it is called.
-DISPLAY = "_repr_html_"
+OPEN = {"results", "display", "errors", "arguments", "setup", "progress", "files", "lazy", ""}
 MODULES = sorted(PACKAGE.rglob("*.py"))
 TOP_LEVEL = "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE .ci .gitignore".split()
 
@@ -49,34 +48,19 @@ def room_of(module: Path) -> str:
     return module.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def inner_imports(module: Path):
-    """Rooms that a module imports from, at its head or inside a function.
+def imported(module: Path) -> set[Path]:
+    """Files of the package that a file imports, at its head or inside a function, for type checkers alone or not."""
+    found = set()
+    for node in ast.walk(ast.parse(module.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            folder = module.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            for name in node.names:
+                places = (folder / f"{name.name}.py", folder / name.name / "__init__.py", folder.with_suffix(".py"))
+                found.add(next((place for place in places if place.exists()), folder / "__init__.py"))
+    return found
 
-    Not counted is what type checkers alone see, and what :data:`DISPLAY` takes from the viewer for a notebook.
-    """
-    tree = ast.parse(module.read_text())
-    guarded = {
-        id(inner)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
-        for inner in ast.walk(node)
-    }
-    guarded |= {
-        id(inner)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef) and node.name == DISPLAY
-        for inner in ast.walk(node)
-        if isinstance(inner, ast.ImportFrom) and inner.module == "viewer.notebook"
-    }
-    depth = len(module.relative_to(PACKAGE).parts)
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level and id(node) not in guarded:
-            base = list(module.relative_to(PACKAGE).parts[: depth - node.level])
-            names = [node.module.split(".")[0]] if node.module else [a.name for a in node.names]
-            for name in names:
-                path = [*base, name]
-                is_room = (PACKAGE / path[0]).exists() or (PACKAGE / f"{path[0]}.py").exists()
-                yield path[0] if is_room else ""
+
+IMPORTS = {module: imported(module) for module in MODULES}
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: str(m.relative_to(PACKAGE)))
@@ -85,10 +69,25 @@ def test_imports_point_downwards(module):
     if own in OPEN | {"__init__"}:
         return
     assert own in RANK, f"room '{own}' has no place in the order of rooms"
-    for other in inner_imports(module):
-        if other in OPEN or other == own:
+    for other in map(room_of, IMPORTS[module]):
+        if other in OPEN | {own, "__init__"}:
             continue
         assert RANK[other] < RANK[own], f"{module.name} in '{own}' imports from '{other}', which stands above it"
+
+
+def test_no_files_import_each_other_in_a_circle():
+    # Packages are left out: what stands in an __init__ is loaded when it is asked for.
+    remaining = {m: {o for o in others if o.name != "__init__.py"} for m, others in IMPORTS.items()}
+    while out := {m for m, others in remaining.items() if not others or all(m not in o for o in remaining.values())}:
+        remaining = {m: others - out for m, others in remaining.items() if m not in out}
+    assert not remaining, sorted(str(m.relative_to(PACKAGE)) for m in remaining)
+
+
+def test_one_hook_alone_looks_upwards_by_name():
+    # What a text names, the order of rooms does not see: a result in a notebook asks the viewer, and the facade finds
+    # its names.
+    named = [m for m in MODULES if re.search(r"""import_module\(\s*f?["'](flexmb)?\.""", m.read_text())]
+    assert [str(m.relative_to(PACKAGE)) for m in named] == ["display.py"]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: str(m.relative_to(PACKAGE)))

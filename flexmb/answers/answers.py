@@ -48,6 +48,13 @@ class Answer:
     lin: Linearization | None = None
     found: Any = None
 
+    @property
+    def shown(self) -> Any:
+        """What pictures show: what was found; where that has none of its own, the linearisation or the mechanism."""
+        if self.found is not None and self.found.summary().picture != "mechanism":
+            return self.found
+        return self.model if self.lin is None else self.lin
+
 
 def _number(name: str) -> int | str:
     """Node or element number; a rotation that a name stands for keeps its name."""

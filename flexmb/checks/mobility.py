@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 import jax.numpy as jnp
 import numpy as np
 
+from ..display import AT_MOST, Result, States, Summary, counted
 from ..elements.element import ELASTIC
 from ..errors import ModelError
 from ..math.subspace import null_spaces
@@ -42,8 +43,8 @@ class Share:
     share: float
 
 
-@dataclasses.dataclass(frozen=True)
-class Mobility:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Mobility(Result):
     """Which constraints are redundant and which motions are left, with every named DOF held.
 
     Attributes:
@@ -84,6 +85,31 @@ class Mobility:
             mode: Which, from 0.
         """
         return shares(self.motion[:, mode], self.model.labels.x)
+
+    def states(self) -> States:
+        """The undeformed mechanism, and what part each element has in every state of self-stress."""
+        if not self.overconstraints:
+            return self.model.states()._replace(shares=())
+        parts: list[dict[str, float]] = [{} for _ in range(self.overconstraints)]
+        titles = []
+        for i, (own, release) in enumerate(zip(parts, self.release, strict=True)):
+            for share in self.stresses(i):
+                own[share.of] = max(own.get(share.of, 0.0), abs(share.share))
+            advice = f"release e{release[1]} of '{release[0]}' to remove it" if release else "between rigid elements"
+            titles.append(f"self-stress {i + 1} of {self.overconstraints}: {advice}")
+        return States(self.model, self.model.parameters.reference, "self-stress", shares=parts, titles=titles)
+
+    def summary(self) -> Summary:
+        """How many over- and under-constraints there are, and who takes part."""
+        rows = dict(title.split(": ", 1) for title in self.states().titles)
+        for i in range(self.underconstraints):
+            rows[f"free motion {i + 1}"] = ", ".join(f"{s.of}.{s.symbol}" for s in self.motions(i)[:AT_MOST])
+        over, under = (
+            counted(self.overconstraints, "over-constraint"),
+            counted(self.underconstraints, "under-constraint"),
+        )
+        title = f"Mobility: {self.status}, {over}, {under}"
+        return Summary(title, rows, "self_stress" if self.overconstraints else "mechanism")
 
     def report(self) -> str:
         """What is over- and under-constrained, by name, and what to release."""

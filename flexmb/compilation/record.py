@@ -5,6 +5,8 @@ from typing import Any, dataclass_transform
 
 import jax
 
+from ..display import Result
+
 
 def static(**options: Any) -> Any:
     """A field that chooses code rather than being a number: it is compared, not traced.
@@ -25,5 +27,5 @@ class Record:
 
     def __init_subclass__(cls, **options: Any):
         super().__init_subclass__(**options)
-        dataclasses.dataclass(frozen=True, eq=False)(cls)
+        dataclasses.dataclass(frozen=True, eq=False, repr=not issubclass(cls, Result))(cls)
         jax.tree_util.register_dataclass(cls)

@@ -42,6 +42,9 @@ class StateMatrices(NamedTuple):
     C: Float[Array, "n_y z"]
     D: Float[Array, "n_y n_u"]
 
+    def __repr__(self) -> str:
+        return "StateMatrices: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
+
 
 @jit
 def _state_matrices(

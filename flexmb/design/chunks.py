@@ -39,7 +39,7 @@ class Task(NamedTuple):
     example: dict[str, np.ndarray] | None
 
 
-class Part(NamedTuple):
+class Chunk(NamedTuple):
     """Some designs, filled up with the last so that all parts have one size.
 
     Attributes:
@@ -51,7 +51,7 @@ class Part(NamedTuple):
     real: int
 
 
-def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Part:
+def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Chunk:
     """Some of the designs.
 
     Args:
@@ -60,7 +60,7 @@ def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> P
         size: Of the part.
     """
     filled = np.concatenate([rows, np.repeat(rows[-1:], size - len(rows))])
-    return Part({name: array[filled] for name, array in designs.items()}, len(rows))
+    return Chunk({name: array[filled] for name, array in designs.items()}, len(rows))
 
 
 class Worker:
@@ -76,7 +76,7 @@ class Worker:
         self.executor = executor
         self.work: Any = kernel_of(task, threads=cores()) if executor is None else _packed(task)
 
-    def results(self, parts: list[Part]) -> Iterator[tuple[int, Values]]:
+    def results(self, parts: list[Chunk]) -> Iterator[tuple[int, Values]]:
         """Number and answers of each part, as they are done.
 
         Args:
@@ -113,7 +113,7 @@ def _packed(task: Task) -> Any:
         return cloudpickle.dumps(task)
 
 
-def _work(sent: Any, part: Part, cache: str | None) -> Values:
+def _work(sent: Any, part: Chunk, cache: str | None) -> Values:
     """One part in a worker, which may be another process."""
     from ..setup import enable_cache, enable_x64
 
@@ -125,11 +125,11 @@ def _work(sent: Any, part: Part, cache: str | None) -> Values:
 
 
 @functools.lru_cache(maxsize=8)
-def _unpacked(sent: bytes) -> Callable[[Part], Values]:
+def _unpacked(sent: bytes) -> Callable[[Chunk], Values]:
     return kernel_of(pickle.loads(sent))
 
 
-def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Part], Values]:
+def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
     """What computes a part.
 
     Args:
@@ -150,7 +150,7 @@ class _Compiled:
         self.refused = refusal(task.build, models, example)
         self.example, self.threads, self.is_compiled = example, threads, False
 
-    def __call__(self, part: Part) -> Values:
+    def __call__(self, part: Chunk) -> Values:
         refused = self.refused(part.designs)
         # A design that can be built stands in for one that cannot: numbers without sense may take long.
         designs = {n: np.where(_like(refused, a), self.example[n], a) for n, a in part.designs.items()}
@@ -184,7 +184,7 @@ def _mapped(build: Build, functions: dict, models: list, together: int):
     return every
 
 
-def _one_by_one(build: Build, functions: dict, part: Part) -> Values:
+def _one_by_one(build: Build, functions: dict, part: Chunk) -> Values:
     rows, codes = [], []
     for i in range(part.real):
         values, code = evaluate_concretely(build, functions, {name: a[i] for name, a in part.designs.items()})

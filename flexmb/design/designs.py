@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_whole
+from ..display import Result, Summary, span
 from ..errors import shown
 
 # Designs are held in memory, 8 bytes for each number of each; a thousand a second take three hours.
 MOST = 10_000_000
 
 
-class Designs(dict[str, np.ndarray]):
+class Designs(Result, dict[str, np.ndarray]):
     """Dimensions by name, each with the designs along its first axis.
 
     Attributes:
@@ -43,6 +44,10 @@ class Designs(dict[str, np.ndarray]):
             raise ValueError(f"All dimensions need one value for each design, but their numbers differ: {listed}.")
         if not lengths:
             raise ValueError("Give at least one dimension.")
+
+    def summary(self) -> Summary:
+        """Between which values each dimension varies."""
+        return Summary(f"Designs: {self.count}", {name: span(values) for name, values in self.items()})
 
     @property
     def count(self) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from ..arguments import check_number, check_whole
 from ..build.restrict import Restriction, can_be_tied, restrict
 from ..compilation.threads import one_thread
+from ..display import Result, Summary, listed
 from ..errors import AnalysisError, ModelError, shown
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import modes
@@ -25,8 +26,8 @@ NEGLIGIBLE = 0.1
 SAME = (1e-4, 1e-6, 1e-8, 1e-10)
 
 
-@dataclasses.dataclass(frozen=True)
-class Lean:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Lean(Result):
     """A lean model, and what was left out.
 
     Attributes:
@@ -43,8 +44,8 @@ class Lean:
         restriction: What :meth:`of` applies.
     """
 
-    model: Model = dataclasses.field(repr=False)
-    full: Model = dataclasses.field(repr=False)
+    model: Model
+    full: Model
     error: Deviation
     beams: dict[str, int]
     fixed: tuple[str, ...]
@@ -53,7 +54,19 @@ class Lean:
     tolerance: float
     full_frequencies: np.ndarray
     frequencies: np.ndarray
-    restriction: Restriction = dataclasses.field(repr=False)
+    restriction: Restriction
+
+    def summary(self) -> Summary:
+        """What is left of the degrees of freedom, and what that costs."""
+        full, own, e = self.full.topology.n_q, self.model.topology.n_q, self.error
+        rows = {
+            "frequencies": f"{listed(self.frequencies, 'Hz')} within {100 * e.frequencies:.2g} %",
+            "stiffness": f"within {100 * e.stiffness:.2g} %",
+            "frequency response": f"within {100 * e.transfer:.2g} %",
+            "left out": f"{len(self.fixed)} deformations FIXED, {self.ties} combinations tied",
+        }
+        title = f"Lean up to {self.bandwidth:g} Hz: {own} of {full} degrees of freedom ({listed(self.model.q_labels)})"
+        return Summary(title, rows)
 
     def __str__(self) -> str:
         return self.report()

@@ -25,7 +25,7 @@ STATIONARY, FIRST_STATIONARY, NEARLY_STATIONARY = 1e-7, 1e-2, 1e-4
 
 
 @dataclasses.dataclass
-class Run:
+class Attempt:
     """One search from one start.
 
     Attributes:
@@ -101,7 +101,7 @@ def search(
     budget: int,
     *,
     progress: Callable[[int, float, float], None] | None = None,
-) -> Run:
+) -> Attempt:
     """Search from one start.
 
     Args:
@@ -122,7 +122,7 @@ def search(
     evaluate = _Evaluations(problem, kernel, budget, progress)
     if evaluate(start) is None:
         nothing = np.full(problem.weights.shape, np.nan)
-        return Run(start, nothing, evaluate.failed, "the start could not be computed", np.nan, np.nan, [])
+        return Attempt(start, nothing, evaluate.failed, "the start could not be computed", np.nan, np.nan, [])
     if _is_least_squares_solver(optimizer):
         if not problem.only_targets:
             raise ValueError("A least-squares solver of optimistix takes targets alone: leave out the rest.")
@@ -139,7 +139,7 @@ def search(
         reason = "the search ended at a design that fails"
         found = evaluate(end) or (evaluate.history[-1][1], None)
     values = found[0]
-    return Run(
+    return Attempt(
         end, values, result, reason, float(problem.objective(values)), problem.violation(values), evaluate.history
     )
 

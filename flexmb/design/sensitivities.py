@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import check_whole
 from ..compilation.compile import jit
+from ..display import Result, Summary, counted, largest, short
 from ..errors import shown
 from ..results import RESULTS, check
 from .designs import MOST, numbers
@@ -19,8 +20,8 @@ from .sweep import Sweep, sweep
 REVERSE_COST = 2.0
 
 
-@dataclasses.dataclass(frozen=True)
-class Sensitivities:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Sensitivities(Result):
     """First derivatives of answers by dimensions, and second ones where asked for.
 
     Attributes:
@@ -55,6 +56,18 @@ class Sensitivities:
         from .labelled import pandas
 
         return pandas().DataFrame(self.table, index=list(self.answers), columns=list(self.dimensions))
+
+    def summary(self) -> Summary:
+        """Each answer, and what a percent of the dimension that matters most makes of it."""
+        rows = {}
+        for name, value, row in zip(self.answers, self.values, self.table, strict=True):
+            rows[name] = f"{short(value)}, {largest(row, self.dimensions, '%', 'per % of')}"
+        count, many = np.shape(self.table)
+        return Summary(
+            f"Sensitivities of {counted(count, 'answer')} to {counted(many, 'dimension')}: {self.result.name}",
+            rows,
+            "sensitivities",
+        )
 
     def __str__(self) -> str:
         width = max(12, *(len(name) + 2 for name in self.dimensions))
@@ -147,8 +160,8 @@ def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):
     return everything
 
 
-@dataclasses.dataclass(frozen=True)
-class Tolerances:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Tolerances(Result):
     """Scatter of answers from the scatter of dimensions.
 
     Attributes:
@@ -172,6 +185,16 @@ class Tolerances:
     sampled_deviations: np.ndarray | None = None
     sampled_interval: np.ndarray | None = None
     samples: Sweep | None = None
+
+    def summary(self) -> Summary:
+        """Each answer with its deviation, and the dimension with the largest share in that."""
+        rows = {}
+        for name, value, deviation, row in zip(self.answers, self.values, self.deviations, self.shares, strict=True):
+            rows[name] = f"{short(value)} ± {short(deviation)}, {largest(100 * row, self.dimensions, '%', 'from')}"
+        count, many = np.shape(self.shares)
+        return Summary(
+            f"Tolerances of {counted(count, 'answer')} from {counted(many, 'dimension')}", rows, "sensitivities"
+        )
 
     def __str__(self) -> str:
         first = max(len(name) for name in (*self.answers, "answer"))

@@ -13,6 +13,7 @@ import numpy as np
 from .. import __version__
 from ..arguments import check_whole
 from ..compilation.identity import identity
+from ..display import Result, Summary, span
 from ..errors import shown
 from ..files import save_arrays
 from ..model.model import Model
@@ -33,8 +34,8 @@ RESERVED = ("codes", "about", "result", "design")
 REPEATED, SAME = 8, 1e-6
 
 
-@dataclasses.dataclass(frozen=True)
-class Sweep:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Sweep(Result):
     """Answers of many designs.
 
     Attributes:
@@ -116,11 +117,16 @@ class Sweep:
         about = {"units": self.units, "axes": list(self.axes), "failures": self.failures()}
         save_arrays(path, {**arrays, "codes": self.codes.reshape(shape)}, about)
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
-
-        return card(self)
+    def summary(self) -> Summary:
+        """Failures, and between which values each answer lies."""
+        failures = ", ".join(f"{count} {name}" for name, count in self.failures().items())
+        rows = {"designs": str(len(self.codes)), "failed": failures or "none"}
+        rows |= {name: span(values, self.units.get(name, "")) for name, values in self.answers.items()}
+        over = ", ".join(f"{name} {span(values, self.units.get(name, ''))}" for name, values in self.designs.items())
+        drawn = [n for n, values in self.answers.items() if values.ndim == 1 and np.any(np.isfinite(values))]
+        varied = [n for n, values in self.designs.items() if np.ndim(values) == 1 and np.ptp(values) > 0]
+        small = {"answer": drawn[0], "over": varied[:2]} if drawn and varied else None
+        return Summary(f"Sweep over {over}", rows, "sweep", small)
 
 
 def _free(name: str, taken: Container[str]) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arguments import check_number, check_whole
 from ..compilation.compile import jit
+from ..display import Result, Summary
 from ..errors import AnalysisError, shown
 from ..progress import reporting
 from ..results import RESULTS
@@ -28,7 +29,7 @@ from .evaluate import (
 from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import Problem, make_problem
-from .search import Run, search
+from .search import Attempt, search
 from .sensitivities import REVERSE_COST
 
 # A dimension this near to a bound, as a share of the range, is at it.
@@ -37,8 +38,8 @@ AT_BOUND = 1e-6
 RESERVED = ("objective", "violation")
 
 
-@dataclasses.dataclass(frozen=True)
-class Tuned:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Tuned(Result):
     """A design that was found.
 
     Attributes:
@@ -70,6 +71,13 @@ class Tuned:
     def evaluations(self) -> int:
         """Number of designs that the run computed."""
         return len(self.history["objective"])
+
+    def summary(self) -> Summary:
+        """Dimensions, and answers beside those at the start."""
+        rows = {name: _text(value) for name, value in self.dimensions.items()}
+        rows |= {n: f"{_text(value)} (start {_text(self.start[n])})" for n, value in self.answers.items()}
+        title = f"Tuned, {self.result.name}: {self.reason} ({self.evaluations} evaluations)"
+        return Summary(title, rows, "tuning")
 
     def __str__(self) -> str:
         lines = [f"{self.result.name}: {self.reason} ({self.evaluations} evaluations)"]
@@ -346,8 +354,8 @@ def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:
 
 
 def _found(
-    best: Run,
-    runs: list[Run],
+    best: Attempt,
+    runs: list[Attempt],
     problem: Problem,
     scaling: Scaling,
     of_answers: Layout,

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..compilation.record import Record
+from ..display import Result, States, Summary, listed, modal_summary
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
@@ -31,7 +32,7 @@ UNBOUNDED = 1e9
 ROUND_OFF = 1e-15
 
 
-class Buckling(Record):
+class Buckling(Result, Record):
     """Load multipliers and buckling modes, by magnitude.
 
     Attributes:
@@ -43,12 +44,17 @@ class Buckling(Record):
     multipliers: Float[Array, "n"]
     shapes: Float[Array, "n_x n"]
     lin: Linearization
+    one_axis = "multipliers"
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The modes about their state, each with its load multiplier."""
+        told = enumerate(np.asarray(self.multipliers).tolist())
+        titles = [f"buckling mode {i + 1}: λ = {own:.5g}" for i, own in told]
+        return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Load multipliers."""
+        return modal_summary("Buckling", self.states(), {"load multipliers": listed(self.multipliers)})
 
 
 def geometric_stiffness_of_increment(

@@ -1,5 +1,7 @@
 """Linearised equations of motion about the static equilibrium."""
 
+from typing import Any, Generic, TypeVar
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -8,6 +10,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
+from ..display import Result, States, Summary, listed, short
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import Felt, mass_matrix
 from ..mechanics.loads import LoadFactors, lacks_potential
@@ -42,7 +45,7 @@ class Rates(Record):
     DFe_dd: Float[Array, "n_e n_q"]
 
 
-class Matrices(Record):
+class Matrices(Result, Record):
     """Linearised equations M0 qdd + (C0 + D0) qd + (K0 + N0 + G0) q = DFx^T f - DFe^T sigma, with numbers only.
 
     Attributes:
@@ -93,7 +96,50 @@ class Matrices(Record):
         return self.K0 + self.N0 + self.G0
 
 
-class Linearization(Record):
+T = TypeVar("T")
+
+
+class _Of(Generic[T]):
+    """An attribute of ``matrices`` that the result which holds them has too, by the same name."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, result: "AboutState | None", owner: type) -> T:
+        own: Any = self
+        return own if result is None else getattr(result.matrices, self.name)
+
+
+class AboutState:
+    """Base class of results with the matrices of one state, or of several in front: ``lin.K0`` is ``lin.matrices.K0``.
+
+    Attributes:
+        matrices: The numbers.
+    """
+
+    matrices: Matrices
+    M0 = _Of[Float[Array, "*states n_q n_q"]]()
+    C0 = _Of[Float[Array, "*states n_q n_q"]]()
+    D0 = _Of[Float[Array, "*states n_q n_q"]]()
+    K0 = _Of[Float[Array, "*states n_q n_q"]]()
+    N0 = _Of[Float[Array, "*states n_q n_q"]]()
+    G0 = _Of[Float[Array, "*states n_q n_q"]]()
+    K = _Of[Float[Array, "*states n_q n_q"]]()
+    DFx = _Of[Float[Array, "*states n_x n_q"]]()
+    DFe = _Of[Float[Array, "*states n_e n_q"]]()
+    S = _Of[Float[Array, "*states n_e n_e"]]()
+    S_d = _Of[Float[Array, "*states n_e n_e"]]()
+    x = _Of[Float[Array, "*states n_x"]]()
+    e = _Of[Float[Array, "*states n_e"]]()
+    sigma = _Of[Float[Array, "*states n_e"]]()
+    felt = _Of[Felt]()
+    reactions = _Of[Float[Array, "*states n_x"]]()
+    iterations = _Of[Int[Array, "*states"]]()
+    symmetric = _Of[bool]()
+    moving = _Of[Rates | None]()
+
+
+class Linearization(AboutState, Result, Record):
     """Linearised equations of motion about the equilibrium of a model.
 
     The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).
@@ -105,11 +151,8 @@ class Linearization(Record):
 
     matrices: Matrices
     model: Model
-
-    def __getattr__(self, name: str):
-        if name.startswith("_") or name not in (*Matrices.__dataclass_fields__, "K"):
-            raise AttributeError(f"Linearization has no attribute '{name}'")
-        return getattr(self.matrices, name)
+    result = _Of[Int[Array, "*states"]]()
+    one_axis = "x"
 
     @property
     def labels(self) -> Labels:
@@ -133,6 +176,8 @@ class Linearization(Record):
             raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
+    instant = at_time
+
     @property
     def condition(self) -> float:
         """Condition number of the stiffness, each degree of freedom in a unit of its own that makes its stiffness one.
@@ -147,19 +192,26 @@ class Linearization(Record):
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
-    def instant(self, number: int) -> "Linearization":
-        """The equations at one of the times of ``fm.linearize_motion``.
+    def states(self) -> States:
+        """The state that the equations are about."""
+        return States(self.model, self.x)
 
-        Args:
-            number: Which, from 0; -1 is the last.
-        """
-        return Linearization(jax.tree.map(lambda a: a[number], self.matrices), self.model)
-
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
-
-        return card(self)
+    def summary(self) -> Summary:
+        """Outcome, largest displacement and the diagonals of mass and stiffness."""
+        model, count = self.model, self.M0.shape[0]
+        positions = [i for i, entry in enumerate(self.labels.x) if entry.kind == "position"]
+        moved = np.asarray(self.x - model.parameters.reference)[positions]
+        furthest = f", {self.labels.x[positions[np.argmax(np.abs(moved))]]} is displaced most" if np.any(moved) else ""
+        rows = {
+            "result": RESULTS(int(self.result)).name,
+            "degrees of freedom": str(count),
+            "largest displacement": f"{short(np.max(np.abs(moved), initial=0.0))} m",
+            "diagonal of M0": listed(np.diag(np.asarray(self.M0))),
+            "diagonal of K0 + N0 + G0": listed(np.diag(np.asarray(self.K))),
+        }
+        about = "an equilibrium" if self.moving is None else "a motion"
+        named = listed(model.q_labels) if self.labels.x else "without names"
+        return Summary(f"Linearization about {about}: {named}{furthest}", rows, "mechanism")
 
 
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:

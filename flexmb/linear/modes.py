@@ -9,6 +9,7 @@ from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
+from ..display import Result, States, Summary, listed, modal_summary
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -21,7 +22,7 @@ from .sparse_frequencies import sparse_eigenvalues
 from .spectrum import poles_of, spectrum, to_frequency
 
 
-class Modes(Record):
+class Modes(Result, Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
 
     Attributes:
@@ -41,12 +42,21 @@ class Modes(Record):
     massless: int
     stable: bool
     lin: Linearization
+    one_axis = "eigenvalues"
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The modes about their state, each with its frequency."""
+        values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)
+        told = [f"{hertz:.5g} Hz" if hertz >= 0 else f"unstable, ω² = {own:.4g} rad²/s²" for hertz, own in values]
+        titles = [f"mode {i + 1}: {text}" for i, text in enumerate(told)]
+        return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Frequencies and stability."""
+        rows = {"frequencies": listed(self.frequencies, "Hz"), "stable": "yes" if self.stable else "no"}
+        if self.massless:
+            rows["motions without mass"] = str(self.massless)
+        return modal_summary("Modes", self.states(), rows)
 
 
 def _of_matrices(found: Matrices, count: int | None):

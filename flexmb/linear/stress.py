@@ -11,17 +11,21 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
+from ..display import Result, Summary, counted, span
 from ..elements.surface import POINTS, von_mises
 from ..errors import ModelError
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .linearize import Linearization
 
+RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
-class SectionResultants(Record):
+
+class SectionResultants(Result, Record):
     """Force and moment in the cross-sections of every flexible element with a section.
 
     They are what the part of the element beyond a place does to the part before it, in axes of the section there: a
@@ -40,6 +44,27 @@ class SectionResultants(Record):
     places: Float[Array, "places"]
     result: Int[Array, ""]
     names: tuple[str, ...] = static()
+    one_axis = "places"
+
+    def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
+        """Each force and moment, (elements, places), with its unit."""
+        values = np.asarray(self.values)
+        return {name: (values[:, :, i], "N" if i < 3 else "N m") for i, name in enumerate(RESULTANTS)}
+
+    def summary(self) -> Summary:
+        """Outcome, and the extremes of each force and moment."""
+        rows = {"result": RESULTS(int(self.result)).name, **_extremes(self.quantities(), self.names, self.places)}
+        return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
+
+
+def _extremes(quantities: dict[str, tuple[np.ndarray, str]], names, places) -> dict[str, str]:
+    """From which to which value each quantity goes, and where it is largest."""
+    rows = {}
+    for name, (values, unit) in quantities.items():
+        element, place = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+        where = f", largest in '{names[element]}' at {float(places[place]):g}" if np.any(values) else ""
+        rows[name] = span(values, unit) + where
+    return rows
 
 
 class Location(NamedTuple):
@@ -56,7 +81,7 @@ class Location(NamedTuple):
     point: int
 
 
-class Stress(Record):
+class Stress(Result, Record):
     """Stress at points on the surface of every flexible element with a section.
 
     Attributes:
@@ -71,6 +96,23 @@ class Stress(Record):
     tau: Float[Array, "elements places 8"]
     von_mises: Float[Array, "elements places 8"]
     resultants: SectionResultants
+    one_axis = "resultants.places"
+
+    def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
+        """Each stress, of the points of a section the largest with its sign, and each force, (elements, places)."""
+        found = {}
+        for name, values in (("von Mises", self.von_mises), ("sigma_x", self.sigma_x), ("tau", self.tau)):
+            at_points = np.asarray(values)
+            largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
+            found[name] = (np.take_along_axis(at_points, largest, axis=2)[:, :, 0], "Pa")
+        return {**found, **self.resultants.quantities()}
+
+    def summary(self) -> Summary:
+        """Outcome, and the extremes of the stresses."""
+        found = {name: (values, "Pa") for name, (values, unit) in self.quantities().items() if unit == "Pa"}
+        rows = {"result": RESULTS(int(self.resultants.result)).name, **_extremes(found, self.names, self.places)}
+        count, places, points = self.von_mises.shape
+        return Summary(f"Stress of {counted(count, 'element')} at {places} places, {points} points each", rows)
 
     @property
     def names(self) -> tuple[str, ...]:

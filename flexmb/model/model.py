@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..compilation.record import Record, static
+from ..display import Result, States, Summary, listed
 from ..errors import ModelError
 from .parameters import Parameters
 from .roles import Role
@@ -101,7 +102,7 @@ class Labels:
         return np.array(indices)
 
 
-class Model(Record):
+class Model(Result, Record):
     """A checked mechanism: topology and parameters, with names beside them.
 
     Attributes:
@@ -113,6 +114,7 @@ class Model(Record):
     topology: Topology
     parameters: Parameters
     labels: Labels = static()
+    one_axis = "parameters.reference"
 
     def without_names(self) -> Model:
         """The same mechanism as compiled code takes it, which is not to be compiled again for another name."""
@@ -166,11 +168,23 @@ class Model(Record):
             lines += [f"{name:<16}" + ", ".join(parts) for name, parts in grouped.items()]
         return "\n".join(lines)
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The undeformed mechanism."""
+        return States(self, self.parameters.reference)
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Counts, and the names of the degrees of freedom."""
+        names, t = self.labels, self.topology
+        if len(names.x) != t.n_x:
+            return super().summary()
+        rows = {
+            "elements": str(len(names.elements)),
+            "nodes": str(len({entry.of for entry in names.x if entry.kind == "position"})),
+            "degrees of freedom": f"{t.n_q}: {listed(self.q_labels)}" if t.n_q else "0",
+            "NDOF = NX - NXO - NEO": "{ndof} = {nx} - {nxo} - {neo}".format(**self.counts()),
+        }
+        where = "the plane" if names.dimension == 2 else "space"
+        return Summary(f"Model in {where}: {t.n_x} coordinates, {t.n_e} deformations", rows, "mechanism")
 
 
 # What to do with what is no model, by the name of its class.

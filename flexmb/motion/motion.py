@@ -6,21 +6,24 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_whole
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
+from ..display import Result, States, Summary, course, short
 from ..math.indices import put
 from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_energy, strain_of
 from ..model.model import Labels, Model
+from ..results import RESULTS
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .loop import under_inputs
 
 
-class Motion(Record):
+class Motion(Result, Record):
     """Motion of a mechanism at the times asked for.
 
     Attributes:
@@ -48,6 +51,7 @@ class Motion(Record):
     model: Model
     form: str = static()
     solver: str = static()
+    one_axis = "t"
 
     @property
     def labels(self) -> Labels:
@@ -99,14 +103,23 @@ class Motion(Record):
         model = self.model
         return _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The states, over time."""
+        return States(self.model, self.x, "motion", self.t, "time [s]")
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Outcome, times and how they were computed."""
+        t = np.asarray(self.t)
+        rows = {
+            "result": RESULTS(int(self.result)).name,
+            "time": f"{short(t[0])} to {short(t[-1])} s, {len(t)} times" if len(t) else "none",
+            "steps": str(int(self.steps)),
+            "solver": f"{self.solver}, {self.form}",
+        }
+        return Summary(f"Motion: {course(self.states())}", rows, "history")
 
 
-class Observed(Record):
+class Observed(Result, Record):
     """Quantities that follow from positions and velocities, at every time.
 
     Attributes:

@@ -62,6 +62,10 @@ class CriticalPoint(NamedTuple):
     phi: Float[np.ndarray, "n_x"]
     uncertainty: float = 0.0
 
+    def __repr__(self) -> str:
+        within = f" within {self.uncertainty:.2g}" if self.uncertainty else ""
+        return f"CriticalPoint: {self.kind} at load factor {self.load_factor:.5g}{within}, x and phi {np.shape(self.x)}"
+
 
 def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -> Float[Array, "n_q"]:
     """Values that change sign, one at a time, where the stiffness is singular, and are continuous along a path.

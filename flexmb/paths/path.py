@@ -11,22 +11,23 @@ from jaxtyping import Array, Bool, Float, Int
 from ..arguments import check_number, check_whole, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record
+from ..display import AT_MOST, Result, States, Summary, course, short
 from ..errors import AnalysisError
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.linearize import Linearization, Matrices, matrices_at
+from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..mechanics.residual import State, state
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import check
+from ..results import RESULTS, check
 from .critical import CriticalPoint
 from .stepper import Ramp
 from .walk import Step, Walker
 
 
-class Path(Record):
+class Path(AboutState, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
@@ -52,11 +53,7 @@ class Path(Record):
     critical_points: tuple[CriticalPoint, ...]
     result: Int[Array, ""]
     model: Model
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name not in (*Matrices.__dataclass_fields__, "K"):
-            raise AttributeError(f"Path has no attribute '{name}'")
-        return getattr(self.matrices, name)
+    one_axis = "load_factor"
 
     @property
     def labels(self):
@@ -93,11 +90,21 @@ class Path(Record):
             raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
-    def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook."""
-        from ..viewer.notebook import card
+    def states(self) -> States:
+        """The equilibria, over the load factor."""
+        return States(self.model, self.x, "path", self.load_factor, "load factor [-]")
 
-        return card(self)
+    def summary(self) -> Summary:
+        """Outcome, steps, load factor and critical points."""
+        points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
+        stable = np.asarray(self.stable)
+        rows = {
+            "result": RESULTS(int(self.result)).name,
+            "steps": f"{len(stable)}, {int(np.sum(stable))} of them stable",
+            "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
+            "critical points": ", ".join(points[:AT_MOST]) or "none",
+        }
+        return Summary(f"Path: {course(self.states())}", rows, "path")
 
 
 class _Found(NamedTuple):

@@ -12,6 +12,7 @@ from ..results import RESULTS
 from .canvas import plain_axes
 from .modes import AT_MOST
 from .path import index_of, with_unit
+from .state import states_of
 
 
 def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_MOST, ax: Any = None) -> Any:
@@ -36,16 +37,14 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_
     Source:
         THEORY.md 7.
     """
-    if isinstance(found, Path):
-        along, label, hertz = np.asarray(found.load_factor), "load factor [-]", np.asarray(found.frequencies)
-        x = np.asarray(found.matrices.x)
-    elif isinstance(found, Motion):
-        along, label, hertz, x = np.asarray(found.t), "time [s]", _of_motion(found), np.asarray(found.x)
-    else:
+    if not isinstance(found, Path | Motion):
         raise TypeError(f"Frequencies are drawn along a Path or a Motion, not along a {type(found).__name__}.")
+    states = states_of(found)
+    along, label = states.along, states.label
+    hertz = _of_motion(found) if isinstance(found, Motion) else np.asarray(found.frequencies)
     if of is not None:
         index = index_of(found.labels, of)
-        along, label = x[:, index], with_unit(found.labels, index)
+        along, label = states.x[:, index], with_unit(found.labels, index)
     ax = plain_axes(ax)
     drawn = hertz.T[:count]
     for i, row in enumerate(drawn):

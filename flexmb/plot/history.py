@@ -7,7 +7,7 @@ import numpy as np
 
 from ..motion.motion import Motion
 from .canvas import plain_axes
-from .path import index_of, most_moving, with_unit
+from .path import index_of, with_unit
 
 ENERGIES = ("kinetic", "elastic", "potential", "energy")
 
@@ -34,7 +34,7 @@ def history(found: Motion, of: Sequence[str] | str | None = None, *, velocity: b
         raise TypeError(f"Argument `found` must be of fm.simulate(model, times), but is a {type(found).__name__}.")
     ax = plain_axes(ax)
     x = np.asarray(found.x)
-    wanted = [str(found.labels.x[most_moving(x, found.model)])] if of is None else [of] if isinstance(of, str) else of
+    wanted = [str(found.labels.x[found.states().most_moving()])] if of is None else [of] if isinstance(of, str) else of
     energies = [name for name in wanted if name in ENERGIES]
     if energies and len(energies) < len(wanted):
         raise ValueError("Energies and coordinates have different units: draw them in two pictures.")

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display import Result, States
 from ..linear.buckling import Buckling
 from ..linear.modes import Modes
 from ..model.model import Model
@@ -40,35 +41,36 @@ def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, 
         TypeError: ``found`` is neither Modes nor Buckling.
         ValueError: There is no such mode, or none at all.
     """
-    if not isinstance(found, Modes | Buckling):
+    states = found.states() if isinstance(found, Result) else None
+    if states is None or states.moves is None:
         raise TypeError(f"Modes are drawn of fm.modes(model) or fm.buckling(model), not of a {type(found).__name__}.")
-    count = found.shapes.shape[1]
-    chosen = list(range(min(count, AT_MOST))) if which is None else [which] if isinstance(which, int) else list(which)
-    if not chosen:
-        raise ValueError("There is no mode to draw: no motion has mass, or no load acts in any.")
-    if wrong := [mode for mode in chosen if not 0 <= mode < count]:
-        raise ValueError(f"There is no mode {wrong[0]}: there are {count}, numbered from 0.")
-    lin = found.lin
-    figure, axes = grid(len(chosen), lin.labels.dimension)
+    chosen = chosen_modes(states, [which] if isinstance(which, int) else which, AT_MOST, "draw")
+    figure, axes = grid(len(chosen), states.model.labels.dimension)
     for ax, mode in zip(axes, chosen, strict=True):
-        _draw(ax, lin.model, np.asarray(lin.matrices.x), np.asarray(found.shapes[:, mode]), amplitude)
-        ax.set_title(title_of(found, mode))
+        _draw(ax, states.model, np.asarray(states.x), np.asarray(states.moves[:, mode]), amplitude)
+        ax.set_title(states.titles[mode])
     return figure
 
 
-def title_of(found: Modes | Buckling, mode: int) -> str:
-    """Number of a mode, and its frequency or load multiplier.
+def chosen_modes(found: States, which: Sequence[int] | None, most: int, verb: str) -> list[int]:
+    """Numbers of the modes that are wanted.
 
     Args:
-        found: Modes.
-        mode: Which, from 0.
+        found: The modes about their state.
+        which: Their numbers, from 0; the first unless given.
+        most: How many unless given.
+        verb: What is to be done with them, for the message.
+
+    Raises:
+        ValueError: There is no such mode, or none at all.
     """
-    if isinstance(found, Buckling):
-        return f"buckling mode {mode + 1}: λ = {float(found.multipliers[mode]):.5g}"
-    hertz = float(found.frequencies[mode])
-    if hertz < 0:
-        return f"mode {mode + 1}: unstable, ω² = {float(found.eigenvalues[mode]):.4g} rad²/s²"
-    return f"mode {mode + 1}: {hertz:.5g} Hz"
+    count = len(found.titles)
+    chosen = list(range(min(count, most))) if which is None else list(which)
+    if not chosen:
+        raise ValueError(f"There is no mode to {verb}: no motion has mass, or no load acts in any.")
+    if wrong := [mode for mode in chosen if not 0 <= mode < count]:
+        raise ValueError(f"There is no mode {wrong[0]}: there are {count}, numbered from 0.")
+    return chosen
 
 
 def _draw(ax: Any, model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float) -> None:

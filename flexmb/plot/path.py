@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..model.model import Labels, Model
+from ..display import unit_of
+from ..model.model import Labels
 from ..paths.path import Path
 from .canvas import BLACK, BLUE, RED, plain_axes
 
@@ -30,7 +31,7 @@ def path(found: Path, of: str | None = None, *, ax: Any = None) -> Any:
         raise TypeError(f"Argument `found` must be of fm.path(model), but is a {type(found).__name__}.")
     ax = plain_axes(ax)
     x, load = np.asarray(found.matrices.x), np.asarray(found.load_factor)
-    index = most_moving(x, found.model) if of is None else index_of(found.labels, of)
+    index = found.states().most_moving() if of is None else index_of(found.labels, of)
     stable = np.asarray(found.stable)
     at, height, kept = _with_critical(x[:, index], load, stable, found, index)
     for label, wanted, style in (("stable", True, "-"), ("unstable", False, "--")):
@@ -73,24 +74,7 @@ def with_unit(labels: Labels, index: int) -> str:
         labels: Names.
         index: Index in x.
     """
-    entry = labels.x[index]
-    unit = "m" if entry.kind == "position" else "rad" if entry.symbol == "phi" else "-"
-    return f"{entry} [{unit}]"
-
-
-def most_moving(x: np.ndarray, model: Model) -> int:
-    """Index of the position that moves most; where none does, of another coordinate, the first degree of freedom.
-
-    Args:
-        x: Coordinates of several states, (states, n_x).
-        model: Mechanism.
-    """
-    moved = np.ptp(x, axis=0)
-    positions = np.array([entry.kind == "position" for entry in model.labels.x])
-    if np.any(moved[positions] > 0):
-        return int(np.argmax(np.where(positions, moved, 0.0)))
-    dofs = np.asarray(model.topology.x.dof)
-    return int(np.argmax(moved)) if np.any(moved > 0) or not len(dofs) else int(dofs[0])
+    return f"{labels.x[index]} [{unit_of(labels.x[index])}]"
 
 
 def _with_critical(at, load, stable, found: Path, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

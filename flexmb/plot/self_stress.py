@@ -8,6 +8,7 @@ from ..checks.mobility import Mobility
 from .canvas import frame, mechanism_lines, new_axes, polylines, write
 from .geometry import lines, nodes_of
 from .mechanism import draw_supports
+from .state import states_of
 
 LABELS = 3
 
@@ -34,15 +35,12 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
         raise TypeError(f"Self-stress is drawn of fm.mobility(model), not of a {type(found).__name__}.")
     if not 0 <= state < found.overconstraints:
         raise ValueError(f"There is no state of self-stress {state}: there are {found.overconstraints}, from 0.")
-    model = found.model
+    states = states_of(found)
+    model, x, part = states.model, states.x, (states.shares or ())[state]
     ax = new_axes(model.labels.dimension, ax)
-    x = np.asarray(model.parameters.reference)
     drawn = lines(model, x)
-    shares = found.stresses(state)
-    part: dict[str, float] = {}
     text: dict[str, list[str]] = {}
-    for share in shares:
-        part[share.of] = max(part.get(share.of, 0.0), abs(share.share))
+    for share in found.stresses(state):
         text.setdefault(share.of, []).append(f"{share.symbol} {share.share:.2g}")
     mechanism_lines(ax, [line for line in drawn if line.element not in part])
     taking = [line for line in drawn if line.element in part]
@@ -56,18 +54,6 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
         middle = line.points[len(line.points) // 2]
         write(ax, middle, f" {line.element}: {', '.join(own[:LABELS])}{more}", ha="left")
     draw_supports(ax, model, {name: x[index] for name, index in nodes_of(model).items()})
-    ax.set_title(title_of(found, state))
+    ax.set_title(states.titles[state])
     frame(ax, np.concatenate([line.points for line in drawn]))
     return ax
-
-
-def title_of(found: Mobility, state: int) -> str:
-    """Number of a state of self-stress, and what to release.
-
-    Args:
-        found: Over-constraints of a mechanism.
-        state: Which state, from 0.
-    """
-    release = found.release[state]
-    advice = "between rigid elements" if release is None else f"release e{release[1]} of '{release[0]}' to remove it"
-    return f"self-stress {state + 1} of {found.overconstraints}: {advice}"

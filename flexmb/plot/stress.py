@@ -9,8 +9,11 @@ from .canvas import frame, mechanism_lines, new_axes, polylines
 from .geometry import PLACES, lines, scaled_lines
 from .state import checked, state_of
 
-RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
-SURFACE = {"von Mises": "von_mises", "sigma_x": "sigma_x", "tau": "tau"}
+SURFACE = {
+    "von Mises": "von Mises stress [MPa]",
+    "sigma_x": "normal stress σx [MPa]",
+    "tau": "shear stress τ [MPa]",
+}
 
 
 def stress(
@@ -86,24 +89,18 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     Returns:
         (elements, places) [MPa, N, N m], of the eight points of a surface the largest with its sign; label with unit.
     """
-    if not isinstance(found, Stress | SectionResultants):
+    if not hasattr(found, "quantities"):
         raise TypeError(
             f"Stress colours are drawn of fm.stress(model) or fm.section_resultants(model), not of a"
             f" {type(found).__name__}."
         )
-    known = (*(SURFACE if isinstance(found, Stress) else ()), *RESULTANTS)
+    known = found.quantities()
     if quantity is None:
-        quantity = "von Mises" if isinstance(found, Stress) else "bending moment y"
+        quantity = "von Mises" if "von Mises" in known else "bending moment y"
     if quantity not in known:
         raise ValueError(f"Argument `quantity` must be one of {', '.join(known)}, but is '{quantity}'.")
-    if quantity in RESULTANTS:
-        number = RESULTANTS.index(quantity)
-        resultants = found.resultants if isinstance(found, Stress) else found
-        return np.asarray(resultants.values)[:, :, number], f"{quantity} [{'N' if number < 3 else 'N m'}]"
-    at_points = np.asarray(getattr(found, SURFACE[quantity]))
-    largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
-    name = {"von Mises": "von Mises stress", "sigma_x": "normal stress σx", "tau": "shear stress τ"}[quantity]
-    return np.take_along_axis(at_points, largest, axis=2)[:, :, 0] / 1e6, f"{name} [MPa]"
+    values, unit = known[quantity]
+    return (values / 1e6, SURFACE[quantity]) if quantity in SURFACE else (values, f"{quantity} [{unit}]")
 
 
 def colours_of(values: np.ndarray, label: str) -> tuple[str, float, float]:

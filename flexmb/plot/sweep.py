@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from ..design.sweep import Sweep
-from .canvas import BLUE, GREY, plain_axes
+from .canvas import BLUE, GREY, grid, plain_axes
 
 
-def sweep(found: Sweep, answer: str, over: Sequence[str] | str | None = None, *, ax: Any = None) -> Any:
+def sweep(found: Sweep, answer: str | None = None, over: Sequence[str] | str | None = None, *, ax: Any = None) -> Any:
     """An answer over one dimension as a curve, over two as a map; designs that failed are grey crosses.
 
     Of a grid with more axes than are shown, the others are held at their middle value, which the title says. Other
@@ -17,12 +17,12 @@ def sweep(found: Sweep, answer: str, over: Sequence[str] | str | None = None, *,
 
     Args:
         found: Of ``fm.sweep``.
-        answer: Name of the answer, of one number a design.
+        answer: Name of the answer, of one number a design; each of them in Axes of its own unless given.
         over: One dimension or two; the first that vary unless given, at most two.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:
-        matplotlib Axes.
+        matplotlib Axes; a Figure of several without ``answer``.
 
     Raises:
         TypeError: ``found`` is not of ``fm.sweep``.
@@ -31,6 +31,12 @@ def sweep(found: Sweep, answer: str, over: Sequence[str] | str | None = None, *,
     """
     if not isinstance(found, Sweep):
         raise TypeError(f"Argument `found` must be of fm.sweep(..), but is a {type(found).__name__}.")
+    if answer is None:
+        names = [name for name, values in found.answers.items() if values.ndim == 1]
+        figure, axes = grid(max(len(names), 1), 2)
+        for name, own in zip(names, axes, strict=False):
+            sweep(found, name, over, ax=own)
+        return figure
     if answer not in found.answers:
         raise KeyError(f"no answer '{answer}'; there are {', '.join(found.answers)}")
     if found.answers[answer].ndim != 1:

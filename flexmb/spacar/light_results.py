@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import __version__
 from ..build.builder import Builder
+from ..display import Result, Summary, counted, span
 from ..linear.buckling import multipliers_about
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 NO_LOAD = 1e12
 
 
-class LightResults:
+class LightResults(Result):
     """What :func:`spacar_light` answers. Arrays over the load steps have them last.
 
     Attributes:
@@ -70,6 +71,16 @@ class LightResults:
             ]
             self.buck = _columns(found, self.ndof)
             self.buck[np.abs(self.buck) > NO_LOAD] = np.inf
+
+    def summary(self) -> Summary:
+        """Extremes over the load steps."""
+        rows = {"frequencies": span(self.freq, "Hz")}
+        if self.buck is not None:
+            rows["load multipliers"] = span(self.buck)
+        if self.stressmax is not None:
+            rows["largest stress"] = span(self.stressmax, "Pa")
+        rows |= {"released": str(self.overconstraints or "nothing"), "warnings": str(len(self.warnings))}
+        return Summary(f"LightResults of {counted(len(self.linearizations), 'load step')}, ndof {self.ndof}", rows)
 
     def node(self, number: int) -> "LightNode":
         """Results of a node at all steps.
@@ -147,7 +158,7 @@ def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
     return hertz, shapes
 
 
-class _Part:
+class _Numbered:
     """A node or an element, at one step or at all."""
 
     def __init__(self, light: LightResults, number: int, step: int | None):
@@ -161,7 +172,7 @@ class _Part:
         return np.moveaxis(every, 0, -1) if self._step is None else every[self._step]
 
 
-class LightNode(_Part):
+class LightNode(_Numbered):
     """Results of a node; without the last axis for one step.
 
     Attributes:
@@ -235,7 +246,7 @@ class LightNode(_Part):
         return found[0] if self._step is not None else np.stack(found, axis=-1)
 
 
-class LightElement(_Part):
+class LightElement(_Numbered):
     """Results of an element; without the last axis for one step.
 
     Attributes:

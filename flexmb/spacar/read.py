@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..build.builder import Builder
+from ..display import Result, Summary, listed
 from ..elements import spatial
 from ..errors import ModelError, SpacarError, shown
 from ..model.roles import Role
@@ -38,8 +39,8 @@ MOST_FAULTS = 1000
 SHOWN_LINES = 20
 
 
-@dataclasses.dataclass(frozen=True)
-class SpacarModel:
+@dataclasses.dataclass(frozen=True, repr=False)
+class SpacarModel(Result):
     """What a SPACAR input file says.
 
     Attributes:
@@ -59,6 +60,12 @@ class SpacarModel:
     settings: dict[str, Any]
     text: str = ""
     parameters: tuple[str, ...] = ()
+
+    def summary(self) -> Summary:
+        """What the file says beside the mechanism."""
+        rows = {"elements": str(len(self.builder.members)), "settings": listed(sorted(self.settings))}
+        rows |= {"parameters": listed(self.parameters), "warnings": str(len(self.warnings))}
+        return Summary(f"SpacarModel: {self.name}", rows)
 
 
 def read_spacar(

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_numbers
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
+from ..display import Result, Summary, largest
 from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
@@ -28,7 +29,7 @@ CORRECTIONS = 8
 TOLERANCE = 1e-12
 
 
-class Configuration(Record):
+class Configuration(Result, Record):
     """Coordinates, deformations and velocities at given degrees of freedom.
 
     Attributes:
@@ -44,6 +45,16 @@ class Configuration(Record):
     e: Float[Array, "n_e"]
     result: Int[Array, ""]
     labels: Labels = static()
+    one_axis = "x"
+
+    def summary(self) -> Summary:
+        """Outcome, and the largest velocity and deformation with their names."""
+        rows = {
+            "result": RESULTS(int(self.result)).name,
+            "largest velocity": largest(self.xd, self.labels.x, "[m/s, rad/s]"),
+            "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
+        }
+        return Summary(f"Configuration: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
 
     def at(self, node: str) -> Float[Array, "n"]:
         """Coordinates of a node, or of its rotation as "name.rotation".

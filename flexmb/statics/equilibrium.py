@@ -7,16 +7,17 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_flag, check_number, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
+from ..display import Result, Summary, largest
 from ..errors import ModelError, warn
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
 from ..model.model import Labels, Model, as_determined, as_model
-from ..results import check
+from ..results import RESULTS, check
 from .solve import reactions_of, solve_state
 from .sparse import sparse_equilibrium
 
 
-class Equilibrium(Record):
+class Equilibrium(Result, Record):
     """Static equilibrium under constant loads.
 
     Attributes:
@@ -38,6 +39,18 @@ class Equilibrium(Record):
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     labels: Labels = static()
+    one_axis = "x"
+
+    def summary(self) -> Summary:
+        """Outcome, and the largest deformation, stress resultant and reaction with their names."""
+        rows = {
+            "result": RESULTS(int(self.result)).name,
+            "iterations": str(int(self.iterations)),
+            "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
+            "largest stress resultant": largest(self.sigma, self.labels.e, "[N, N m]"),
+            "largest reaction": largest(self.reactions, self.labels.x, "[N, N m]"),
+        }
+        return Summary(f"Equilibrium: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
 
     def at(self, node: str) -> Float[Array, "n"]:
         """Coordinates of a node, or of its rotation as "name.rotation".

@@ -14,7 +14,4 @@ def page(answer: Any) -> bytes:
     Returns:
         Content of the file.
     """
-    found = answer.found
-    empty = found is None or (hasattr(found, "shapes") and not found.shapes.shape[1])
-    shown = (answer.model if answer.lin is None else answer.lin) if empty else found
-    return view(shown).html().encode()
+    return view(answer.shown).html().encode()

@@ -1,19 +1,102 @@
 """The page: everything that the viewer needs in one HTML document."""
 
 import base64
+import dataclasses
 import html
 import json
+import os
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
-from .view import View
+from ..files import write_whole
+from ..plot.marks import Mark
+from .scene import Lines, Nodes
 
 # Colours between the ends of a scale; the page interpolates.
 LEVELS = 64
 # Height of the frame in a notebook [px].
 FRAME_HEIGHT = 520
+
+
+class Colours(NamedTuple):
+    """What the elements are coloured by.
+
+    Attributes:
+        label: Name and unit.
+        scale: Name of the colours, as matplotlib knows them.
+        low: Value at their lower end.
+        high: Value at their upper end.
+        values: One row for all states, or one for each, NaN where nothing is to be coloured, (rows, points).
+    """
+
+    label: str
+    scale: str
+    low: float
+    high: float
+    values: Float[np.ndarray, "rows points"]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class View:
+    """A page, and the numbers in it.
+
+    Attributes:
+        title: What is shown.
+        kind: "state", "modes", "self-stress", "path" or "motion".
+        dimension: 2 or 3.
+        choices: Name of every mode or state of self-stress.
+        along: Load factor [-] or time [s] of every state of a path or motion, (states,).
+        lines: Elements: points in the base state, which is the undeformed one, or that of the modes; and in the states.
+        nodes: The same of the nodes.
+        colours: Stress, a section resultant or self-stress; None without.
+        marks: Degrees of freedom and loads, the latter in the last state.
+        supports: Names of nodes by kind of support.
+        masses: Names of the nodes that carry a lumped mass.
+        amplitude: Factor of the displacements at the start: share of the extent for modes, else 1.
+        largest_amplitude: Largest that the page offers.
+    """
+
+    title: str
+    kind: str
+    dimension: int
+    choices: tuple[str, ...]
+    along: Float[np.ndarray, "states"]
+    lines: Lines
+    nodes: Nodes
+    colours: Colours | None
+    marks: tuple[Mark, ...]
+    supports: dict[str, list[str]]
+    masses: tuple[str, ...]
+    amplitude: float
+    largest_amplitude: float
+
+    def __repr__(self) -> str:
+        return f"View({self.title})"
+
+    def html(self) -> str:
+        """The page: one HTML document that fetches nothing."""
+        return document(self)
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write the page.
+
+        Args:
+            path: Where; ends in .html.
+
+        Raises:
+            ValueError: Another ending.
+            OSError: The folder is missing or not writable.
+        """
+        if not os.fspath(path).endswith(".html"):
+            raise ValueError(f"The viewer writes .html, not '{os.fspath(path)}'; fm.plot draws .png and .svg.")
+        write_whole(path, self.html().encode())
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, for notebooks."""
+        return framed(self)
 
 
 def document(view: View) -> str:

@@ -26,7 +26,7 @@ MOST_NUMBERS = 3_000_000
 
 
 @dataclasses.dataclass(frozen=True)
-class Part:
+class Drawn:
     """One element as it is drawn.
 
     Attributes:
@@ -56,7 +56,7 @@ class Lines(NamedTuple):
         across_states: The same in the states, or its change, (states, points, 3) [-].
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[Drawn, ...]
     places: Float[np.ndarray, "points"]
     base: Float[np.ndarray, "points 3"]
     states: Float[np.ndarray, "states points 3"]
@@ -202,11 +202,11 @@ def _drawn(model: Model, x: np.ndarray, shapes: dict[str, Shape], keep) -> tuple
     return _chosen([line.points for line in drawn], keep), _chosen(sides, keep)
 
 
-def _parts(drawn: list[Line], keep: list[np.ndarray], shapes: dict[str, Shape]) -> tuple[Part, ...]:
+def _parts(drawn: list[Line], keep: list[np.ndarray], shapes: dict[str, Shape]) -> tuple[Drawn, ...]:
     counts = [len(k) for k in keep]
     starts = np.cumsum([0, *counts])[:-1].tolist()
     return tuple(
-        Part(line.element, line.kind, start, count, shapes.get(line.element))
+        Drawn(line.element, line.kind, start, count, shapes.get(line.element))
         for line, start, count in zip(drawn, starts, counts, strict=True)
     )
 

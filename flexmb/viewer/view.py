@@ -1,27 +1,20 @@
 """The viewer: a result as a page to turn and to play."""
 
-import dataclasses
-import os
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
-from ..checks.mobility import Mobility
-from ..files import write_whole
-from ..linear.buckling import Buckling
-from ..linear.modes import Modes
+from ..display import States, counted
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
-from ..motion.motion import Motion
-from ..paths.path import Path
 from ..plot.geometry import PLACES, lines, masses, nodes_of
-from ..plot.marks import Mark, dofs, loads, supports
-from ..plot.modes import AMPLITUDE, factor_of, title_of
-from ..plot.self_stress import title_of as title_of_self_stress
-from ..plot.state import state_of
+from ..plot.marks import dofs, loads, supports
+from ..plot.modes import AMPLITUDE, chosen_modes, factor_of
+from ..plot.state import state_of, states_of
 from ..plot.stress import colours_of, values_of
+from .page import Colours
+from .page import View as View
 from .scene import LOOKED_AT, Lines, Nodes, kept_values, lines_at, lines_of_modes, most_states, nodes_at, thinned
 
 # Modes in one page, unless it is said which.
@@ -30,88 +23,6 @@ AT_MOST = 12
 LARGEST_AMPLITUDE = 0.5
 # Largest factor of the displacements of a state, path or motion that the page offers.
 LARGEST_FACTOR = 5.0
-
-
-class Colours(NamedTuple):
-    """What the elements are coloured by.
-
-    Attributes:
-        label: Name and unit.
-        scale: Name of the colours, as matplotlib knows them.
-        low: Value at their lower end.
-        high: Value at their upper end.
-        values: One row for all states, or one for each, NaN where nothing is to be coloured, (rows, points).
-    """
-
-    label: str
-    scale: str
-    low: float
-    high: float
-    values: Float[np.ndarray, "rows points"]
-
-
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class View:
-    """A page, and the numbers in it.
-
-    Attributes:
-        title: What is shown.
-        kind: "state", "modes", "self-stress", "path" or "motion".
-        dimension: 2 or 3.
-        choices: Name of every mode or state of self-stress.
-        along: Load factor [-] or time [s] of every state of a path or motion, (states,).
-        lines: Elements: points in the base state, which is the undeformed one, or that of the modes; and in the states.
-        nodes: The same of the nodes.
-        colours: Stress, a section resultant or self-stress; None without.
-        marks: Degrees of freedom and loads, the latter in the last state.
-        supports: Names of nodes by kind of support.
-        masses: Names of the nodes that carry a lumped mass.
-        amplitude: Factor of the displacements at the start: share of the extent for modes, else 1.
-        largest_amplitude: Largest that the page offers.
-    """
-
-    title: str
-    kind: str
-    dimension: int
-    choices: tuple[str, ...]
-    along: Float[np.ndarray, "states"]
-    lines: Lines
-    nodes: Nodes
-    colours: Colours | None
-    marks: tuple[Mark, ...]
-    supports: dict[str, list[str]]
-    masses: tuple[str, ...]
-    amplitude: float
-    largest_amplitude: float
-
-    def __repr__(self) -> str:
-        return f"View({self.title})"
-
-    def html(self) -> str:
-        """The page: one HTML document that fetches nothing."""
-        from .page import document
-
-        return document(self)
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Write the page.
-
-        Args:
-            path: Where; ends in .html.
-
-        Raises:
-            ValueError: Another ending.
-            OSError: The folder is missing or not writable.
-        """
-        if not os.fspath(path).endswith(".html"):
-            raise ValueError(f"The viewer writes .html, not '{os.fspath(path)}'; fm.plot draws .png and .svg.")
-        write_whole(path, self.html().encode())
-
-    def _repr_html_(self) -> str:
-        """The page in a frame of its own, for notebooks."""
-        from .page import framed
-
-        return framed(self)
 
 
 def view(
@@ -143,81 +54,47 @@ def view(
         TypeError: ``shown``, ``at`` or ``stress`` cannot be shown.
         ValueError: ``at``, ``which``, ``stress`` or ``quantity`` does not fit.
     """
-    if which is not None and not isinstance(shown, Modes | Buckling):
+    found = states_of(shown, at)
+    if which is not None and found.moves is None:
         raise ValueError(f"Argument `which` goes with Modes or Buckling; a {type(shown).__name__} has no modes.")
-    if isinstance(shown, Mobility):
-        return _of_self_stress(shown, stress)
-    if isinstance(shown, Modes | Buckling):
-        return _of_modes(shown, stress, quantity, which, at)
-    if isinstance(shown, Path | Motion):
-        return _of_states(shown, stress, quantity, at)
-    return _of_state(shown, stress, quantity, at)
-
-
-def _of_state(shown: Any, stress: Any, quantity: str | None, at: Any) -> View:
-    model, x = state_of(shown, at)
+    if found.shares is not None and stress is not None:
+        raise ValueError(f"A {type(shown).__name__} has its own colours: leave `stress` out.")
+    several = found.along is not None
+    model, x = found.model, found.x if several else state_of(shown, at)[1]
+    colours = _values(model, stress, quantity, len(x) if several else 1)
+    if found.moves is not None:
+        return _of_modes(found, colours, which)
     base = np.asarray(model.parameters.reference, float)
-    states = [] if np.allclose(x, base, rtol=0, atol=1e-12) else [x]
-    return _with_lines(model, base, states, "state", _values(model, stress, quantity, 1), loaded=x)
+    if several:
+        few = lines_at(model, base, list(x[thinned(len(x), LOOKED_AT)]), None if colours is None else colours.values)
+        chosen = thinned(len(x), most_states(few))
+        if colours is not None:
+            colours = colours._replace(values=colours.values[chosen])
+        states, options = list(x[chosen]), {"along": np.asarray(found.along, float)[chosen]}
+    elif found.shares:
+        colours, states, options = _of_shares(found), [], {"choices": tuple(found.titles)}
+    else:
+        states, options = [] if np.allclose(x, base, rtol=0, atol=1e-12) else [x], {}
+    drawn = lines_at(model, base, states, None if colours is None else colours.values)
+    loaded = x[-1] if several else x
+    return _view(model, found.kind, drawn, nodes_at(model, base, states), colours, loaded, **options)
 
 
-def _of_states(shown: Path | Motion, stress: Any, quantity: str | None, at: Any) -> View:
-    model, last = state_of(shown, at)
-    is_path = isinstance(shown, Path)
-    x = np.asarray(shown.matrices.x if is_path else shown.x, float)
-    along = np.asarray(shown.load_factor if is_path else shown.t, float)
-    colours = _values(model, stress, quantity, len(x))
-    base = np.asarray(model.parameters.reference, float)
-    few = lines_at(model, base, list(x[thinned(len(x), LOOKED_AT)]), None if colours is None else colours.values)
-    chosen = thinned(len(x), most_states(few))
-    if colours is not None:
-        colours = colours._replace(values=colours.values[chosen])
-    kind = "path" if is_path else "motion"
-    return _with_lines(model, base, list(x[chosen]), kind, colours, loaded=last, along=along[chosen])
-
-
-def _of_modes(found: Modes | Buckling, stress: Any, quantity: str | None, which: Sequence[int] | None, at: Any) -> View:
-    model, base = state_of(found.lin, at)
-    shapes = np.asarray(found.shapes)
-    count = shapes.shape[1]
-    chosen = list(range(min(count, AT_MOST))) if which is None else list(which)
-    if not chosen:
-        raise ValueError("There is no mode to show: no motion has mass, or no load acts in any.")
-    if wrong := [mode for mode in chosen if not 0 <= mode < count]:
-        raise ValueError(f"There is no mode {wrong[0]}: there are {count}, numbered from 0.")
-    colours = _values(model, stress, quantity, 1)
-    moves = [factor_of(model, base, shape, 1.0) * shape for shape in shapes[:, chosen].T]
+def _of_modes(found: States, colours: Colours | None, which: Sequence[int] | None) -> View:
+    model, base, chosen = found.model, found.x, chosen_modes(found, which, AT_MOST, "show")
+    moves = [factor_of(model, base, shape, 1.0) * shape for shape in np.asarray(found.moves)[:, chosen].T]
     drawn = lines_of_modes(model, base, moves, None if colours is None else colours.values)
     nodes = nodes_at(model, base, moves)
-    options = {"choices": tuple(title_of(found, mode) for mode in chosen), "amplitude": AMPLITUDE}
+    options = {"choices": tuple(found.titles[mode] for mode in chosen), "amplitude": AMPLITUDE}
     return _view(model, "modes", drawn, nodes, colours, base, largest_amplitude=LARGEST_AMPLITUDE, **options)
 
 
-def _of_self_stress(found: Mobility, stress: Any) -> View:
-    if stress is not None:
-        raise ValueError("A Mobility has its own colours: leave `stress` out.")
-    model = found.model
-    base = np.asarray(model.parameters.reference, float)
-    if not found.overconstraints:
-        return _of_state(model, None, None, None)
-    drawn = lines(model, base)
-    values = np.full((found.overconstraints, len(drawn), len(PLACES)), np.nan)
-    for state in range(found.overconstraints):
-        part: dict[str, float] = {}
-        for share in found.stresses(state):
-            part[share.of] = max(part.get(share.of, 0.0), abs(share.share))
-        for i, line in enumerate(drawn):
-            values[state, i] = part.get(line.element, np.nan)
-    colours = Colours("largest stress resultant, relative [-]", "plasma_r", 0.0, 1.0, values)
-    choices = tuple(title_of_self_stress(found, state) for state in range(found.overconstraints))
-    return _with_lines(model, base, [], "self-stress", colours, loaded=base, choices=choices)
-
-
-def _with_lines(
-    model: Model, base, states: list, kind: str, colours: Colours | None, *, loaded, **options: Any
-) -> View:
-    drawn = lines_at(model, base, states, None if colours is None else colours.values)
-    return _view(model, kind, drawn, nodes_at(model, base, states), colours, loaded, **options)
+def _of_shares(found: States) -> Colours:
+    """Colours of all elements by their part in each state of self-stress."""
+    drawn = lines(found.model, found.x)
+    own = np.array([[share.get(line.element, np.nan) for line in drawn] for share in found.shares or ()])
+    values = np.broadcast_to(own[:, :, None], (*own.shape, len(PLACES)))
+    return Colours("largest stress resultant, relative [-]", "plasma_r", 0.0, 1.0, values)
 
 
 def _view(model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours | None, loaded, **options: Any) -> View:
@@ -232,7 +109,7 @@ def _view(model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours 
     }
     labels = {int(index[0]): name for name, index in nodes_of(model).items()}
     return View(
-        title=f"{_TITLES[kind]}: {_counted(len(drawn.parts), 'element')}, {_counted(len(nodes.names), 'node')}",
+        title=f"{_TITLES[kind]}: {counted(len(drawn.parts), 'element')}, {counted(len(nodes.names), 'node')}",
         kind=kind,
         dimension=model.labels.dimension,
         lines=drawn,
@@ -243,10 +120,6 @@ def _view(model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours 
         masses=tuple(labels[int(index[0])] for index in masses(model)),
         **{**settings, **options},
     )
-
-
-def _counted(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 _TITLES = {

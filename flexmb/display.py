@@ -1,0 +1,231 @@
+"""What a result says of itself: a summary in words and numbers, and the states of the mechanism that it holds.
+
+The terminal, notebooks, pictures and the viewer ask for these two, and know no class of results.
+"""
+
+import importlib
+import operator
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, ClassVar, NamedTuple
+
+import jax
+import jax.core
+import numpy as np
+
+# Entries of a list in a summary; lines of a result on the terminal, and their length.
+AT_MOST = 6
+LINES, WIDTH = 12, 120
+
+
+class States(NamedTuple):
+    """Where a mechanism is: in one state, in several one after the other, or in one that it moves about.
+
+    Attributes:
+        model: The mechanism.
+        x: Nodal coordinates, (n_x,), or (states, n_x) where several follow one another [m, rad, -].
+        kind: How the viewer plays them: "state", "path", "motion", "modes" or "self-stress".
+        along: Load factor or time of each of several states, (states,) [-, s].
+        label: What that is, with its unit.
+        moves: Modes about the state, one a column, (n_x, modes); None where the result has none by its nature.
+        shares: Part of each element in each state of self-stress, by its name, the largest 1; None likewise.
+        titles: Of each mode or state of self-stress.
+    """
+
+    model: Any
+    x: Any
+    kind: str = "state"
+    along: Any = None
+    label: str = ""
+    moves: Any = None
+    shares: Sequence[dict[str, float]] | None = None
+    titles: Sequence[str] = ()
+
+    def most_moving(self) -> int:
+        """Index of the position that moves most; where none does, of another coordinate or a degree of freedom."""
+        moved = np.ptp(np.asarray(self.x), axis=0)
+        positions = np.array([entry.kind == "position" for entry in self.model.labels.x])
+        if np.any(moved[positions] > 0):
+            return int(np.argmax(np.where(positions, moved, 0.0)))
+        dofs = np.asarray(self.model.topology.x.dof)
+        return int(np.argmax(moved)) if np.any(moved > 0) or not len(dofs) else int(dofs[0])
+
+
+class Summary(NamedTuple):
+    """A result in a few lines.
+
+    Attributes:
+        title: What it is, of what size.
+        rows: What is to be known about it, by name.
+        picture: Name of the function of :mod:`flexmb.plot` that draws it; None where none does.
+        small: What that function is given for a small picture beside the rows; None where it would show nothing.
+    """
+
+    title: str
+    rows: dict[str, str]
+    picture: str | None = None
+    small: Mapping[str, Any] | None = MappingProxyType({})
+
+
+class Result:
+    """Base class of what an analysis returns. A subclass has a summary of its own, and states where it holds some.
+
+    Attributes:
+        one_axis: Name of an array that has one axis where the result is that of one mechanism. Of several mechanisms at
+            once, as ``jax.vmap`` gives them, only the shapes are told.
+    """
+
+    one_axis: ClassVar[str] = ""
+
+    def summary(self) -> Summary:
+        """A few lines about it; of concrete numbers of one mechanism."""
+        return Summary(f"{type(self).__name__}: {', '.join(_shapes(self))}", {})
+
+    def states(self) -> States | None:
+        """Where the mechanism is; None where the result does not say."""
+        return None
+
+    def __repr__(self) -> str:
+        title, rows, *_ = self.summary() if is_single(self) else Result.summary(self)
+        lines = [title, *(f"  {name}: {text}" for name, text in rows.items())]
+        left = len(lines) - LINES + 1
+        lines = [*lines[: LINES - 1], f"  … and {left} more"] if left > 1 else lines
+        long = {"width": WIDTH, "subsequent_indent": "    ", "break_on_hyphens": False, "placeholder": " …"}
+        return "\n".join(textwrap.fill(line, max_lines=LINES if len(lines) == 1 else 1, **long) for line in lines)
+
+    def _repr_html_(self) -> str | None:
+        """Table and picture in a notebook; None, for which a notebook shows the text, where it has no one number."""
+        # The one place that looks upwards, and by name: whoever computes without a notebook needs no pictures.
+        return importlib.import_module("flexmb.viewer.notebook").card(self) if is_single(self) else None
+
+
+def is_single(found: Result) -> bool:
+    """Whether the numbers of a result are concrete, and of one mechanism.
+
+    Args:
+        found: Result.
+    """
+    leaves = jax.tree.leaves(found)
+    if not (len(leaves) == 1 and leaves[0] is found):
+        kinds = (np.ndarray, np.generic, jax.Array, int, float)
+        if not all(isinstance(leaf, kinds) and not isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+            return False
+    try:
+        return not found.one_axis or np.ndim(operator.attrgetter(found.one_axis)(found)) == 1
+    except AttributeError:
+        return False
+
+
+def _shapes(found: Any) -> Iterator[str]:
+    """Shapes of all arrays by their names; a result within that has a summary of its own is only named."""
+    fields = getattr(found, "_fields", None) or tuple(getattr(found, "__dataclass_fields__", ()))
+    for name in fields:
+        value: Any = getattr(found, name)
+        shape = getattr(value, "shape", None)
+        if shape is not None:
+            yield f"{name}[{','.join(map(str, shape))}]"
+        elif isinstance(value, Result) and type(value).summary is not Result.summary:
+            yield f"{name} {type(value).__name__}"
+        elif isinstance(value, bool | int | float | str):
+            yield f"{name} {value!r}"
+        else:
+            yield from _shapes(value)
+
+
+def short(value: Any) -> str:
+    """A number as a summary shows it.
+
+    Args:
+        value: The number.
+    """
+    return f"{float(value):.5g}"
+
+
+def listed(values: Any, unit: str = "") -> str:
+    """The first of some numbers or names.
+
+    Args:
+        values: Numbers, (n,), or names.
+        unit: Of all of them.
+    """
+    found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
+    more = ", …" if len(values) > AT_MOST else ""
+    return f"{', '.join(found)}{more} {unit}".strip() if found else "none"
+
+
+def span(values: Any, unit: str = "") -> str:
+    """From the smallest to the largest of some numbers, of the finite ones among them.
+
+    Args:
+        values: Numbers, any shape.
+        unit: Of all of them.
+    """
+    values = np.asarray(values, float)
+    finite = values[np.isfinite(values)]
+    return f"{short(finite.min())} to {short(finite.max())} {unit}".strip() if finite.size else "none"
+
+
+def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at") -> str:
+    """The number of largest size, and whose it is.
+
+    Args:
+        values: Numbers, (n,), of which those that are not finite do not count.
+        names: Whose each of them is.
+        unit: Of all of them.
+        word: What stands before the name.
+    """
+    values = np.asarray(values)
+    sizes = np.where(np.isfinite(values), np.abs(values), -1.0)
+    if np.max(sizes, initial=-1.0) < 0:
+        return "none"
+    index = int(np.argmax(sizes))
+    of = f" {word} {names[index]}" if values[index] and len(names) == len(values) else ""
+    return f"{short(values[index])} {unit}".strip() + of
+
+
+def counted(count: int, thing: str) -> str:
+    """How many things there are, as "1 element" or "3 elements".
+
+    Args:
+        count: How many.
+        thing: One of them.
+    """
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
+def unit_of(entry: Any) -> str:
+    """Unit of a coordinate.
+
+    Args:
+        entry: Its name.
+    """
+    return "m" if entry.kind == "position" else "rad" if entry.symbol == "phi" else "-"
+
+
+def course(states: States) -> str:
+    """Shape of several states, which coordinate moves most along them, and between which values.
+
+    Args:
+        states: The states.
+    """
+    x, names = np.asarray(states.x), states.model.labels.x
+    if not len(x) or len(names) != x.shape[1] or not np.any(np.ptp(x, axis=0)):
+        return f"x {x.shape}"
+    index = states.most_moving()
+    return f"x {x.shape}, {names[index]} moves most, {span(x[:, index], unit_of(names[index]))}"
+
+
+def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
+    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
+
+    Args:
+        what: Their kind.
+        found: The modes about their state.
+        rows: What is to be known about them.
+    """
+    moves, names = np.asarray(found.moves), found.model.labels.x
+    count = moves.shape[1]
+    moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""
+    title = f"{what}: {count} of {found.model.topology.n_q}, shapes {moves.shape}{moving}"
+    return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})
