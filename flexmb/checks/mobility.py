@@ -104,11 +104,8 @@ class Mobility(Result):
         rows = dict(title.split(": ", 1) for title in self.states().titles)
         for i in range(self.underconstraints):
             rows[f"free motion {i + 1}"] = ", ".join(f"{s.of}.{s.symbol}" for s in self.motions(i)[:AT_MOST])
-        over, under = (
-            counted(self.overconstraints, "over-constraint"),
-            counted(self.underconstraints, "under-constraint"),
-        )
-        title = f"Mobility: {self.status}, {over}, {under}"
+        title = f"Mobility: {self.status}, {counted(self.overconstraints, 'over-constraint')}"
+        title += f", {counted(self.underconstraints, 'under-constraint')}"
         return Summary(title, rows, "self_stress" if self.overconstraints else "mechanism")
 
     def report(self) -> str:

@@ -63,11 +63,8 @@ class Sensitivities(Result):
         for name, value, row in zip(self.answers, self.values, self.table, strict=True):
             rows[name] = f"{short(value)}, {largest(row, self.dimensions, '%', 'per % of')}"
         count, many = np.shape(self.table)
-        return Summary(
-            f"Sensitivities of {counted(count, 'answer')} to {counted(many, 'dimension')}: {self.result.name}",
-            rows,
-            "sensitivities",
-        )
+        title = f"Sensitivities of {counted(count, 'answer')} to {counted(many, 'dimension')}: {self.result.name}"
+        return Summary(title, rows, "sensitivities")
 
     def __str__(self) -> str:
         width = max(12, *(len(name) + 2 for name in self.dimensions))
