@@ -13,7 +13,7 @@ from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_lo
 from ..mechanics.residual import State, iterate, reduced_response, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE
+from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, library_of
 from ..statics.solve import held_values
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
@@ -105,7 +105,8 @@ def can_be_taken(converged, cosine) -> Any:
 
 def next_length(length, corrections, cosine) -> Any:
     """Length to try after a step that was taken, by its length and how easily it was found."""
-    return length * (1.0 + ((corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT)))
+    quick = (corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT)
+    return length * library_of(cosine).where(quick, 2.0, 1.0)
 
 
 def scales_increment(topology: Topology, parameters: Parameters) -> bool:

@@ -64,13 +64,13 @@ def near_enough(size, load, tries) -> Any:
 
 def shorter_load_step(step, first, tries) -> Any:
     """Load step in place of one whose correction was refused after so many others, the first of size ``first``."""
-    fitting, xp = _fitting(first), _library(step)
+    fitting, xp = _fitting(first), library_of(step)
     return step * xp.where((tries == 0) & (fitting > 0), xp.clip(fitting, 0.02, 0.5), 0.25)
 
 
 def next_load_step(step, first, contraction) -> Any:
     """Load step after one whose iteration converged: ``contraction`` is its last correction over the one before."""
-    xp = _library(step)
+    xp = library_of(step)
     return step * xp.clip(xp.minimum(_fitting(first), xp.sqrt(WANTED_CONTRACTION / contraction)), 0.5, 4.0)
 
 
@@ -79,6 +79,6 @@ def _fitting(first) -> Any:
     return FIRST_CORRECTION * AT_LOAD.largest / first
 
 
-def _library(number) -> Any:
+def library_of(number) -> Any:
     """What computes with a number: NumPy on the host, where nothing is compiled."""
     return jnp if isinstance(number, jax.core.Tracer) else np
