@@ -123,7 +123,7 @@ class Element:
         typed = {name: (type(value), value) for name, value in sorted(found.items())}
         usual = {name: (type(value), value) for name, (_, value) in kinds.items()}
         chosen = tuple((name, *own) for name, own in typed.items() if own != usual[name])
-        made = self if chosen == self.chosen else _with(self, chosen)
+        made = self if chosen == self.chosen else _with(self.usual, chosen)
         # What the options make of the deformations: a value beyond its range shows here.
         _ = made.fields
         return made
@@ -142,7 +142,7 @@ class Element:
     @property
     def usual(self) -> "Element":
         """The element type with no options chosen."""
-        return _with(self, ())
+        return dataclasses.replace(self, chosen=())
 
     @property
     def fields(self) -> tuple[tuple[int, ...], ...]:
@@ -263,8 +263,8 @@ class Element:
 
 
 @functools.cache
-def _with(element: Element, chosen: tuple[tuple[str, type, Any], ...]) -> Element:
-    return dataclasses.replace(element, chosen=chosen)
+def _with(usual: Element, chosen: tuple[tuple[str, type, Any], ...]) -> Element:
+    return dataclasses.replace(usual, chosen=chosen)
 
 
 @functools.cache
