@@ -11,11 +11,15 @@ from flexmb import planar
 
 
 def test_increment_stress_and_prescribed_motion_at_once():
-    """m x'' = -k (x - a) - S + i F, with the foot at a(t), a stress S(t) and the factor i(t) of the force F."""
+    """m x'' = -k (x - a) - S + i F, with the foot at a(t), a stress S(t) and the factor i(t) of the force F.
+
+    A constant force and a constant prestress are there all the time.
+    """
     k, m, force = 90.0, 0.4, 8.0
     b = sprung_mass(stiffness=k, mass=m, foot="prescribed")
     b.force("mass", (3.0, 0))
     b.force("mass", (force, 0), increment=True)
+    b.prestress("s", 0.7)
     times = np.linspace(0, 0.6, 5)
     found = fm.simulate(
         b.build(),
@@ -27,7 +31,7 @@ def test_increment_stress_and_prescribed_motion_at_once():
     )
 
     def rate(t, z):
-        pulled = k * (z[0] - 0.02 * np.sin(7 * t)) + 5 * t
+        pulled = k * (z[0] - 0.02 * np.sin(7 * t)) + 5 * t + 0.7
         return [z[1], (3.0 + force * np.cos(9 * t) - pulled) / m]
 
     exact = solve_ivp(rate, (0, 0.6), [0.0, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
