@@ -781,12 +781,6 @@ FAULTS = [
     # Design.
     Fault("design/tune.py", "best = min(runs", "best = max(runs", "design/test_tune.py -k several_starts"),
     Fault(
-        "design/tune.py",
-        "run.violation > 2 * tolerance and run.violation",
-        "0",
-        "design/test_tune.py -k several_starts",
-    ),
-    Fault(
         "design/chunks.py",
         "for index, future in enumerate(futures)}",
         "for index, future in enumerate(futures[::-1])}",

@@ -61,5 +61,25 @@ def test_nothing_is_released_that_takes_no_part():
     assert {(s.of, s.component) for s in found.stresses()} == {("left middle", 1), ("middle right", 1)}
     assert "to remove it, release deformation 1 of element 'left middle'" in found.report()
     assert removals(model, [("right end", 1)]) == (None,)
-    b.release(*found.release[0])
+    b.release("left middle", 1)
     assert fm.mobility(b.build(check=False)).overconstraints == 0
+
+
+def test_forces_and_moments_of_a_self_stress_have_their_own_units():
+    """An arm of half a metre that a hinge holds, and a bar at its end too: half a newton metre for every newton."""
+    b = fm.Builder()
+    for name, place in {"pivot": (0, 0), "end": (0.5, 0), "below": (0.5, -2)}.items():
+        b.node(name, place)
+    b.rotation("ground")
+    b.rotation("arm")
+    b.add(planar.rigid_beam, "pivot", "arm", "end", name="bar")
+    b.add(planar.hinge, "ground", "arm", name="lock", released=())
+    b.add(planar.truss, "end", "below", name="strut", released=())
+    b.fix("pivot", "position")
+    b.fix("below")
+    b.fix("ground")
+    found = fm.mobility(b.build(check=False))
+    shares = {(share.of, share.component): abs(share.share) for share in found.stresses()}
+    assert found.overconstraints == 1
+    assert shares["lock", 1] / shares["strut", 1] == pytest.approx(0.5, rel=1e-12)
+    assert shares["bar", 2] / shares["strut", 1] == pytest.approx(1.0, rel=1e-12)

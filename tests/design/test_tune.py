@@ -256,10 +256,3 @@ def test_the_best_of_several_starts_is_returned():
         np.testing.assert_allclose(np.unique(np.round(ends, 5)), [valleys(low), valleys(high)], atol=1e-5)
         assert found.dimensions["a"] == pytest.approx(low, abs=1e-3)
         assert found.answers["f"] == pytest.approx(valleys(low), abs=1e-6)
-    # What is deeper but not allowed is not the best.
-    kept = fm.tune(
-        lambda a: a, {"f": valleys, "place": jnp.asarray}, {"a": 0.9}, {"a": (-2.0, 2.0)}, minimize="f", starts=4,
-        limits={"place": (0.5, None)},
-    )  # fmt: skip
-    assert kept.dimensions["a"] == pytest.approx(high, abs=1e-3)
-    assert kept.violation == 0

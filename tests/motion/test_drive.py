@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from cases.motions import sprung_mass, turned
 from jax.tree_util import Partial
 from scipy.integrate import solve_ivp
@@ -11,11 +12,15 @@ from flexmb import planar
 
 
 def test_increment_stress_and_prescribed_motion_at_once():
-    """m x'' = -k (x - a) - S + i F, with the foot at a(t), a stress S(t) and the factor i(t) of the force F."""
+    """m x'' = -k (x - a) - S + i F, with the foot at a(t), a stress S(t) and the factor i(t) of the force F.
+
+    A constant force and a constant prestress are there all the time.
+    """
     k, m, force = 90.0, 0.4, 8.0
     b = sprung_mass(stiffness=k, mass=m, foot="prescribed")
     b.force("mass", (3.0, 0))
     b.force("mass", (force, 0), increment=True)
+    b.prestress("s", 0.7)
     times = np.linspace(0, 0.6, 5)
     found = fm.simulate(
         b.build(),
@@ -27,7 +32,7 @@ def test_increment_stress_and_prescribed_motion_at_once():
     )
 
     def rate(t, z):
-        pulled = k * (z[0] - 0.02 * np.sin(7 * t)) + 5 * t
+        pulled = k * (z[0] - 0.02 * np.sin(7 * t)) + 5 * t + 0.7
         return [z[1], (3.0 + force * np.cos(9 * t) - pulled) / m]
 
     exact = solve_ivp(rate, (0, 0.6), [0.0, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
@@ -37,9 +42,8 @@ def test_increment_stress_and_prescribed_motion_at_once():
     np.testing.assert_allclose(found.velocity("foot")[:, 0], 0.14 * np.cos(7 * times), atol=1e-13)
 
 
-def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
-    """A rod that hangs from a crank of constant speed; the pin takes the mass along the rod from the first moment."""
-    speed = 2.0
+def hanging_rod() -> fm.Builder:
+    """A rod with a mass at its end, across a crank whose angle is prescribed."""
     b = fm.Builder()
     for name, place in {"ground": (0, 0), "pin": (1, 0), "mass": (1, 1)}.items():
         b.node(name, place)
@@ -50,6 +54,13 @@ def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
     b.fix("ground", "position")
     b.mass("mass", 2.0)
     b.prescribe("crank", "phi", 0.0)
+    return b
+
+
+def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
+    """A rod that hangs from a crank of constant speed; the pin takes the mass along the rod from the first moment."""
+    speed = 2.0
+    b = hanging_rod()
     times = np.array([0.0, 0.25, 0.5, 1.0])
     found = fm.simulate(b.build(), times, motion={"crank.phi": Partial(turned, speed=speed)}, rtol=1e-9)
 
@@ -62,3 +73,14 @@ def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
     exact = solve_ivp(rate, (0, 1), [np.pi / 2, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(found.at("rod")[:, 0] + np.pi / 2, exact.y[0], atol=1e-6)
     np.testing.assert_allclose(found.velocity("mass")[0], [0, speed], atol=1e-12)
+
+
+def test_a_controller_sees_from_the_start_what_is_driven():
+    """The first sample is that of the mass as the crank takes it along."""
+    b = hanging_rod()
+    b.input("mass", "y")
+    b.output("mass", "y", "velocity")
+    held = fm.Sampled(lambda t, z, y: (0.5 * y, z), 0.01)
+    drive = {"crank.phi": Partial(turned, speed=2.0)}
+    found = fm.simulate(b.build(), [0.0, 0.01], motion=drive, control=held, rtol=1e-6)
+    assert found.u[0, 0] == pytest.approx(0.5 * 2.0, rel=1e-9)
