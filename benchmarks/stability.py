@@ -150,11 +150,11 @@ def methods():
     fixed = {"controller": diffrax.ConstantStepSize()}
     return {
         "default, steps of its own": {},
-        "Rodas5P": {"solver": fm.Rodas5P(), **fixed},
-        "Rodas5P, reduced": {"solver": fm.Rodas5P(), "form": "reduced", **fixed},
-        "generalised-alpha 0.8": {"solver": fm.GeneralizedAlpha(0.8)},
-        "trapezoidal rule": {"solver": fm.GeneralizedAlpha(1.0)},
-        "energy-keeping": {"solver": fm.EnergyKeeping()},
+        "Rodas5P": {"solver": fm.motion.Rodas5P(), **fixed},
+        "Rodas5P, reduced": {"solver": fm.motion.Rodas5P(), "form": "reduced", **fixed},
+        "generalised-alpha 0.8": {"solver": fm.motion.GeneralizedAlpha(0.8)},
+        "trapezoidal rule": {"solver": fm.motion.GeneralizedAlpha(1.0)},
+        "energy-keeping": {"solver": fm.motion.EnergyKeeping()},
         "Dopri8": {"solver": diffrax.Dopri8(), **fixed},
         "Dopri8, not projected": {"solver": Unprojected(diffrax.Dopri8()), **fixed},
     }
@@ -225,7 +225,7 @@ def long_run() -> dict:
     model, *_ = falling_strip()
     times = np.linspace(0, LONG * 1e-3, 1001)
     begin = time.perf_counter()
-    found = fm.simulate(model, times, solver=fm.EnergyKeeping(), dt0=1e-3, max_steps=LONG + 1)
+    found = fm.simulate(model, times, solver=fm.motion.EnergyKeeping(), dt0=1e-3, max_steps=LONG + 1)
     seen = found.observe()
     greatest, energy = float(np.max(seen.kinetic)), np.asarray(seen.energy)
     spread, trend = np.ptp(energy) / greatest, abs(np.polyfit(times, energy, 1)[0]) * times[-1] / greatest

@@ -106,7 +106,7 @@ def of_spaghetti(found: dict, run: dict) -> None:
     ramp = np.array([0.0, PEAK, 2 * PEAK])
     force, moment = np.zeros((2, 3, 3))
     force[1], moment[1] = (LOAD / 10, 0, 0), (0, -LOAD / 2, -LOAD)
-    loads = {"n0": fm.Table(ramp, force), "n0.rotation": fm.Table(ramp, moment)}
+    loads = {"n0": fm.motion.Table(ramp, force), "n0.rotation": fm.motion.Table(ramp, moment)}
 
     def ends(model, elements, rtol):
         motion = fm.simulate(model, [0.0, PEAK], loads=loads, rtol=rtol)

@@ -74,7 +74,7 @@ def motion_of(model, times, x):
     import flexmb as fm
 
     near = np.zeros((len(times), model.topology.n_e))
-    return fm.Motion(times, x, 0 * x, near, np.zeros((len(times), 0)), 0, 0, (), model, "given", "none")
+    return fm.motion.Motion(times, x, 0 * x, near, np.zeros((len(times), 0)), 0, 0, (), model, "given", "none")
 
 
 def played(page: Path) -> list[int]:

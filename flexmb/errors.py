@@ -52,7 +52,7 @@ class AnalysisError(RuntimeError):
 
     Attributes:
         code: Name of the member of RESULTS, such as "not_converged".
-        path: Of a path that did not reach its end, the :class:`flexmb.Path` up to there; otherwise None.
+        path: Of a path that did not reach its end, the :class:`flexmb.paths.Path` up to there; otherwise None.
     """
 
     path: Any = None

@@ -16,7 +16,9 @@ def offered(package: str) -> dict[str, str]:
     Args:
         package: Its full name; its ``__init__.pyi`` has lines such as ``from .linear.modes import modes as modes``.
     """
-    stub = ast.parse(Path(str(sys.modules[package].__file__)).with_suffix(".pyi").read_text(encoding="utf-8"))
+    stub = ast.parse(
+        Path(str(importlib.import_module(package).__file__)).with_suffix(".pyi").read_text(encoding="utf-8")
+    )
     lines = [line for line in stub.body if isinstance(line, ast.ImportFrom)]
     return {name.name: f"{package}.{line.module or ''}".rstrip(".") for line in lines for name in line.names}
 
@@ -32,8 +34,6 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
     def load(name: str) -> Any:
         where = None
         for room in () if name.startswith("__") else ("", *rooms):
-            if room:
-                importlib.import_module(f"{package}.{room}")
             where = where or offered(f"{package}.{room}".rstrip(".")).get(name)
         if where is None:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")

@@ -28,7 +28,7 @@ cache = fm.enable_cache(thorough=False)
 # %%
 length, width, thickness, apart, mass = 0.1, 0.018, 0.5e-3, 0.1, 0.206
 leaf = fm.Rectangle(width, thickness, fm.Material(E=210e9, G=80e9, rho=7850), rotary=False)
-damping = fm.damping_from_ratio(leaf, length, 0.005)
+damping = fm.sections.damping_from_ratio(leaf, length, 0.005)
 
 
 def guide(released, *dofs):

@@ -47,12 +47,12 @@ turn, left, right = (np.asarray(motion.near[:, rows[name]]) for name in ("1.e1",
 # %% [markdown]
 # ## Natural frequencies along the motion
 #
-# `fm.linearize_motion` gives the matrices of the linearised equations at every time. The tutorial looks at the open
-# loop, without the motor's spring of 12.5 N m/rad, which is therefore taken off the stiffness of the turn: one free
-# motion is left and two vibrations, whose frequencies change while belt is rolled on and off.
+# `fm.motion.linearize_motion` gives the matrices of the linearised equations at every time. The tutorial looks at the
+# open loop, without the motor's spring of 12.5 N m/rad, which is therefore taken off the stiffness of the turn: one
+# free motion is left and two vibrations, whose frequencies change while belt is rolled on and off.
 
 # %%
-lin = fm.linearize_motion(motion)
+lin = fm.motion.linearize_motion(motion)
 spring = np.zeros((3, 3))
 spring[0, 0] = 12.5
 hertz = []

@@ -98,7 +98,9 @@ plt.show()
 # A result of a grid has the axes of the grid.
 
 # %%
-axes = fm.grid(thickness=np.linspace(0.2e-3, 1e-3, 40), length=np.linspace(0.05, 0.15, 25), width=[0.018], mass=[0.206])
+axes = fm.design.grid(
+    thickness=np.linspace(0.2e-3, 1e-3, 40), length=np.linspace(0.05, 0.15, 25), width=[0.018], mass=[0.206]
+)
 sweep = fm.sweep(guide, answers, axes)
 frequency, buckling = sweep["frequency"][:, :, 0, 0], sweep["buckling"][:, :, 0, 0]
 print(frequency.shape, "designs, failures:", sweep.failures())

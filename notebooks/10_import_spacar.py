@@ -92,13 +92,13 @@ print(*written.splitlines()[:6], "...", sep="\n")
 # ## A SPACAR Light script
 #
 # In MATLAB one writes `nprops(1).fix = true; eprops(1).elems = [1 3];`. In Python the lines are the same but for
-# `True`, commas and `fm.StructArray`. A guide in space with two beams a leaf spring is first moved to −5 mm (initial
-# load), then to +5 mm (increment):
+# `True`, commas and `fm.spacar.StructArray`. A guide in space with two beams a leaf spring is first moved to −5 mm
+# (initial load), then to +5 mm (increment):
 
 # %%
 nodes = [[0, 0, 0], [0, 0.1, 0], [0.05, 0.1, 0], [0.05, 0, 0]]
 elements = [[1, 2], [2, 3], [3, 4]]
-nprops, eprops, opt = fm.StructArray(), fm.StructArray(), fm.Struct()
+nprops, eprops, opt = fm.spacar.StructArray(), fm.spacar.StructArray(), fm.spacar.Struct()
 nprops(1).fix = True
 nprops(4).fix = True
 nprops(2).displ_initial_x = -5e-3
@@ -112,7 +112,7 @@ eprops(2).elems = 2
 eprops(2).dens, eprops(2).cshape, eprops(2).dim, eprops(2).orien = 2700, "rect", [50e-3, 25e-3], [0, 0, 1]
 opt.loadsteps = 5
 
-out = fm.spacar_light(nodes, elements, nprops, eprops, opt)
+out = fm.spacar.spacar_light(nodes, elements, nprops, eprops, opt)
 ax = fm.plot.mechanism(out.model, at=out.linearizations[-1])
 
 # %% [markdown]
@@ -127,14 +127,14 @@ for x, stiffness, hertz in zip(position - 0.05, support, out.freq[0], strict=Tru
 # %% [markdown]
 # ## From there on it is an ordinary model
 #
-# `fm.spacar_light_model` takes the same arguments and gives the model alone. Here the drive is left out of the script,
-# so that the guide is free to move, and the drive stiffness is asked for.
+# `fm.spacar.spacar_light_model` takes the same arguments and gives the model alone. Here the drive is left out of the
+# script, so that the guide is free to move, and the drive stiffness is asked for.
 
 # %%
-undriven = fm.StructArray()
+undriven = fm.spacar.StructArray()
 undriven(1).fix = True
 undriven(4).fix = True
-free = fm.spacar_light_model(nodes, elements, undriven, eprops, opt)
+free = fm.spacar.spacar_light_model(nodes, elements, undriven, eprops, opt)
 drive = float(fm.stiffness(free, "n3", "x"))
 print(f"drive stiffness {drive:.3f} N/m; frequencies {np.round(fm.frequencies(free)[:3], 2)} Hz")
 

@@ -57,7 +57,7 @@ ax.locator_params(axis="x", nbins=5)
 #
 # All of them belong to one state, the equilibrium at 10°. So the function that `fm.tune` varies does not return the
 # model but its linearisation there, and the answers are read from that. The radial stiffness is the smaller of the two
-# along x and y; `fm.smooth_minimum` has a derivative where they are equal.
+# along x and y; `fm.linear.smooth_minimum` has a derivative where they are equal.
 
 
 # %%
@@ -75,7 +75,7 @@ def stress(lin):
 
 
 def radial(lin):
-    return fm.smooth_minimum(jnp.stack([fm.stiffness(lin, "pivot", "x"), fm.stiffness(lin, "pivot", "y")]))
+    return fm.linear.smooth_minimum(jnp.stack([fm.stiffness(lin, "pivot", "x"), fm.stiffness(lin, "pivot", "y")]))
 
 
 answers = {"shift": shift, "stress": stress, "radial stiffness": radial}
@@ -90,7 +90,7 @@ print({name: f"{value:.4g}" for name, value in before.items()})
 # near 45°.
 
 # %%
-designs = fm.grid(ratio=np.linspace(0.08, 0.5, 15), half=np.radians(np.linspace(20, 70, 11)))
+designs = fm.design.grid(ratio=np.linspace(0.08, 0.5, 15), half=np.radians(np.linspace(20, 70, 11)))
 sweep = fm.sweep(turned, answers, designs)
 ratios, degrees = sweep.axes["ratio"], np.degrees(sweep.axes["half"])
 

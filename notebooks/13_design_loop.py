@@ -46,7 +46,9 @@ def guide(thickness, *, element=planar.beam, released=(2, 3), dofs=("x",), start
         b.node(name, place)
     for name, ends in (("left", "AB"), ("right", "DC")):
         own = {} if released is None else {"released": released}
-        b.add(element, *ends, name=name, section=leaf, damping=fm.damping_from_ratio(leaf, length, 0.005), **own)
+        b.add(
+            element, *ends, name=name, section=leaf, damping=fm.sections.damping_from_ratio(leaf, length, 0.005), **own
+        )
     b.add(planar.beam, "B", "C", name="stage")
     b.fix("A")
     b.fix("D")
@@ -69,8 +71,9 @@ def guide(thickness, *, element=planar.beam, released=(2, 3), dofs=("x",), start
 # against a constant force with 5 N/mm: the stiffness of the leaf springs and the proportional gain together. So $k_p$
 # follows from the thickness, and may be negative where the leaf springs alone are stiffer.
 #
-# `fm.state_matrices` gives A, B, C, D of the mechanism as JAX arrays, so that the closed loop is a differentiable
-# function of the thickness and of the gain. The function that is tuned may return whatever the answers need.
+# `fm.control.state_matrices` gives A, B, C, D of the mechanism as JAX arrays, so that the closed loop is a
+# differentiable function of the thickness and of the gain. The function that is tuned may return whatever the answers
+# need.
 
 # %%
 tau, horizon, held = 2e-3, 50e-3, 5e3  # s, s, N/m
@@ -95,7 +98,7 @@ def loop_matrix(plant, kp, kd):
 
 def loop(thickness, kd):
     model = guide(thickness)
-    plant, _ = fm.state_matrices(model)
+    plant, _ = fm.control.state_matrices(model)
     drive = fm.stiffness(model, "B", "x")
     return {
         "matrix": loop_matrix(plant, held - drive, kd),
@@ -212,7 +215,7 @@ plt.show()
 # %%
 found = together.dimensions
 fine = fm.linearize(guide(found["thickness"], element=planar.spectral_beam(5), released=None, dofs=()))
-plant, _ = fm.state_matrices(fine)
+plant, _ = fm.control.state_matrices(fine)
 kp = held - float(fm.stiffness(guide(found["thickness"]), "B", "x"))
 poles = np.linalg.eigvals(np.asarray(loop_matrix(plant, kp, found["kd"])))
 fast = np.abs(poles) > 2 * np.pi * 500
@@ -225,7 +228,9 @@ print(f"settling {1e3 * settling['gain alone']:.1f} ms, then {1e3 * settling['to
 # The settling time of the linear loop, for the same release; the motion was looked at every half millisecond.
 released = jnp.array([release, 0.0, 0.0, 0.0])
 for label, dimensions in designs.items():
-    linear = fm.settling_time(loop(**dimensions)["matrix"], released, jnp.eye(4)[0], 0.02 * release, horizon=times[-1])
+    linear = fm.design.settling_time(
+        loop(**dimensions)["matrix"], released, jnp.eye(4)[0], 0.02 * release, horizon=times[-1]
+    )
     assert abs(float(linear) - settling[label]) < 1e-3, label
 
 assert together.answers["holding force"] <= 30.0

@@ -76,12 +76,12 @@ plt.show()
 #
 # ## And when a model is too lean
 #
-# `fm.too_lean` looks for what a model leaves out of a question: here the inner vibrations of leaf springs that are one
-# beam each.
+# `fm.design.too_lean` looks for what a model leaves out of a question: here the inner vibrations of leaf springs that
+# are one beam each.
 
 # %%
 coarse = fm.read_spacar(mechanism_path("pf3d")).builder.build()
-for reason in fm.too_lean(coarse, bandwidth=200.0):
+for reason in fm.design.too_lean(coarse, bandwidth=200.0):
     print(reason)
 
 # %% [markdown]
@@ -100,5 +100,5 @@ assert np.allclose(fm.frequencies(slow.model), printed[:1], rtol=0.01)
 away = (hertz < 100) & (np.abs(hertz / printed[0] - 1) > 0.1)  # a tenth and more away from the resonance
 assert np.max(np.abs(responses["up to 100 Hz"] / responses["fine"] - 1)[away]) < 0.01
 assert np.allclose(fm.frequencies(fast.model), printed, rtol=0.01)
-assert fm.too_lean(coarse, bandwidth=100.0) == ()
-assert len(fm.too_lean(coarse, bandwidth=200.0)) == 2
+assert fm.design.too_lean(coarse, bandwidth=100.0) == ()
+assert len(fm.design.too_lean(coarse, bandwidth=200.0)) == 2

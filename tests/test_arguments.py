@@ -46,15 +46,15 @@ ASKS = {
     "limit_load": fm.limit_load,
     "configuration": fm.configuration,
     "simulate": lambda m: fm.simulate(m, [0, 1.0]),
-    "steady_motion": lambda m: fm.steady_motion(m, {"1.x": lambda t: t}),
+    "steady_motion": lambda m: fm.motion.steady_motion(m, {"1.x": lambda t: t}),
     "stress": fm.stress,
-    "section_resultants": fm.section_resultants,
+    "section_resultants": fm.linear.section_resultants,
     "compliance": lambda m: fm.compliance(m, "1"),
-    "directional_compliance": fm.directional_compliance,
-    "frequency_like": lambda m: fm.frequency_like(m, np.ones(2)),
-    "state_matrices": fm.state_matrices,
+    "directional_compliance": fm.linear.directional_compliance,
+    "frequency_like": lambda m: fm.linear.frequency_like(m, np.ones(2)),
+    "state_matrices": fm.control.state_matrices,
     "to_statespace": fm.to_statespace,
-    "to_nonlinear_system": fm.to_nonlinear_system,
+    "to_nonlinear_system": fm.control.to_nonlinear_system,
     "mass": fm.mass,
     "stiffness": lambda m: fm.stiffness(m, "1", "x"),
 }
@@ -90,14 +90,14 @@ def test_results_are_not_taken_for_models():
     motion = fm.simulate(MODEL, [0, 0.1, 0.2])
     with pytest.raises(TypeError, match=r"not a Motion.*linearize_motion\(motion\)\.at_time"):
         fm.modes(motion)
-    along = fm.linearize_motion(motion)
+    along = fm.motion.linearize_motion(motion)
     for name in ("poles", "compliance", "directional_compliance", "modes", "frequencies"):
         with pytest.raises(ValueError, match=r"along a motion, at 3 times.*at_time\(0\)"):
             ASKS[name](along)
     for call in (
-        lambda: fm.linearize_motion(MODEL),
-        lambda: fm.second_transfer(MODEL),
-        lambda: fm.mode_assurance(1, 2),
+        lambda: fm.motion.linearize_motion(MODEL),
+        lambda: fm.linear.second_transfer(MODEL),
+        lambda: fm.linear.mode_assurance(1, 2),
     ):
         with pytest.raises(TypeError, match=r"takes (a Motion|a Linearization|Modes)"):
             call()
@@ -166,7 +166,7 @@ NUMBERS = {
     "times that are none": (lambda: fm.simulate(MODEL, [0, np.nan, 1]), "`times` .*finite"),
     "times of words": (lambda: fm.simulate(MODEL, ["0", "1"]), "`times` must be numbers"),
     "jumps that are none": (lambda: fm.simulate(MODEL, TIMES, jumps=[np.nan]), "`jumps` .*finite"),
-    "a solver's class": (lambda: fm.simulate(MODEL, TIMES, solver=fm.Rodas5P), r"`solver` .*Rodas5P\(\)"),
+    "a solver's class": (lambda: fm.simulate(MODEL, TIMES, solver=fm.motion.Rodas5P), r"`solver` .*Rodas5P\(\)"),
     "a solver's name": (lambda: fm.simulate(MODEL, TIMES, solver="Rodas5P"), "`solver` must be a solver"),
     "a reference for no one": (lambda: fm.simulate(MODEL, TIMES, reference=lambda t: t), "`reference` .*`control`"),
     "progress a word": (lambda: fm.simulate(MODEL, TIMES, progress="yes"), "`progress` must be True, False or a fun"),
@@ -176,10 +176,10 @@ NUMBERS = {
     "an increment for no one": (lambda: fm.equilibrium(MODEL, increment=0.5), "no incremental loads"),
     "half a frequency": (lambda: fm.frequencies(MODEL, count=1.5), "`count` must be a whole number"),
     "no frequency": (lambda: fm.frequencies(MODEL, count=0), "`count` must be at least 1"),
-    "half a point": (lambda: fm.section_resultants(MODEL, points=2.5), "`points` must be a whole number"),
-    "one point": (lambda: fm.section_resultants(MODEL, points=1), "`points` must be at least 2"),
+    "half a point": (lambda: fm.linear.section_resultants(MODEL, points=2.5), "`points` must be a whole number"),
+    "one point": (lambda: fm.linear.section_resultants(MODEL, points=1), "`points` must be at least 2"),
     "time of a steady motion": (
-        lambda: fm.steady_motion(MODEL, {"1.x": lambda t: t}, time=float("nan")),
+        lambda: fm.motion.steady_motion(MODEL, {"1.x": lambda t: t}, time=float("nan")),
         "`time` must be finite",
     ),
     "q that is none": (lambda: fm.configuration(MODEL, q=[np.nan, 0]), "`q` .*not a finite number"),
@@ -218,19 +218,21 @@ FUNCTIONS = {
         r"Load '1\.x' must give one number, but gives shape \(2,\)",
     ),
     "a table of one number on a node": (
-        lambda: fm.simulate(MODEL, TIMES, loads={"1": fm.Table(jnp.array([0.0, 1.0]), jnp.array([0.0, 1.0]))}),
+        lambda: fm.simulate(MODEL, TIMES, loads={"1": fm.motion.Table(jnp.array([0.0, 1.0]), jnp.array([0.0, 1.0]))}),
         r"Load '1' must give 2 numbers",
     ),
     "a table that runs backwards": (
-        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.Table(jnp.array([1.0, 0.0]), jnp.zeros(2))}),
+        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.motion.Table(jnp.array([1.0, 0.0]), jnp.zeros(2))}),
         r"Load '1\.x': the times of a table must be finite and ascending",
     ),
     "a table with a time too many": (
-        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.Table(jnp.array([0.0, 0.5, 1.0]), jnp.zeros(2))}),
+        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.motion.Table(jnp.array([0.0, 0.5, 1.0]), jnp.zeros(2))}),
         r"Load '1\.x': a table needs as many values as times",
     ),
     "a table with a value that is none": (
-        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.Table(jnp.array([0.0, 1.0]), jnp.array([0, np.nan]))}),
+        lambda: fm.simulate(
+            MODEL, TIMES, loads={"1.x": fm.motion.Table(jnp.array([0.0, 1.0]), jnp.array([0, np.nan]))}
+        ),
         r"Load '1\.x': the values of a table must be finite",
     ),
     "an increment that is a number": (
@@ -250,23 +252,25 @@ FUNCTIONS = {
         r"`reference` gives shape \(1,\), but the mechanism has 2 outputs",
     ),
     "a sample that takes no time": (
-        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: (y, z), 0.0)),
+        lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y, z), 0.0)),
         "`period` must be positive",
     ),
     "a sample that forgets its state": (
-        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: y, 0.1)),
+        lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: y, 0.1)),
         "must give the inputs and the state that follows",
     ),
     "a sample whose state changes size": (
-        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: (y, jnp.ones(3)), 0.1, jnp.zeros(2))),
+        lambda: fm.simulate(
+            MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y, jnp.ones(3)), 0.1, jnp.zeros(2))
+        ),
         r"gives a state \(3,\), but it starts as \(2,\)",
     ),
     "a sample of one input for two": (
-        lambda: fm.simulate(MODEL, TIMES, control=fm.Sampled(lambda t, z, y: (y[:1], z), 0.1)),
+        lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y[:1], z), 0.1)),
         r"controller gives shape \(1,\), but the mechanism has 2 inputs",
     ),
     "a reference beside a Feedback": (
-        lambda: fm.simulate(MODEL, TIMES, control=fm.Feedback(lambda t, z, y: y), reference=lambda t: t),
+        lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Feedback(lambda t, z, y: y), reference=lambda t: t),
         "leave `reference` out",
     ),
     "a start that is a number": (lambda: fm.simulate(MODEL, TIMES, initial=0.0), "`initial` must be an Equilibrium"),
@@ -351,39 +355,42 @@ OTHERS = {
     "throw a word": (lambda: fm.equilibrium(MODEL, throw="no"), "`throw` must be True or False"),
     "a step that a path has not": (lambda: fm.path(truss_corner(), step=1.0).linearization(9), "The path has"),
     "times that a motion has not": (lambda: fm.simulate(MODEL, TIMES).until(3), "`count` must be 0 to 2"),
-    "a state that is none": (lambda: fm.section_resultants(MODEL, at=MODEL), "`at` must be an Equilibrium"),
-    "a shape that is none": (lambda: fm.frequency_like(MODEL, [0.0, 0.0]), "`shape` must have an entry"),
-    "a shape that is no number": (lambda: fm.frequency_like(MODEL, [np.nan, 0.0]), "`shape` .*finite"),
-    "a shape of another size": (lambda: fm.frequency_like(MODEL, [1.0]), "`shape` must have 2 entries"),
-    "no values": (lambda: fm.smooth_minimum([]), "`values` of smooth_minimum must be several numbers"),
-    "values that are words": (lambda: fm.smooth_maximum(["1", "2"]), "`values` of smooth_maximum must be several"),
+    "a state that is none": (lambda: fm.linear.section_resultants(MODEL, at=MODEL), "`at` must be an Equilibrium"),
+    "a shape that is none": (lambda: fm.linear.frequency_like(MODEL, [0.0, 0.0]), "`shape` must have an entry"),
+    "a shape that is no number": (lambda: fm.linear.frequency_like(MODEL, [np.nan, 0.0]), "`shape` .*finite"),
+    "a shape of another size": (lambda: fm.linear.frequency_like(MODEL, [1.0]), "`shape` must have 2 entries"),
+    "no values": (lambda: fm.linear.smooth_minimum([]), "`values` of smooth_minimum must be several numbers"),
+    "values that are words": (
+        lambda: fm.linear.smooth_maximum(["1", "2"]),
+        "`values` of smooth_maximum must be several",
+    ),
     "a motion that is none": (lambda: fm.save_motion(MODEL, "x.npz"), "fm.save_motion takes a Motion"),
     "a function that is none": (lambda: fm.jit("frequencies"), "fm.jit takes a function"),
     "jumps in rows": (lambda: fm.simulate(MODEL, TIMES, jumps=[[0.05]]), "`jumps` must be a list of times"),
     "a level below zero": (
-        lambda: fm.settling_time(-np.eye(2), np.ones(2), np.ones(2), -0.1, horizon=1.0),
+        lambda: fm.design.settling_time(-np.eye(2), np.ones(2), np.ones(2), -0.1, horizon=1.0),
         "`level` must be positive",
     ),
     "a loop that is none": (
-        lambda: fm.settling_time(np.full((2, 2), np.nan), np.ones(2), np.ones(2), 0.1, horizon=1.0),
+        lambda: fm.design.settling_time(np.full((2, 2), np.nan), np.ones(2), np.ones(2), 0.1, horizon=1.0),
         "`matrix` .*finite",
     ),
     "an output of another size": (
-        lambda: fm.settling_time(-np.eye(2), np.ones(2), np.ones(3), 0.1, horizon=1.0),
+        lambda: fm.design.settling_time(-np.eye(2), np.ones(2), np.ones(3), 0.1, horizon=1.0),
         r"`output` must have shape \(2,\)",
     ),
     "a ratio below zero": (
-        lambda: fm.damping_from_ratio(fm.Rigidity(EA=1.0, mass=1.0), 0.1, -0.01),
+        lambda: fm.sections.damping_from_ratio(fm.Rigidity(EA=1.0, mass=1.0), 0.1, -0.01),
         "`ratio` must be at least 0",
     ),
     "a spring without length": (
-        lambda: fm.damping_from_ratio(fm.Rigidity(EA=1.0, mass=1.0), 0.0, 0.01),
+        lambda: fm.sections.damping_from_ratio(fm.Rigidity(EA=1.0, mass=1.0), 0.0, 0.01),
         "`length` must be positive",
     ),
-    "a section that is none": (lambda: fm.damping_from_ratio(3.0, 0.1, 0.01), "`section` must be a Section"),
-    "a strip without width": (lambda: fm.warping_factor(0.1, 0.0, 0.3), "`width` must be positive"),
-    "a Poisson's ratio in percent": (lambda: fm.warping_factor(0.1, 0.02, 30), "`nu` must be .* at most 1"),
-    "a side below zero": (lambda: fm.torsion_series(-0.02, 5e-4), "`width` must be positive"),
+    "a section that is none": (lambda: fm.sections.damping_from_ratio(3.0, 0.1, 0.01), "`section` must be a Section"),
+    "a strip without width": (lambda: fm.sections.warping_factor(0.1, 0.0, 0.3), "`width` must be positive"),
+    "a Poisson's ratio in percent": (lambda: fm.sections.warping_factor(0.1, 0.02, 30), "`nu` must be .* at most 1"),
+    "a side below zero": (lambda: fm.sections.torsion_series(-0.02, 5e-4), "`width` must be positive"),
     "half an order": (lambda: planar.spectral_beam(2.5), "`order` of spectral_beam must be a whole number"),
     "an order beyond sense": (lambda: fm.spatial.spectral_beam(10_000), "order must be at least 1 and at most 40"),
     "a law that is none": (lambda: planar.spring_damper(3.0), "`law` of spring_damper must be a function"),
@@ -398,7 +405,7 @@ def test_other_arguments(case):
 
 
 def test_the_sides_of_a_rectangle_are_exchanged_by_either_torsion_constant():
-    for function in (fm.torsion_series, fm.torsion_approximate):
+    for function in (fm.sections.torsion_series, fm.sections.torsion_approximate):
         assert function(0.018, 5e-4) == pytest.approx(float(function(5e-4, 0.018)), rel=1e-12)
 
 

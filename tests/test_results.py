@@ -8,7 +8,7 @@ import pytest
 from cases.mechanisms import planar_guide
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import paths, planar
 from flexmb.mechanisms import mechanism_path
 
 
@@ -46,13 +46,13 @@ def answer(model):
 
 
 def critical():
-    return fm.CriticalPoint(0.5, "limit", np.zeros(400), np.ones(400), 1e-3)
+    return paths.CriticalPoint(0.5, "limit", np.zeros(400), np.ones(400), 1e-3)
 
 
 def light():
     nodes, elements = [[0, 0, 0], [0, 0.1, 0]], [[1, 2]]
     leaf = {"emod": 210e9, "smod": 80e9, "dens": 7800.0, "cshape": "rect", "dim": [50e-3, 0.5e-3], "orien": [0, 0, 1]}
-    return fm.spacar_light(nodes, elements, {1: {"fix": True}}, [{"elems": 1, "flex": [2], **leaf}], {})
+    return fm.spacar.spacar_light(nodes, elements, {1: {"fix": True}}, [{"elems": 1, "flex": [2], **leaf}], {})
 
 
 CASES = {
@@ -63,9 +63,9 @@ CASES = {
     "Matrices": (lambda: fm.linearize(guide()).matrices, ["M0[1,1]", "x[12]"]),
     "Modes": (lambda: fm.modes(cart()), ["1 of 1", "cart.x most", "0.79577 Hz", "stable: yes"]),
     "Buckling": (lambda: fm.buckling(guide()), ["1 of 1", "left1.x most", "78.75"]),
-    "StateMatrices": (lambda: fm.state_matrices(cart())[0], ["A (2, 2)"]),
+    "StateMatrices": (lambda: fm.control.state_matrices(cart())[0], ["A (2, 2)"]),
     "Stress": (lambda: fm.stress(guide()), ["2 elements at 5 places", "1.1111e+05 Pa", "'left 1' at 0", "von Mises"]),
-    "SectionResultants": (lambda: fm.section_resultants(guide()), ["-1 to 0 N, largest in 'left 1' at 0"]),
+    "SectionResultants": (lambda: fm.linear.section_resultants(guide()), ["-1 to 0 N, largest in 'left 1' at 0"]),
     "Path": (lambda: fm.path(cart()), ["cart.x moves most, 1 to 1.01 m", "up to 1", "none"]),
     "CriticalPoint": (critical, ["limit at load factor 0.5 within 0.001", "(400,)"]),
     "Motion": (motion, ["(11, 4)", "cart.x moves most", "0 to 1 s, 11 times", "successful"]),
@@ -74,9 +74,9 @@ CASES = {
         lambda: fm.mobility(shipped("pf3dover", check=False)),
         ["overconstrained", "self-stress 1 of 1: release e3 of '1'"],
     ),
-    "Designs": (lambda: fm.grid(stiffness=[1.0, 2.0], mass=[3.0]), ["Designs: 2", "stiffness: 1 to 2"]),
+    "Designs": (lambda: fm.design.grid(stiffness=[1.0, 2.0], mass=[3.0]), ["Designs: 2", "stiffness: 1 to 2"]),
     "Sweep": (
-        lambda: fm.sweep(cart, {"f": answer}, fm.grid(stiffness=[100.0, 400.0])),
+        lambda: fm.sweep(cart, {"f": answer}, fm.design.grid(stiffness=[100.0, 400.0])),
         ["stiffness 100 to 400", "f: 0.79"],
     ),
     "Tuned": (
@@ -126,11 +126,11 @@ def test_a_traced_result_tells_its_shapes():
 def test_results_of_several_mechanisms_tell_their_shapes():
     many = jax.vmap(lambda k: fm.equilibrium(cart(k), throw=False))(np.array([1.0, 2.0, 4.0]))
     assert "x[3,4]" in repr(many)
-    assert "M0[11,1,1]" in repr(fm.linearize_motion(motion()))
+    assert "M0[11,1,1]" in repr(fm.motion.linearize_motion(motion()))
 
 
 def test_matrices_are_attributes_of_what_is_linearised():
-    lin, along = fm.linearize(guide()), fm.linearize_motion(motion())
+    lin, along = fm.linearize(guide()), fm.motion.linearize_motion(motion())
     for found in (lin, along, fm.path(cart())):
         for name in ("M0", "C0", "D0", "K0", "N0", "G0", "K", "DFx", "DFe", "S", "S_d", "x", "e", "sigma", "reactions"):
             assert name in dir(type(found))

@@ -13,9 +13,9 @@ from ..results import RESULTS
 def save_motion(motion: Motion, path: str | os.PathLike) -> None:
     """Save a motion whole: times, coordinates, rates, deformations, stresses, reactions, energies, and their names.
 
-    Arrays are those of :class:`flexmb.Motion` and :class:`flexmb.Observed` by their names, times first; "x_names" and
-    "e_names" say what their columns are, "u_names" those of a controller's inputs; "about" is JSON with units, form,
-    solver, steps and result. Times that were not reached are left out.
+    Arrays are those of :class:`flexmb.motion.Motion` and :class:`flexmb.motion.Observed` by their names, times first;
+    "x_names" and "e_names" say what their columns are, "u_names" those of a controller's inputs; "about" is JSON with
+    units, form, solver, steps and result. Times that were not reached are left out.
 
     Args:
         motion: Motion.

@@ -45,8 +45,8 @@ def to_nonlinear_system(
 
     Args:
         model: Mechanism with named inputs and outputs.
-        loads: Loads as functions of time, see :class:`flexmb.Drives`.
-        motion: Prescribed motion as functions of time, see :class:`flexmb.Drives`.
+        loads: Loads as functions of time, see :class:`flexmb.motion.Drives`.
+        motion: Prescribed motion as functions of time, see :class:`flexmb.motion.Drives`.
 
     Returns:
         control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].

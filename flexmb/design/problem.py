@@ -169,7 +169,7 @@ def make_problem(
         if len(places[name]) != 1:
             raise ValueError(
                 f"Answer '{name}' has shape {shapes[name]}, but one number can be {'min' if minimize else 'max'}imized:"
-                " take fm.smooth_maximum, fm.smooth_minimum or one entry of it."
+                " take fm.linear.smooth_maximum, fm.linear.smooth_minimum or one entry of it."
             )
         place = places[name][0]
         weights[place] = (1 if minimize else -1) / (abs(start[place]) or 1.0)

@@ -160,7 +160,7 @@ class Linearization(AboutState, Result, Record):
         return self.model.labels
 
     def at_time(self, number: int) -> "Linearization":
-        """Linearised equations at one of the times of a motion, of what :func:`flexmb.linearize_motion` gives.
+        """Linearised equations at one of the times of a motion, of what :func:`flexmb.motion.linearize_motion` gives.
 
         Args:
             number: Which, from 0; from the end where negative.
@@ -376,7 +376,7 @@ def second_transfer(
     """
     if not isinstance(lin, Linearization):
         raise TypeError(
-            f"fm.second_transfer takes a Linearization, not a {type(lin).__name__}: give fm.linearize(model)."
+            f"fm.linear.second_transfer takes a Linearization, not a {type(lin).__name__}: give fm.linearize(model)."
         )
     linearized(lin, "second_transfer")
     return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)

@@ -101,7 +101,7 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
     """
     for given in (one, other):
         if not isinstance(given, Modes):
-            raise TypeError(f"fm.mode_assurance takes Modes, of fm.modes(model), not a {type(given).__name__}.")
+            raise TypeError(f"fm.linear.mode_assurance takes Modes, of fm.modes(model), not a {type(given).__name__}.")
     a, b, m = (np.asarray(v) for v in (one.q_shapes, other.q_shapes, one.lin.matrices.M0))
     if a.shape[0] != b.shape[0]:
         raise ValueError(f"The models differ: {a.shape[0]} and {b.shape[0]} degrees of freedom.")

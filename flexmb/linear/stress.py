@@ -247,7 +247,7 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float |
     if at.x.shape != model.parameters.reference.shape:
         raise ValueError(
             f"Argument `at` must be one state with {model.topology.n_x} coordinates, but x has shape {at.x.shape}. Of"
-            " a path, give path.linearization(step); of a motion, fm.linearize_motion(motion).instant(number)."
+            " a path, give path.linearization(step); of a motion, fm.motion.linearize_motion(motion).instant(number)."
         )
     places = np.linspace(0.0, 1.0, points)
     return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at.result

@@ -196,7 +196,7 @@ _INSTEAD = {
     "Linearization": "give its .model",
     "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads where a linearisation is taken",
     "Path": "give its .model, or path.linearization(step) where a linearisation is taken",
-    "Motion": "give its .model, or fm.linearize_motion(motion).at_time(number) where a linearisation is taken",
+    "Motion": "give its .model, or fm.motion.linearize_motion(motion).at_time(number) where a linearisation is taken",
     "str": "read a file by fm.read_spacar(path).builder.build()",
     "NoneType": "a function that builds a model ends with: return b.build()",
     "function": "call it, if it builds a model",

@@ -84,7 +84,7 @@ def linearize_motion(motion: Motion) -> Linearization:
     """
     if not isinstance(motion, Motion):
         raise TypeError(
-            f"fm.linearize_motion takes a Motion, not a {type(motion).__name__}: give fm.simulate(model, ..)."
+            f"fm.motion.linearize_motion takes a Motion, not a {type(motion).__name__}: give fm.simulate(model, ..)."
         )
     model = motion.model
     found = _along(model.topology, model.parameters, motion.driven, motion.t, motion.x, motion.xd, motion.near)

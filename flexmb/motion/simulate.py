@@ -73,7 +73,7 @@ def simulate(
 
         fm.simulate(model, times, loads={"tip.x": jnp.sin}, rtol=1e-8)
 
-        fine = fm.Integrator(rtol=1e-8, max_steps=10_000)
+        fine = fm.motion.Integrator(rtol=1e-8, max_steps=10_000)
         fm.simulate(model, times, loads={"tip.x": jnp.sin}, integrator=fine)
 
     Functions of time, controllers and events are taken as they are when this is called, with the numbers that they

@@ -91,7 +91,7 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     """
     if not hasattr(found, "quantities"):
         raise TypeError(
-            f"Stress colours are drawn of fm.stress(model) or fm.section_resultants(model), not of a"
+            f"Stress colours are drawn of fm.stress(model) or fm.linear.section_resultants(model), not of a"
             f" {type(found).__name__}."
         )
     known = found.quantities()

@@ -132,7 +132,7 @@ def _linearize(model: Model, step: int, steps: int, initial: float, increment: f
         return linearize(model, load_factor=initial, increment=0.0 if model.parameters.increment is None else increment)
     except AnalysisError as fault:
         at = f"At load step {step} of {steps}, initial loads times {initial:.3g} and the others times {increment:.3g}: "
-        hint = " fm.path(fm.spacar_light_model(..)) follows the loads past such a point."
+        hint = " fm.path(fm.spacar.spacar_light_model(..)) follows the loads past such a point."
         raise AnalysisError(fault.code, at + str(fault) + hint) from None
 
 

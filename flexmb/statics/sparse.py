@@ -241,7 +241,8 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
         topology: Structure, which needs no degrees of freedom (``Builder.build(check=False)``).
 
     Returns:
-        What an :class:`flexmb.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, iterations, result.
+        What an :class:`flexmb.statics.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, iterations,
+        result.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`.

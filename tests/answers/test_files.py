@@ -80,7 +80,7 @@ def test_what_is_said_about_all_is_not_written_over(tmp_path):
 def test_a_sweep_keeps_all_its_answers(tmp_path):
     names = ["f.1", "f_1", "file", "y" * 64, "y" * 65]
     functions = {name: functools.partial(np.multiply, i) for i, name in enumerate(names, 1)}
-    found = fm.sweep(lambda a: a, functions, fm.grid(a=[1.0, 2.0]), compiled=False)
+    found = fm.sweep(lambda a: a, functions, fm.design.grid(a=[1.0, 2.0]), compiled=False)
     found.save(tmp_path / "a.mat")
     kept = scipy.io.loadmat(tmp_path / "a.mat")
     meant = json.loads(kept["names_of_arrays"][0])

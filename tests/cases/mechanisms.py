@@ -60,7 +60,7 @@ def planar_guide(
     """T2 to T4: two leaf springs upright along y, a rigid bar on top; nodes A B C D from left foot to right foot."""
     b = fm.Builder()
     section = leaf(thickness, rotary=rotary)
-    damping = None if ratio is None else fm.damping_from_ratio(section, LENGTH, ratio)
+    damping = None if ratio is None else fm.sections.damping_from_ratio(section, LENGTH, ratio)
     for name, x in (("left", 0.0), ("right", DISTANCE)):
         for i in range(beams + 1):
             b.node(f"{name}{i}", (x, LENGTH * i / beams))
@@ -120,7 +120,7 @@ def spatial_guide(
     """
     released = (2, 3, 4) if released is None else released
     section = leaf(thickness, width, rotary=rotary)
-    damping = None if ratio is None else fm.damping_from_ratio(section, LENGTH, ratio)
+    damping = None if ratio is None else fm.sections.damping_from_ratio(section, LENGTH, ratio)
     b = fm.Builder()
     for name, y in (("left", 0.0), ("right", DISTANCE)):
         for i in range(beams + 1):

@@ -102,7 +102,7 @@ def body(inertia, rates, mass=0.0, centre=(0.0, 0.0, 0.0), gravity=None) -> fm.B
     return b
 
 
-def body_rates(motion: fm.Motion) -> np.ndarray:
+def body_rates(motion: fm.motion.Motion) -> np.ndarray:
     """Angular velocity about the body's own axes, (n_t, 3) [rad/s]."""
     parameters, rates = (np.asarray(a) for a in (motion.at("body"), motion.velocity("body")))
     l0, v = parameters[:, :1], parameters[:, 1:]

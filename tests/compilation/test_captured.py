@@ -66,7 +66,8 @@ class Gain:
 
 
 @pytest.mark.parametrize(
-    "wrap", [lambda g: g, lambda g: fm.Feedback(lambda t, z, y: g(t, y)), lambda g: fm.Sampled(g.step, 0.5)]
+    "wrap",
+    [lambda g: g, lambda g: fm.motion.Feedback(lambda t, z, y: g(t, y)), lambda g: fm.motion.Sampled(g.step, 0.5)],
 )
 def test_a_controller_follows_what_it_refers_to(mass, wrap):
     gain = Gain(3.0)

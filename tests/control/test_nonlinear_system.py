@@ -14,7 +14,7 @@ def test_rates_of_an_oscillator_are_those_of_its_equation(length):
     b.input("mass", "x")
     b.output("mass", "x")
     b.output("mass", "x", "velocity")
-    plant = fm.to_nonlinear_system(b.build())
+    plant = fm.control.to_nonlinear_system(b.build())
     x, v, u = 0.1 * length, -0.7, 5.0
     np.testing.assert_allclose(plant.dynamics(0.0, [x, v], [u]), [v, (u - k * x - c * v) / m], rtol=1e-10)
     np.testing.assert_allclose(plant.output(0.0, [x, v], [u]), [x, v], rtol=1e-10)

@@ -98,7 +98,7 @@ def test_axes_that_turn_with_the_node(loaded):
 
 def test_angular_velocity_and_acceleration_are_rates_of_the_rotation(loaded):
     _, lin = loaded
-    a, b, c, d = fm.state_matrices(lin)[0]
+    a, b, c, d = fm.control.state_matrices(lin)[0]
     position, velocity, acceleration = (c[i::3] for i in range(3))
     # y_dot = C (A z + B u): from position to velocity nothing passes directly.
     np.testing.assert_allclose(velocity, position @ a, atol=1e-9 * np.max(np.abs(velocity)))
@@ -109,7 +109,7 @@ def test_angular_velocity_and_acceleration_are_rates_of_the_rotation(loaded):
 
 def test_derivative_by_a_dimension():
     def rotations(thickness):
-        a, b, c, d = fm.state_matrices(torsion_bar(thickness).build())[0]
+        a, b, c, d = fm.control.state_matrices(torsion_bar(thickness).build())[0]
         return jnp.concatenate([jnp.ravel(part) for part in (a, b, c, d)])
 
     t, step = 0.5e-3, 1e-8
@@ -212,7 +212,7 @@ def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load():
     # The body turns by more than a radian; the moments keep their axes.
     assert np.linalg.norm(np.asarray(load.at("body"))[-1, 1:]) > 0.5
     np.testing.assert_allclose(driven.at("body"), load.at("body"), atol=1e-8)
-    plant = fm.to_nonlinear_system(model)
+    plant = fm.control.to_nonlinear_system(model)
     states = control.input_output_response(
         plant,
         np.linspace(0, 2, 201),
@@ -342,13 +342,13 @@ def stiff_arm():
 
 def test_an_input_that_moves_nothing_is_refused_by_name():
     model = stiff_arm().build()
-    for ask in (fm.to_statespace, fm.state_matrices):
+    for ask in (fm.to_statespace, fm.control.state_matrices):
         with pytest.raises(fm.ModelError, match=r"Input 'push' .*moves nothing"):
             ask(model)
     with pytest.raises(fm.ModelError, match=r"Input 'push' .*moves nothing"):
         fm.simulate(model, [0, 0.1], control=lambda t, y: y)
     with pytest.raises(fm.ModelError, match=r"Input 'push' .*moves nothing"):
-        fm.to_nonlinear_system(model)
+        fm.control.to_nonlinear_system(model)
 
 
 def test_an_input_at_a_dead_point_of_a_motion_is_none_that_does_nothing():
@@ -369,7 +369,7 @@ def test_an_input_at_a_dead_point_of_a_motion_is_none_that_does_nothing():
     angle = float(found.at("crank")[-1, 0])
     assert float(found.velocity("crank")[-1, 0]) ** 2 == pytest.approx(1 + 2 * (1 - np.cos(angle)), rel=1e-4)
     with pytest.raises(fm.ModelError, match=r"Input 'force B\.x' .*moves nothing"):
-        fm.state_matrices(model)
+        fm.control.state_matrices(model)
 
 
 # -- about a motion -----------------------------------------------------------------------------------------------
@@ -394,11 +394,11 @@ def test_velocities_about_a_steady_motion_are_rates_of_positions():
     b.input("c", "rx")
     model, spin, step = b.build(), 30.0, 1e-6
     drive = {"shaft": Partial(turned, speed=spin)}
-    here, ahead, behind = (fm.steady_motion(model, drive, time=t) for t in (0.0, step, -step))
-    a, _, c, _ = fm.state_matrices(here)[0]
+    here, ahead, behind = (fm.motion.steady_motion(model, drive, time=t) for t in (0.0, step, -step))
+    a, _, c, _ = fm.control.state_matrices(here)[0]
     position, velocity, acceleration = (np.asarray(c[3 * i : 3 * i + 3]) for i in range(3))
     # Along the motion C turns: a difference of C at two instants.
-    rate = np.asarray(fm.state_matrices(ahead)[0].C - fm.state_matrices(behind)[0].C) / (2 * step)
+    rate = np.asarray(fm.control.state_matrices(ahead)[0].C - fm.control.state_matrices(behind)[0].C) / (2 * step)
     # The angular velocity is no rate of the infinitesimal rotation, but that less omega x rotation.
     carried = spin * np.stack([np.zeros(len(a)), position[2], -position[1]])
     # Truncation (30 * 1e-6)^2, and what is left of the iterations of a steady motion, 1e-12 over the step.
@@ -411,8 +411,8 @@ def test_matrices_along_a_motion():
     b.input("body", "rx")
     b.output("body", "rx")
     b.output("body", "ry", "velocity")
-    found = fm.linearize_motion(fm.simulate(b.build(), np.linspace(0, 1, 4)))
-    every, names = fm.state_matrices(found)
+    found = fm.motion.linearize_motion(fm.simulate(b.build(), np.linspace(0, 1, 4)))
+    every, names = fm.control.state_matrices(found)
     assert [part.shape for part in every] == [(4, 6, 6), (4, 6, 1), (4, 2, 6), (4, 2, 1)]
     assert len(names) == 6
     for i in (2, -1):

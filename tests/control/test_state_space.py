@@ -18,7 +18,7 @@ def test_every_kind_of_output_of_an_oscillator():
     for quantity in ("deformation", "deformation rate", "deformation acceleration", "stress"):
         b.output("s", 1, quantity)
     model = b.build()
-    found, names = fm.state_matrices(model)
+    found, names = fm.control.state_matrices(model)
     assert names == ["mass.x", "d mass.x"]
     # Roots of m s^2 + c s + k, which decays.
     root = -c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2)
@@ -50,7 +50,7 @@ def test_what_has_no_mass_follows_at_once():
         b.output(name, "x")
     b.output("mass", "x", "acceleration")
     b.output("first", 1, "stress")
-    found, names = fm.state_matrices(b.build())
+    found, names = fm.control.state_matrices(b.build())
     assert names == ["mass.x", "d mass.x"]
     share, k, soft = k2 / (k1 + k2), k1 * k2 / (k1 + k2), 1 / (k1 + k2)
     np.testing.assert_allclose(found.A, [[0, 1], [-k / m, 0]], rtol=1e-12)

@@ -30,7 +30,7 @@ def tune(start=START, bounds=BOUNDS, **options):
 
 def settle(**changed):
     given = {"matrix": A, "start": np.ones(2), "output": np.ones(2), "level": 0.1, "horizon": 9.0, **changed}
-    return fm.settling_time(**given)
+    return fm.design.settling_time(**given)
 
 
 def scattered(deviation=0.1, **options):
@@ -38,18 +38,18 @@ def scattered(deviation=0.1, **options):
 
 
 WRONG = [
-    (lambda: fm.grid(a="abc"), "Axis 'a' of a grid must be numbers, but got 'abc'"),
-    (lambda: fm.grid(a=["x"]), "Axis 'a' of a grid must be numbers"),
-    (lambda: fm.grid(a=[1j]), "Axis 'a' of a grid must be numbers"),
-    (lambda: fm.grid(**{n: np.ones(1000) for n in "abcdef"}), "`count` must be .*at most 1e.07"),
-    (lambda: fm.Designs({"a": [True]}), "Dimension 'a' must be numbers"),
-    (lambda: fm.Designs({"a": [[1, 2], [3]]}), "Dimension 'a' must be numbers"),
-    (lambda: fm.latin_hypercube(2.5, a=(0, 1)), "`count` must be a whole number, not 2.5"),
-    (lambda: fm.latin_hypercube(True, a=(0, 1)), "`count` must be a whole number, not True"),
-    (lambda: fm.latin_hypercube(10**11, a=(0, 1)), "at most 1e.07"),
-    (lambda: fm.monte_carlo(10**11, a=(0, 1)), "at most 1e.07"),
-    (lambda: fm.latin_hypercube(3, a=(np.zeros(2), np.ones(2))), "Bounds of 'a' must be two numbers"),
-    (lambda: fm.monte_carlo(3, seed=-1, a=(0, 1)), "`seed` must be at least 0"),
+    (lambda: fm.design.grid(a="abc"), "Axis 'a' of a grid must be numbers, but got 'abc'"),
+    (lambda: fm.design.grid(a=["x"]), "Axis 'a' of a grid must be numbers"),
+    (lambda: fm.design.grid(a=[1j]), "Axis 'a' of a grid must be numbers"),
+    (lambda: fm.design.grid(**{n: np.ones(1000) for n in "abcdef"}), "`count` must be .*at most 1e.07"),
+    (lambda: fm.design.Designs({"a": [True]}), "Dimension 'a' must be numbers"),
+    (lambda: fm.design.Designs({"a": [[1, 2], [3]]}), "Dimension 'a' must be numbers"),
+    (lambda: fm.design.latin_hypercube(2.5, a=(0, 1)), "`count` must be a whole number, not 2.5"),
+    (lambda: fm.design.latin_hypercube(True, a=(0, 1)), "`count` must be a whole number, not True"),
+    (lambda: fm.design.latin_hypercube(10**11, a=(0, 1)), "at most 1e.07"),
+    (lambda: fm.design.monte_carlo(10**11, a=(0, 1)), "at most 1e.07"),
+    (lambda: fm.design.latin_hypercube(3, a=(np.zeros(2), np.ones(2))), "Bounds of 'a' must be two numbers"),
+    (lambda: fm.design.monte_carlo(3, seed=-1, a=(0, 1)), "`seed` must be at least 0"),
     (lambda: sweep(chunk=True), "`chunk` must be a whole number"),
     (lambda: sweep(chunk=2.5), "`chunk` must be a whole number"),
     (lambda: sweep(together=0), "`together` must be at least 1"),
@@ -125,14 +125,14 @@ WRONG_QUESTIONS = [
 @pytest.mark.parametrize(("changed", "words"), WRONG_QUESTIONS, ids=[f"{i}" for i in range(len(WRONG_QUESTIONS))])
 def test_wrong_questions_about_leanness(changed, words):
     model = fm.read_spacar(mechanism_path("pf2d")).builder.build()
-    for function in (fm.lean, fm.too_lean):
+    for function in (fm.lean, fm.design.too_lean):
         if function is fm.lean or not {"increments", "finest"} & set(changed):
             with pytest.raises(fm.ModelError, match=words):
                 function(model, **{"bandwidth": 100.0, **changed})
 
 
 def test_leanness_is_asked_of_a_model():
-    for function in (fm.lean, fm.too_lean):
+    for function in (fm.lean, fm.design.too_lean):
         with pytest.raises(fm.ModelError, match=r"must be a Model.* not int"):
             function(3, bandwidth=100.0)
 
@@ -144,15 +144,15 @@ def test_a_node_may_be_named_by_its_number():
 
 def test_dimensions_bear_any_name():
     bounds = {"count": (1.0, 2.0), "seed": (3.0, 4.0)}
-    for draw in (fm.latin_hypercube, fm.monte_carlo):
+    for draw in (fm.design.latin_hypercube, fm.design.monte_carlo):
         found = draw(5, bounds, seed=1)
         assert list(found) == ["count", "seed"]
         assert all(low <= found[name].min() <= found[name].max() <= high for name, (low, high) in bounds.items())
         np.testing.assert_array_equal(
             found["seed"], draw(5, {"count": (1.0, 2.0)}, seed=1, **{"seed ": (3, 4)})["seed "]
         )
-    assert fm.grid({"self": [1.0, 2.0]}, axes=[3.0])["axes"].tolist() == [3.0, 3.0]
+    assert fm.design.grid({"self": [1.0, 2.0]}, axes=[3.0])["axes"].tolist() == [3.0, 3.0]
     with pytest.raises(TypeError, match="'a' is given twice"):
-        fm.grid({"a": [1.0]}, a=[2.0])
+        fm.design.grid({"a": [1.0]}, a=[2.0])
     with pytest.raises(TypeError, match="a dictionary by name"):
-        fm.latin_hypercube(3, (0.0, 1.0))
+        fm.design.latin_hypercube(3, (0.0, 1.0))

@@ -11,7 +11,7 @@ import pytest
 import flexmb as fm
 from flexmb.design.checkpoint import MAGIC, Checkpoint, _packed, _record
 
-DESIGNS = fm.grid(size=np.linspace(1.0, 2.0, 8))
+DESIGNS = fm.design.grid(size=np.linspace(1.0, 2.0, 8))
 FACTOR = 3.0
 
 

@@ -236,12 +236,12 @@ def test_stiffness_at_a_node_asks_for_more():
 
 def test_too_lean_is_said():
     one = shipped("pf3d")
-    assert fm.too_lean(one, bandwidth=100.0) == ()
-    reasons = fm.too_lean(one, bandwidth=200.0)
+    assert fm.design.too_lean(one, bandwidth=100.0) == ()
+    reasons = fm.design.too_lean(one, bandwidth=200.0)
     assert len(reasons) == 2
     # Closed form of a beam with both ends held: 22.37 sqrt(EI/m)/L^2 / 2 pi.
     assert "vibrates between its ends at 265.8 Hz" in reasons[0]
-    assert fm.too_lean(shipped("pf3d19dof"), bandwidth=200.0) == ()
+    assert fm.design.too_lean(shipped("pf3d19dof"), bandwidth=200.0) == ()
 
 
 def test_fixed_deformations_that_matter_are_named():
@@ -251,7 +251,7 @@ def test_fixed_deformations_that_matter_are_named():
     b.add(planar.beam, "foot", "end", name="leaf", section=LEAF, released=(2,))
     b.fix("foot")
     b.mass("end", 0.1)
-    (reason,) = fm.too_lean(b.build(), bandwidth=20.0)
+    (reason,) = fm.design.too_lean(b.build(), bandwidth=20.0)
     assert "leaf.e3" in reason
     assert "releasing them changes it" in reason
 

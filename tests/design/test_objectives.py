@@ -13,7 +13,7 @@ def swing(omega, damping):
 
 
 def settled(omega, damping, **options):
-    return fm.settling_time(
+    return fm.design.settling_time(
         swing(omega, damping), jnp.array([1.0, 0.0]), jnp.array([1.0, 0.0]), 0.02, horizon=10.0, **options
     )
 
@@ -22,7 +22,7 @@ def test_settling_of_a_decay():
     """exp(-a t) = 0.02 at t = ln(50)/a."""
 
     def of(a):
-        return fm.settling_time(-a[None, None], jnp.ones(1), jnp.ones(1), 0.02, horizon=10.0)
+        return fm.design.settling_time(-a[None, None], jnp.ones(1), jnp.ones(1), 0.02, horizon=10.0)
 
     at = jnp.asarray(1.7)
     exact = np.log(50) / 1.7
@@ -50,6 +50,6 @@ def test_what_does_not_settle():
     assert float(settled(12.0, -0.1)) == np.inf
     # Grows past all numbers within the horizon.
     assert float(settled(1e4, -0.5)) == np.inf
-    assert float(fm.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=1.0)) == 0.0
+    assert float(fm.design.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=1.0)) == 0.0
     with pytest.raises(ValueError, match="must be positive"):
-        fm.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=0.0)
+        fm.design.settling_time(-jnp.eye(1), jnp.ones(1), jnp.ones(1), 2.0, horizon=0.0)

@@ -154,7 +154,7 @@ def frequency(model):
 
 
 def test_designs_before_the_first_good_one_fill_whole_chunks():
-    designs = fm.grid(value=np.linspace(-1e-3, 1e-3, 9))
+    designs = fm.design.grid(value=np.linspace(-1e-3, 1e-3, 9))
     found = fm.sweep(guide, frequency, designs, chunk=2)
     assert [fm.RESULTS(c).name for c in found.codes] == [BAD] * 5 + [GOOD] * 4
     # The frequency of a leaf spring goes as its thickness but for its rotary inertia, some 1e-5 of it.

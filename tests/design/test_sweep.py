@@ -22,7 +22,7 @@ def closed_form(t, w):
 
 @pytest.fixture(scope="module")
 def grid():
-    designs = fm.grid(thickness=np.linspace(0.3e-3, 0.8e-3, 4), width=[0.01, 0.02])
+    designs = fm.design.grid(thickness=np.linspace(0.3e-3, 0.8e-3, 4), width=[0.01, 0.02])
     return fm.sweep(design_cases.unloaded_guide, first_frequency, designs, chunk=3, units={"first_frequency": "Hz"})
 
 
@@ -90,21 +90,21 @@ def test_analyses_that_cannot_be_traced_go_one_by_one():
 
 
 def test_sets_of_designs():
-    cube = fm.latin_hypercube(8, seed=1, a=(0.0, 1.0), b=(10.0, 20.0))
+    cube = fm.design.latin_hypercube(8, seed=1, a=(0.0, 1.0), b=(10.0, 20.0))
     for name, low, width in (("a", 0.0, 1.0), ("b", 10.0, 10.0)):
         # One design in each of the eight slices.
         assert sorted(np.floor((cube[name] - low) / width * 8)) == list(range(8))
-    np.testing.assert_array_equal(cube["a"], fm.latin_hypercube(8, seed=1, a=(0.0, 1.0), b=(10.0, 20.0))["a"])
+    np.testing.assert_array_equal(cube["a"], fm.design.latin_hypercube(8, seed=1, a=(0.0, 1.0), b=(10.0, 20.0))["a"])
     import scipy.stats
 
-    drawn = fm.monte_carlo(2000, seed=2, a=scipy.stats.norm(3.0, 0.1), b=(1.0, 2.0))
+    drawn = fm.design.monte_carlo(2000, seed=2, a=scipy.stats.norm(3.0, 0.1), b=(1.0, 2.0))
     assert np.mean(drawn["a"]) == pytest.approx(3.0, abs=4 * 0.1 / np.sqrt(2000))  # four deviations of the mean
     assert 1.0 <= drawn["b"].min() < drawn["b"].max() <= 2.0
     for call, words in (
-        (lambda: fm.latin_hypercube(3, a=(1.0, 1.0)), "Bounds of 'a' are empty"),
-        (lambda: fm.monte_carlo(0, a=(1.0, 2.0)), "at least 1"),
-        (lambda: fm.grid(a=[]), "Axis 'a'"),
-        (lambda: fm.Designs({"a": [1, 2], "b": [1]}), "a 2, b 1"),
+        (lambda: fm.design.latin_hypercube(3, a=(1.0, 1.0)), "Bounds of 'a' are empty"),
+        (lambda: fm.design.monte_carlo(0, a=(1.0, 2.0)), "at least 1"),
+        (lambda: fm.design.grid(a=[]), "Axis 'a'"),
+        (lambda: fm.design.Designs({"a": [1, 2], "b": [1]}), "a 2, b 1"),
     ):
         with pytest.raises(ValueError, match=words):
             call()
@@ -146,7 +146,9 @@ def _twice():
 
 
 def test_a_bar_says_how_far_a_sweep_is(capsys):
-    fm.sweep(lambda a: a, lambda a: 2 * a, fm.grid(a=np.arange(1.0, 6.0)), compiled=False, chunk=2, progress=True)
+    fm.sweep(
+        lambda a: a, lambda a: 2 * a, fm.design.grid(a=np.arange(1.0, 6.0)), compiled=False, chunk=2, progress=True
+    )
     printed = capsys.readouterr()
     assert "designs" in printed.err
     assert "5/5" in printed.err

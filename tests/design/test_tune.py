@@ -134,7 +134,7 @@ def column_problem(n, ends, sharpness):
         return {"loads": loads, "area": area}
 
     answers = {
-        "load": lambda made: fm.smooth_minimum(made["loads"], sharpness) if sharpness else made["loads"][0],
+        "load": lambda made: fm.linear.smooth_minimum(made["loads"], sharpness) if sharpness else made["loads"][0],
         "loads": lambda made: made["loads"],
         "volume": lambda made: jnp.mean(made["area"]),
     }

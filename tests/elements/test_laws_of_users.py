@@ -186,7 +186,7 @@ def test_motion_of_a_mass_against_its_own_equation():
     np.testing.assert_allclose(seen.elastic, K * e**2 / 2 + K3 * e**4 / 4, rtol=1e-12, atol=1e-14)
     np.testing.assert_allclose(seen.power, -lost(e, ed) * ed, rtol=1e-11, atol=1e-13)
     np.testing.assert_allclose(seen.sigma.sum(axis=1), elastic(e) + lost(e, ed), rtol=1e-11, atol=1e-12)
-    lin = fm.linearize_motion(found)
+    lin = fm.motion.linearize_motion(found)
     stiffness = K + 3 * K3 * e**2 + MU * np.tanh(ed / 0.05)
     np.testing.assert_allclose(lin.K0[:, 0, 0], stiffness, rtol=1e-10)
     damping = 2 * DRAG * np.abs(ed) + MU * (1 + e) / 0.05 / np.cosh(ed / 0.05) ** 2

@@ -30,42 +30,42 @@ def torsion_of_rectangle(w, t, terms=400):
 
 def test_torsion_constants_of_the_leaf_spring():
     # T7, printed to 7 and 6 digits.
-    assert fm.torsion_series(WIDTH, THICKNESS) == pytest.approx(7.368698e-13, abs=5e-20)
-    assert fm.torsion_approximate(WIDTH, THICKNESS) == pytest.approx(7.36875e-13, abs=5e-19)
+    assert fm.sections.torsion_series(WIDTH, THICKNESS) == pytest.approx(7.368698e-13, abs=5e-20)
+    assert fm.sections.torsion_approximate(WIDTH, THICKNESS) == pytest.approx(7.36875e-13, abs=5e-19)
 
 
 @pytest.mark.parametrize(("ratio", "one_end"), [(2, 1.138936), (1, 1.322473), (0.5, 1.894016), (0.3, 3.176028)])
 def test_warping_factor_table(ratio, one_end):
     # T7, nu = 0.3, printed to 7 digits.
-    assert fm.warping_factor(ratio, 1.0, 0.3, 1) == pytest.approx(one_end, abs=5e-7)
+    assert fm.sections.warping_factor(ratio, 1.0, 0.3, 1) == pytest.approx(one_end, abs=5e-7)
 
 
 @pytest.mark.parametrize(("ends", "stiffness"), [(0, 0.589500), (1, 0.616577), (2, 0.646262)])
 def test_twist_stiffness_of_one_leaf(ends, stiffness):
     # T7: GIt = 0.05895, l = 0.1, nu = 0.3; printed to 6 digits.
-    factor = fm.warping_factor(LENGTH, WIDTH, 0.3, ends)
+    factor = fm.sections.warping_factor(LENGTH, WIDTH, 0.3, ends)
     assert 0.05895 / LENGTH * factor == pytest.approx(stiffness, abs=5e-7)
 
 
 def test_warping_factor_with_the_modulus_of_a_beam():
     # Spring of the predecessor's cross flexure: E = 210e9, G = 70e9, so that nu = 0.5 and 24/(1 + nu) = 16.
-    factor = fm.warping_factor(0.05 * 2 * np.sqrt(2), 0.05, 0.5, modulus="beam")
+    factor = fm.sections.warping_factor(0.05 * 2 * np.sqrt(2), 0.05, 0.5, modulus="beam")
     al = 8 * np.sqrt(2)
     assert factor == pytest.approx(al / (al - 2 * np.tanh(al / 2)), rel=10 * EPS)
     assert factor == pytest.approx(1.21473, abs=5e-6)
     with pytest.raises(ValueError, match="modulus must be 'plate' or 'beam', but is 'shell'"):
-        fm.warping_factor(0.1, 0.05, 0.3, modulus="shell")  # pyright: ignore
+        fm.sections.warping_factor(0.1, 0.05, 0.3, modulus="shell")  # pyright: ignore
 
 
 def test_warping_factor_refuses_another_number_of_ends():
     with pytest.raises(ValueError, match="clamped_ends must be 0, 1 or 2"):
-        fm.warping_factor(LENGTH, WIDTH, 0.3, 3)
+        fm.sections.warping_factor(LENGTH, WIDTH, 0.3, 3)
 
 
 def test_two_clamped_ends_are_two_halves_with_one():
     # By symmetry the middle of a leaf clamped at both ends warps freely: its halves have one clamped end each.
-    assert fm.warping_factor(LENGTH, WIDTH, 0.3, 2) == pytest.approx(
-        float(fm.warping_factor(LENGTH / 2, WIDTH, 0.3, 1)), rel=10 * EPS
+    assert fm.sections.warping_factor(LENGTH, WIDTH, 0.3, 2) == pytest.approx(
+        float(fm.sections.warping_factor(LENGTH / 2, WIDTH, 0.3, 1)), rel=10 * EPS
     )
 
 
@@ -96,7 +96,7 @@ def test_cross_flexure_spring_oracles():
 )
 def test_damping_of_the_leaf_spring(name, power, printed, digit):
     section = fm.Rectangle(WIDTH, THICKNESS, STEEL)
-    found = getattr(fm.damping_from_ratio(section, LENGTH, 0.005), name)
+    found = getattr(fm.sections.damping_from_ratio(section, LENGTH, 0.005), name)
     # T2 and T5, printed to this digit.
     assert found == pytest.approx(printed, abs=digit / 2)
     stiffness = getattr(section.rigidity(), name) / LENGTH**power
@@ -105,12 +105,14 @@ def test_damping_of_the_leaf_spring(name, power, printed, digit):
 
 def test_damping_of_what_a_section_lacks_is_zero_with_a_finite_derivative():
     def axial(mass):
-        return fm.damping_from_ratio(fm.Rigidity(EIy=2.0, mass=mass), 1.5, 0.01).EA
+        return fm.sections.damping_from_ratio(fm.Rigidity(EIy=2.0, mass=mass), 1.5, 0.01).EA
 
     assert axial(1.0) == 0
     assert jax.grad(axial)(1.0) == 0
     # No mass, no damping: the root of zero has no derivative, the answer has one.
-    assert np.isfinite(jax.grad(lambda m: fm.damping_from_ratio(fm.Rigidity(EIy=2.0, mass=m), 1.5, 0.01).EIy)(0.0))
+    assert np.isfinite(
+        jax.grad(lambda m: fm.sections.damping_from_ratio(fm.Rigidity(EIy=2.0, mass=m), 1.5, 0.01).EIy)(0.0)
+    )
 
 
 def test_given_poisson_ratio_is_taken():
@@ -123,17 +125,17 @@ def test_given_poisson_ratio_is_taken():
 @given(POSITIVE, POSITIVE)
 def test_torsion_series_is_the_sum_of_its_terms(w, t):
     # The docstring's 1e-9; either side may be the longer.
-    assert fm.torsion_series(w, t) == pytest.approx(torsion_of_rectangle(w, t), rel=1e-9)
+    assert fm.sections.torsion_series(w, t) == pytest.approx(torsion_of_rectangle(w, t), rel=1e-9)
 
 
 def test_torsion_of_a_square():
     # Timoshenko and Goodier give 0.1406 a^4; A5 uses 0.140577 for the unit square, 0.1405770 is the sum to 7 digits.
-    assert fm.torsion_series(1.0, 1.0) == pytest.approx(0.1405770, abs=5e-8)
+    assert fm.sections.torsion_series(1.0, 1.0) == pytest.approx(0.1405770, abs=5e-8)
 
 
 def test_derivative_of_the_torsion_of_a_square():
     # Homogeneous of degree 4 and symmetric in the sides: 2 It/a by each, though the sides change places there.
-    found = jax.grad(fm.torsion_series, (0, 1))(1.0, 1.0)
+    found = jax.grad(fm.sections.torsion_series, (0, 1))(1.0, 1.0)
     # The terms left out are 1e-9 of the value at w = t and change faster than it: 1e-7 of the derivative.
     np.testing.assert_allclose(found, 2 * 0.14057701, rtol=1e-6)
 
@@ -142,7 +144,7 @@ def test_torsion_of_a_thin_strip():
     # w t^3/3 (1 - 0.63 t/w): every tanh is 1, and the odd powers sum to 31/32 zeta(5).
     slope = 192 / np.pi**5 * 31 / 32 * scipy.special.zeta(5)
     for t in (1e-2, 1e-4):
-        assert fm.torsion_series(1.0, t) / (t**3 / 3) == pytest.approx(1 - slope * t, rel=10 * EPS)
+        assert fm.sections.torsion_series(1.0, t) / (t**3 / 3) == pytest.approx(1 - slope * t, rel=10 * EPS)
 
 
 # -- closed forms ---------------------------------------------------------------------------------------------------
@@ -226,7 +228,7 @@ def test_warping_and_approximate_torsion_enter_the_rigidity():
     assert plain == pytest.approx(0.05895, abs=5e-9)
     for ends in (0, 1, 2):
         section = fm.Rectangle(WIDTH, THICKNESS, STEEL, torsion="approximate", warping_length=LENGTH, clamped_ends=ends)
-        factor = fm.warping_factor(LENGTH, WIDTH, 0.3125, ends)
+        factor = fm.sections.warping_factor(LENGTH, WIDTH, 0.3125, ends)
         assert section.rigidity().GIt == pytest.approx(float(plain * factor), rel=1e-13)
 
 
@@ -437,7 +439,7 @@ def test_derivatives_of_rigidity_and_damping(section):
     def numbers(point):
         own = unravel(point)
         stress = own.stress(jnp.array([0.3, 0.02, -0.03, 0.05, 0.04, -0.06]))
-        return ravel_pytree((own.rigidity(), fm.damping_from_ratio(own, 1.5, 0.01), stress))[0]
+        return ravel_pytree((own.rigidity(), fm.sections.damping_from_ratio(own, 1.5, 0.01), stress))[0]
 
     batch = fm.jit(jax.vmap(numbers))
     jacobian = np.asarray(fm.jit(jax.jacfwd(numbers))(point))

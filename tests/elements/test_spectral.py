@@ -246,7 +246,7 @@ def test_support_stiffness_of_a_guide_at_a_stroke(stroke):
     assert found.reactions[x_index] == pytest.approx(force, rel=1e-6)
     assert found.x[y_index] - 1 == pytest.approx(y, rel=1e-4)
     assert found.at("platform.rotation")[0] == pytest.approx(phi, rel=2e-3)
-    compliance = fm.directional_compliance(model)["platform"]
+    compliance = fm.linear.directional_compliance(model)["platform"]
     assert 1 / compliance[1] == pytest.approx(support, rel=1e-4)
 
 

@@ -531,7 +531,7 @@ def _check_line(text: str) -> None:
     assert len(text) < 1000, len(text)
 
 
-def _check_right(base: str, found: fm.Sweep) -> None:
+def _check_right(base: str, found: fm.design.Sweep) -> None:
     """Answers are those of closed forms; what cannot be built has its code, and nothing else has."""
     p = {**{"w": 0.02, "l": 0.1, "m": 1.0, "b": 1.5}, **found.designs}
     good = found.codes == fm.RESULTS.successful

@@ -62,6 +62,6 @@ def test_compliance_of_a_turned_node(dimension):
     found = np.asarray(fm.compliance(lin, "tip", local=True))
     np.testing.assert_allclose(found, axes.T @ expected @ axes, rtol=1e-6, atol=1e-6)
     # A unit force along each axis by itself.
-    each = fm.directional_compliance(lin)
+    each = fm.linear.directional_compliance(lin)
     np.testing.assert_allclose(each["tip"], np.diag(expected)[:dimension], rtol=1e-6, atol=1e-7)
     np.testing.assert_allclose(each["tip.rotation"], np.diag(expected)[dimension:], rtol=1e-6, atol=1e-7)

@@ -32,7 +32,7 @@ def loaded_frequency(t):
 
 
 def entry_of_a(t):
-    matrices, _ = fm.state_matrices(fm.linearize(mechanisms.planar_guide(t, ratio=0.005).build()))
+    matrices, _ = fm.control.state_matrices(fm.linearize(mechanisms.planar_guide(t, ratio=0.005).build()))
     return matrices.A[1, 0]
 
 

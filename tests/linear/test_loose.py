@@ -29,10 +29,10 @@ def negative():
         lambda model: fm.frequencies(model, count=1),
         fm.modes,
         fm.poles,
-        fm.state_matrices,
+        fm.control.state_matrices,
         fm.to_statespace,
         lambda model: fm.frequencies(fm.linearize(model)),
-        lambda model: fm.frequency_like(model, np.array([1.0, 0, 0])),
+        lambda model: fm.linear.frequency_like(model, np.array([1.0, 0, 0])),
     ],
     ids=["frequencies", "count", "modes", "poles", "state_matrices", "to_statespace", "of linearisation", "like"],
 )
@@ -144,7 +144,7 @@ def test_compliance_beside_a_free_motion():
             ask()
         assert fault.value.code == "singular_stiffness"
     with pytest.warns(fm.FlexmbWarning, match=r"unbounded.* arm\.phi"):
-        each = fm.directional_compliance(model)
+        each = fm.linear.directional_compliance(model)
     np.testing.assert_allclose(each["B"][1], bending[0, 0], rtol=1e-9)
     np.testing.assert_allclose(each["B.rotation"], bending[1, 1], rtol=1e-9)
     # The arm stands upright: its end moves along x, and not along y.
@@ -187,7 +187,7 @@ def test_compliance_of_slender_springs_is_not_called_free():
     expected = np.outer(along, along) / 1e9 + np.outer([-0.8, 0.6], [-0.8, 0.6]) / 3
     # Round-off times the ratio of the stiffnesses.
     np.testing.assert_allclose(fm.compliance(model, "B")[:2, :2], expected, rtol=1e-6)
-    assert np.all(np.isfinite(np.concatenate(list(fm.directional_compliance(model).values()))))
+    assert np.all(np.isfinite(np.concatenate(list(fm.linear.directional_compliance(model).values()))))
 
 
 def test_derivative_of_a_compliance_still_is():

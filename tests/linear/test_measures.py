@@ -37,7 +37,7 @@ def hertz(stiff):
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-13, 1e-11, 1e-9, 1e-6, 1e-3])
-@pytest.mark.parametrize("function", [jnp.sum, fm.smooth_minimum], ids=["sum", "smooth minimum"])
+@pytest.mark.parametrize("function", [jnp.sum, fm.linear.smooth_minimum], ids=["sum", "smooth minimum"])
 def test_functions_of_a_cluster_have_right_derivatives(gap, function):
     at = jnp.array([K, K * (1 + gap), 0.0])
 
@@ -89,26 +89,26 @@ def test_vectors_and_second_derivatives_at_a_repeated_pair():
 def test_smooth_minimum_is_near_the_minimum():
     values = jnp.array([2.0, 2.0, 3.0, jnp.inf])
     # Closed form: (2 + (2/3)^50)^(-1/50) * 2.
-    assert fm.smooth_minimum(values) == pytest.approx(2 * (2 + (2 / 3) ** 50) ** (-1 / 50), rel=1e-12)
-    assert fm.smooth_maximum(values[:3], 2.0) == pytest.approx(np.sqrt(17), rel=1e-12)
-    assert np.all(np.isfinite(jax.grad(fm.smooth_minimum)(values)))
+    assert fm.linear.smooth_minimum(values) == pytest.approx(2 * (2 + (2 / 3) ** 50) ** (-1 / 50), rel=1e-12)
+    assert fm.linear.smooth_maximum(values[:3], 2.0) == pytest.approx(np.sqrt(17), rel=1e-12)
+    assert np.all(np.isfinite(jax.grad(fm.linear.smooth_minimum)(values)))
     with pytest.raises(ValueError, match="must be positive"):
-        fm.smooth_minimum(jnp.array([-1.0, 2.0]))
+        fm.linear.smooth_minimum(jnp.array([-1.0, 2.0]))
 
 
 def test_modes_are_followed_by_shape():
     one, other = (fm.modes(cross((K, k, 0.02 * K))) for k in (1.4 * K, 0.6 * K))
-    np.testing.assert_array_equal(fm.follow_modes(one, other), [1, 0])
-    np.testing.assert_allclose(fm.mode_assurance(one, one), np.eye(2), atol=1e-12)  # round-off
+    np.testing.assert_array_equal(fm.linear.follow_modes(one, other), [1, 0])
+    np.testing.assert_allclose(fm.linear.mode_assurance(one, one), np.eye(2), atol=1e-12)  # round-off
     # Rows are shares of a whole.
-    np.testing.assert_allclose(fm.mode_assurance(one, other).sum(axis=0), 1.0, rtol=1e-9)
+    np.testing.assert_allclose(fm.linear.mode_assurance(one, other).sum(axis=0), 1.0, rtol=1e-9)
 
 
 def test_a_frequency_is_followed_through_a_crossing():
     shape = fm.modes(cross((K, 1.4 * K, 0.0))).q_shapes[:, 1]  # along y
 
     def followed(k):
-        return fm.frequency_like(cross((K, k, 0.0)), shape)
+        return fm.linear.frequency_like(cross((K, k, 0.0)), shape)
 
     for k in (1.4 * K, 1.0001 * K, K * (1 + 1e-12), K, 0.9999 * K, 0.6 * K):
         # Closed form of the oscillator along y: sqrt(k/m)/2 pi, whatever the other does.
@@ -118,9 +118,9 @@ def test_a_frequency_is_followed_through_a_crossing():
     # At the crossing itself the solver's vectors lie along x and y; the mode along the diagonal is made of both.
     slanted = np.array([1.0, 1.0])
     for skew in (0.1 * K, 1e-9 * K, 0.0, -1e-9 * K, -0.1 * K):
-        like = fm.jit(jax.value_and_grad(lambda s: fm.frequency_like(cross((K, K, s)), slanted)))
+        like = fm.jit(jax.value_and_grad(lambda s: fm.linear.frequency_like(cross((K, K, s)), slanted)))
         value, slope = like(skew)
         assert value == pytest.approx(np.sqrt((K + skew) / M) / (2 * np.pi), rel=1e-8)  # the share of the cluster
         assert slope == pytest.approx(np.sqrt(1 / ((K + skew) * M)) / (4 * np.pi), rel=1e-6)
     with pytest.raises(ValueError, match="must have 2 entries"):
-        fm.frequency_like(cross((K, K, 0.0)), shape[:1])
+        fm.linear.frequency_like(cross((K, K, 0.0)), shape[:1])

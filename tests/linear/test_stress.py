@@ -125,7 +125,7 @@ def test_roll_up_has_one_moment_everywhere(element, n):
     section = fm.Rigidity(EA=1e6, EIy=1.0, EIz=1.0, GIt=1.0)
     b = chain(element, straight(n, space, 1.0), section, **({"y": (0, 1, 0)} if space else {}))
     b.moment(str(n), (0, -2 * np.pi, 0) if space else 2 * np.pi)
-    values = np.asarray(fm.section_resultants(b.build()).values)
+    values = np.asarray(fm.linear.section_resultants(b.build()).values)
     np.testing.assert_allclose(values[:, :, 4], -2 * np.pi, rtol=1e-9)
     # Round-off of the elongation times EA is a force.
     np.testing.assert_allclose(np.delete(values, 4, axis=2), 0, atol=1e-7)
@@ -153,7 +153,7 @@ def test_elastica_against_shooting():
     b.force("1", (-1.0, 2.0))
     b.moment("1", 0.5)
     b.gravity(rod.load)
-    found = fm.section_resultants(b.build(), points=7)
+    found = fm.linear.section_resultants(b.build(), points=7)
     errors = []
     for s, values in zip(found.places, np.asarray(found.values[0]), strict=True):
         part = dataclasses.replace(rod, length=max(float(s), 1e-12))
@@ -193,7 +193,7 @@ def test_rod_in_space_against_shooting(element, curvature, shear, load):
     b.moment("1", moment)
     if any(load):
         b.gravity(load)
-    found = fm.section_resultants(b.build(), points=6)
+    found = fm.linear.section_resultants(b.build(), points=6)
     expected = sections_of_rod(problem, np.asarray(found.places), z)
     # Order eight leaves 1e-7 of forces and moments of order one.
     errors = np.max(np.abs(np.asarray(found.values[0]) - expected), axis=0)
@@ -207,7 +207,7 @@ def test_cubic_beams_converge_with_order_two():
     for n in (4, 8, 16):
         b = chain(planar.beam, straight(n, False, 1.0), fm.Rigidity(EA=1e4, EIy=1.0))
         b.force(str(n), (0.0, 2.0))
-        errors.append(float(fm.section_resultants(b.build(), points=2).values[0, 0, 4]) + clamp)
+        errors.append(float(fm.linear.section_resultants(b.build(), points=2).values[0, 0, 4]) + clamp)
     ratios = np.array(errors[:-1]) / errors[1:]
     np.testing.assert_allclose(ratios, 4, rtol=0.15)
     assert abs(errors[-1]) < 1e-3 * clamp
@@ -246,7 +246,7 @@ def test_guide_at_a_stroke_with_fixed_elongation(element, n, tolerance):
         b.add(planar.beam, "platform", f"{name} {n}", name=f"arm {name}")
     b.prescribe("platform", "x", stroke)
     b.force("platform", (0, -3.0))
-    found = fm.section_resultants(b.build(), points=3)
+    found = fm.linear.section_resultants(b.build(), points=3)
     for k, name in enumerate(("left", "right")):
         n_x, n_y, m = z[3 * k : 3 * k + 3]
         at_foot = np.asarray(found.values[found.names.index(f"{name} 0"), 0])
@@ -304,7 +304,7 @@ def test_ends_balance_at_a_node_with_a_load(element):
     b.force("2", (2.0, 1.0, 1.5))
     model = b.build()
     state = fm.equilibrium(model)
-    values = np.asarray(fm.section_resultants(model, at=state, points=2).values)
+    values = np.asarray(fm.linear.section_resultants(model, at=state, points=2).values)
     one, other = (global_wrench(model, f"leaf {i}", state, values[i, end], end) for i, end in ((0, 1), (1, 0)))
     # The residual of Newton's last step, 1e-9 of the stiffness EA times the length.
     np.testing.assert_allclose(one, other + np.r_[load, moment], atol=1e-8)
@@ -367,7 +367,7 @@ def test_weight_between_two_supports(element, n):
     b.fix("0", "x", "y")
     b.fix(str(n), "y")
     b.gravity((0, -LIGHT))
-    found = fm.section_resultants(b.build())
+    found = fm.linear.section_resultants(b.build())
     s = (np.arange(n)[:, None] + np.asarray(found.places)) / n
     scale = WEIGHT * L
     np.testing.assert_allclose(found.values[:, :, 2] / scale, s - 0.5, rtol=0, atol=1e-5)
@@ -378,7 +378,7 @@ def test_truss_under_its_own_weight_hangs():
     b = chain(planar.truss, [(0, 0), (0, -L)], THICK)
     b.fix("1", "x")
     b.gravity((0, -LIGHT))
-    found = fm.section_resultants(b.build())
+    found = fm.linear.section_resultants(b.build())
     expected = WEIGHT * L * (1 - np.asarray(found.places))
     np.testing.assert_allclose(found.values[0, :, 0], expected, rtol=0, atol=1e-5 * WEIGHT * L)
     assert not np.any(found.values[0, :, 1:])
@@ -393,7 +393,7 @@ def test_weight_among_the_incremental_loads_counts_by_its_factor():
         (fm.equilibrium(model, increment=0.5), 1.5),
         (fm.linearize(model, load_factor=0.5, increment=0.0), 0.5),
     ] + [(path.linearization(i), 1 + share) for i, share in enumerate(np.asarray(path.load_factor))]:
-        clamp = fm.section_resultants(model, at=at, points=2).values[0, 0]
+        clamp = fm.linear.section_resultants(model, at=at, points=2).values[0, 0]
         np.testing.assert_allclose(clamp[4], factor * WEIGHT * L**2 / 2, rtol=1e-5)
 
 
@@ -407,7 +407,7 @@ def test_heavy_cubic_beams_converge_with_order_two():
     for n in (4, 8, 16):
         b = chain(planar.beam, straight(n, False, 1.0), fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0))
         b.gravity(rod.load)
-        values = fm.section_resultants(b.build(), points=2).values[:, 0, 4]
+        values = fm.linear.section_resultants(b.build(), points=2).values[:, 0, 4]
         errors.append([float(values[0]) + z[2], float(values[n // 2]) + middle])
     errors = np.abs(errors)
     np.testing.assert_allclose(errors[:-1] / errors[1:], 4, rtol=0.2)
@@ -462,8 +462,8 @@ def test_bar_that_falls_about_a_hinge(element, released):
     b, space = hinged(element, released)
     b.gravity((0, -LIGHT, 0) if space else (0, -LIGHT))
     model = b.build()
-    along = fm.linearize_motion(fm.simulate(model, np.array([0.0, 1e-3])))
-    found = fm.section_resultants(model, at=along.instant(0))
+    along = fm.motion.linearize_motion(fm.simulate(model, np.array([0.0, 1e-3])))
+    found = fm.linear.section_resultants(model, at=along.instant(0))
     s, scale = np.asarray(found.places), WEIGHT * L
     # Local z is the global y, and local y points into the plane, in space too.
     np.testing.assert_allclose(found.values[0, :, 2] / scale, -(1 - s) * (1 - 3 * s) / 4, rtol=0, atol=1e-5)
@@ -530,11 +530,11 @@ def test_maximum_is_a_number_of_the_batch_too(dofs):
 def test_smooth_maximum_keeps_its_bound_and_scales():
     rng = np.random.default_rng(3)
     names = ("a", "b", "c")
-    blank = fm.SectionResultants(jnp.zeros((3, 4, 6)), jnp.linspace(0, 1, 4), jnp.zeros((), jnp.int32), names)
+    blank = fm.linear.SectionResultants(jnp.zeros((3, 4, 6)), jnp.linspace(0, 1, 4), jnp.zeros((), jnp.int32), names)
     sigma, tau = rng.standard_normal((2, 3, 4, 8))
 
     def of(factor):
-        return fm.Stress(factor * sigma, factor * tau, factor * jnp.sqrt(sigma**2 + 3 * tau**2), blank)
+        return fm.linear.Stress(factor * sigma, factor * tau, factor * jnp.sqrt(sigma**2 + 3 * tau**2), blank)
 
     found = of(1.0)
     for sharpness in (2.0, 20.0, 100.0, 1e4):
@@ -546,7 +546,7 @@ def test_smooth_maximum_keeps_its_bound_and_scales():
     pair = jnp.zeros((3, 4, 8)).at[0, 0, 0].set(1.0).at[2, 1, 3].set(1.0)
 
     def estimate(sigma):
-        return fm.Stress(sigma, 0 * sigma, jnp.abs(sigma), blank).smooth_maximum(50.0)
+        return fm.linear.Stress(sigma, 0 * sigma, jnp.abs(sigma), blank).smooth_maximum(50.0)
 
     slope = jax.grad(estimate)(pair)
     assert slope[0, 0, 0] == pytest.approx(float(slope[2, 1, 3]), rel=1e-12)
@@ -612,9 +612,9 @@ def test_refusals():
     model = b.build()
     with pytest.raises(fm.ModelError, match=r"section of element 'numbers' .* no shape"):
         fm.stress(model)
-    assert fm.section_resultants(model).names == ("leaf 0", "leaf 1", "numbers")
+    assert fm.linear.section_resultants(model).names == ("leaf 0", "leaf 1", "numbers")
     with pytest.raises(ValueError, match="`points` must be at least 2"):
-        fm.section_resultants(model, points=1)
+        fm.linear.section_resultants(model, points=1)
     with pytest.raises(fm.ModelError, match="has no shape"):
         fm.Rigidity().stress(jnp.zeros(6))
     rigid = fm.Builder()

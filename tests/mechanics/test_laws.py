@@ -324,7 +324,7 @@ def test_tangent_is_the_second_difference_of_the_potential(chain, n):
     np.testing.assert_allclose(slope / np.sqrt(np.diagonal(scale)), 0, atol=2e-6)
     # Configurations of size one; truncation step^2/6 times a third derivative of about 10; round-off eps/step^2.
     np.testing.assert_allclose(first.T, lin.DFx, rtol=0, atol=1e-6)
-    d2x, d2e = fm.second_transfer(lin)
+    d2x, d2e = fm.linear.second_transfer(lin)
     np.testing.assert_allclose(np.moveaxis(second, 2, 0), d2x, rtol=0, atol=1e-5)
     np.testing.assert_allclose(np.asarray(lin.DFe)[dof], np.eye(size), atol=200 * EPS)
     np.testing.assert_allclose(np.asarray(d2e)[whole.held], 0, atol=1e-11)

@@ -80,7 +80,7 @@ def test_a_controller_sees_from_the_start_what_is_driven():
     b = hanging_rod()
     b.input("mass", "y")
     b.output("mass", "y", "velocity")
-    held = fm.Sampled(lambda t, z, y: (0.5 * y, z), 0.01)
+    held = fm.motion.Sampled(lambda t, z, y: (0.5 * y, z), 0.01)
     drive = {"crank.phi": Partial(turned, speed=2.0)}
     found = fm.simulate(b.build(), [0.0, 0.01], motion=drive, control=held, rtol=1e-6)
     assert found.u[0, 0] == pytest.approx(0.5 * 2.0, rel=1e-9)

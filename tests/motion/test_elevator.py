@@ -76,7 +76,7 @@ def test_energy_changes_by_what_the_dampers_take():
 
 def test_frequencies_without_control_vary_with_the_belts():
     found, seen = motion()
-    lin = fm.linearize_motion(found)
+    lin = fm.motion.linearize_motion(found)
     np.testing.assert_allclose(lin.M0, np.broadcast_to(MASSES, lin.M0.shape), rtol=1e-9, atol=1e-12)
     turn, elongation = np.asarray(seen.e[:, 0]), np.asarray(seen.e[:, [1, 3]])
     free = LENGTH + SIGNS * RADIUS * turn[:, None]

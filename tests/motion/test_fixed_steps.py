@@ -9,7 +9,7 @@ from cases import motions
 import flexmb as fm
 from flexmb import planar, spatial
 
-SOLVERS = {"alpha": fm.GeneralizedAlpha(), "energy": fm.EnergyKeeping()}
+SOLVERS = {"alpha": fm.motion.GeneralizedAlpha(), "energy": fm.motion.EnergyKeeping()}
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def recursion(radius, stiffness, u, steps):
 @pytest.mark.parametrize("radius", [0.0, 0.8, 1.0])
 def test_what_a_step_does_not_resolve_is_damped(oscillator, radius):
     """Steps of 160 periods: as the recursion of one coordinate, which dies out but for a radius of one."""
-    found = fm.simulate(oscillator, np.arange(0.0, 31.0), solver=fm.GeneralizedAlpha(radius), dt0=1.0)
+    found = fm.simulate(oscillator, np.arange(0.0, 31.0), solver=fm.motion.GeneralizedAlpha(radius), dt0=1.0)
     expected = recursion(radius, 1e6, 1e-6, 30)
     # Positions are near one.
     np.testing.assert_allclose(np.asarray(found.at("mass"))[:, 0] - 1.0, expected, atol=1e-13)
@@ -96,7 +96,7 @@ def test_energy_is_kept_without_a_trend(where, steps):
     """
     model = rod(planar.beam, beams=1) if where == "plane" else rod(spatial.beam, space=True, beams=1)
     times = np.linspace(0, steps * 1e-3, 101)
-    found = fm.simulate(model, times, solver=fm.EnergyKeeping(), dt0=1e-3, max_steps=steps + 1)
+    found = fm.simulate(model, times, solver=fm.motion.EnergyKeeping(), dt0=1e-3, max_steps=steps + 1)
     assert int(found.steps) == steps
     seen = found.observe()
     greatest = np.max(seen.kinetic)
@@ -114,7 +114,7 @@ def test_the_trapezoidal_rule_gains_energy_where_the_other_does_not():
     model = motions.double_pendulum().build()
     times = np.linspace(0, 20, 101)
     spread = {}
-    for name, solver in (("trapezoidal", fm.GeneralizedAlpha(1.0)), ("keeping", fm.EnergyKeeping())):
+    for name, solver in (("trapezoidal", fm.motion.GeneralizedAlpha(1.0)), ("keeping", fm.motion.EnergyKeeping())):
         seen = fm.simulate(model, times, solver=solver, dt0=0.02).observe()
         spread[name] = np.ptp(seen.energy) / np.max(seen.kinetic)
     assert spread["keeping"] < 0.02 * spread["trapezoidal"]
@@ -134,12 +134,12 @@ def test_too_large_a_step_is_named():
     [
         ({}, "dt0"),
         ({"dt0": 0.1, "form": "reduced"}, "EnergyKeeping"),
-        ({"dt0": 0.1, "loads": {"mass.x": fm.Table([0.0, 1.0], [0.0, 1.0])}}, "StepTo"),
+        ({"dt0": 0.1, "loads": {"mass.x": fm.motion.Table([0.0, 1.0], [0.0, 1.0])}}, "StepTo"),
     ],
 )
 def test_what_fixed_steps_need(pendulum, options, expected):
     with pytest.raises(ValueError, match=expected):
-        fm.simulate(pendulum, np.array([0.0, 1.0]), solver=fm.EnergyKeeping(), **options)
+        fm.simulate(pendulum, np.array([0.0, 1.0]), solver=fm.motion.EnergyKeeping(), **options)
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def test_the_failure_of_any_interval_is_that_of_the_motion(at):
     def shaken(t):
         return jnp.where((t >= at) & (t < at + 0.1), 50 * jnp.sin(2e4 * t), 0.0)
 
-    held = fm.Sampled(lambda t, z, y: (jnp.zeros(2), z), 0.1)
+    held = fm.motion.Sampled(lambda t, z, y: (jnp.zeros(2), z), 0.1)
     found = fm.simulate(
         controlled(), TIMES, control=held, loads={"mass.x": shaken}, rtol=1e-9, max_steps=60, throw=False
     )

@@ -94,7 +94,7 @@ def spaghetti():
     panels = Panels([0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5])
     force, moment = np.zeros((2, 3, 3))
     force[1], moment[1] = (20, 0, 0), (0, -100, -200)
-    loads = {name: fm.Table(RAMP, value) for name, value in (("lower", force), ("lower.rotation", moment))}
+    loads = {name: fm.motion.Table(RAMP, value) for name, value in (("lower", force), ("lower.rotation", moment))}
     model = motions.spaghetti(2).build()
     # Nothing is stiff here: EA = GA = 20 EI, and two coefficients a strain.
     found = fm.simulate(model, panels.times, loads=loads, solver=diffrax.Dopri5(), rtol=1e-9)
@@ -140,7 +140,7 @@ def test_balances_of_the_spaghetti():
 def test_whirl_of_a_spinning_shaft(speed):
     """C4: forward and backward, two half waves; seen in the shaft the former is slower by its speed."""
     turn = Partial(motions.turned, speed=jnp.array(speed))
-    lin = fm.steady_motion(motions.shaft().build(), {"turn of left.e1": turn})
+    lin = fm.motion.steady_motion(motions.shaft().build(), {"turn of left.e1": turn})
     found = np.unique(np.round(np.abs(np.imag(fm.poles(lin))), 9))
     # As asked for; six coefficients leave 1.4e-7 and 2.1e-5, eight meet 1e-6 for the second half wave too.
     for wave, error in ((1, 1e-6), (2, 3e-5)):

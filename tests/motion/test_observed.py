@@ -15,7 +15,7 @@ ERROR = 1e-6
 
 
 @pytest.fixture(scope="module")
-def motion() -> fm.Motion:
+def motion() -> fm.motion.Motion:
     """Under a constant force, gravity along the spring and a prestress."""
     b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=MASS)
     b.force("mass", (FORCE, 0))

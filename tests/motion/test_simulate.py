@@ -66,7 +66,11 @@ def test_order_of_the_default_solver(pendulum):
     errors = []
     for steps in (100, 200):
         found = fm.simulate(
-            pendulum, np.array([0.0, 2.0]), controller=diffrax.ConstantStepSize(), dt0=2.0 / steps, solver=fm.Rodas5P()
+            pendulum,
+            np.array([0.0, 2.0]),
+            controller=diffrax.ConstantStepSize(),
+            dt0=2.0 / steps,
+            solver=fm.motion.Rodas5P(),
         )
         exact = solve_ivp(lambda t, y: [y[1], -9.81 * np.cos(y[0] + np.pi)], (0, 2), [0, 0], rtol=1e-13, atol=1e-13)
         angle = exact.y[0, -1]
@@ -108,7 +112,7 @@ def test_loads_as_functions_of_time():
     b.dof("mass", "x")
     model = b.build()
     times = np.array([0, 0.5, 1.0, 2.0])
-    table = fm.Table(jnp.array([0.0, 0.7, 3.0]), jnp.array([0.0, 7.0, 7.0]))
+    table = fm.motion.Table(jnp.array([0.0, 0.7, 3.0]), jnp.array([0.0, 7.0, 7.0]))
     found = fm.simulate(model, times, loads={"mass.x": table}, rtol=1e-9)
     omega = 20.0
 
@@ -117,7 +121,7 @@ def test_loads_as_functions_of_time():
 
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, ramp(times) - ramp(times - 0.7), atol=1e-9)
     # The same in records, of which a keyword changes what it names; None stands for what is not given.
-    drives, integrator = fm.Drives(loads={"mass.x": table}), fm.Integrator(rtol=1e-3)
+    drives, integrator = fm.motion.Drives(loads={"mass.x": table}), fm.motion.Integrator(rtol=1e-3)
     again = fm.simulate(model, times, drives=drives, integrator=integrator, rtol=1e-9, atol=None)
     np.testing.assert_array_equal(again.x, found.x)
     assert again.steps != fm.simulate(model, times, drives=drives, integrator=integrator).steps
@@ -145,13 +149,13 @@ def test_plant_for_python_control():
     b.output("rod", "phi", name="angle")
     model = b.build()
     times = np.linspace(0, 1, 6)
-    plant = fm.to_nonlinear_system(model)
+    plant = fm.control.to_nonlinear_system(model)
     assert (plant.ninputs, plant.noutputs, plant.nstates) == (1, 1, 2)
     driven = control.input_output_response(
         plant, times, 4 * np.sin(times), solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10}
     )
     # python-control draws straight lines between the inputs.
-    loads = {"rod.phi": fm.Table(jnp.asarray(times), jnp.asarray(4 * np.sin(times)))}
+    loads = {"rod.phi": fm.motion.Table(jnp.asarray(times), jnp.asarray(4 * np.sin(times)))}
     found = fm.simulate(model, times, loads=loads, rtol=1e-9)
     np.testing.assert_allclose(np.ravel(driven.outputs), found.at("rod")[:, 0], atol=1e-6)
 
@@ -197,7 +201,7 @@ def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
     _, expected = control.step_response(loop, times)
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, 0.01 * np.asarray(expected), atol=1e-7)
     seen = found.observe()
-    loop = fm.Loop(control=lead, reference=lambda t: jnp.array([0.01]))
+    loop = fm.motion.Loop(control=lead, reference=lambda t: jnp.array([0.01]))
     np.testing.assert_array_equal(fm.simulate(model, times, loop=loop, rtol=1e-8, atol=1e-9).u, found.u)
     assert found.u.shape == (21, 1)
     # What the controller puts in less what the damper takes is the change of energy, at every time: round-off over the
@@ -295,7 +299,7 @@ def test_names_and_times_are_checked(pendulum):
 
 
 def test_keywords_and_records_are_checked(pendulum):
-    groups = [fm.Drives, fm.Loop, fm.Integrator]
+    groups = [fm.motion.Drives, fm.motion.Loop, fm.motion.Integrator]
     assert list(Keywords.__annotations__) == [field.name for kind in groups for field in dataclasses.fields(kind)]
     with pytest.raises(TypeError, match=r"no keyword `rtoll`.* form, rtol, atol,"):
         fm.simulate(pendulum, [0, 1.0], rtoll=1e-3)
@@ -303,7 +307,7 @@ def test_keywords_and_records_are_checked(pendulum):
         with pytest.raises(TypeError, match=rf"`{name}` must be fm\.{name.title()}\(\.\.\), not 1e-05"):
             fm.simulate(pendulum, [0, 1.0], **{name: 1e-5})
     with pytest.raises(ValueError, match="`rtol` must be positive"):
-        fm.simulate(pendulum, [0, 1.0], integrator=fm.Integrator(rtol=-1.0))
+        fm.simulate(pendulum, [0, 1.0], integrator=fm.motion.Integrator(rtol=-1.0))
     with pytest.raises(ValueError, match='controller needs form="coordinates"'):
         fm.simulate(pendulum, [0, 1.0], control=abs, form="reduced")
 
@@ -356,7 +360,7 @@ def test_in_parts(pendulum):
 
 def test_parts_of_whole_steps(pendulum):
     times = np.linspace(0, 1, 5)
-    settings = {"solver": fm.EnergyKeeping(), "dt0": 0.01}
+    settings = {"solver": fm.motion.EnergyKeeping(), "dt0": 0.01}
     whole = fm.simulate(pendulum, times, **settings)
     parts = fm.simulate(pendulum, times, progress=lambda *counts: None, **settings)
     assert int(whole.steps) == int(parts.steps) == 100

@@ -24,11 +24,11 @@ def swept(designs, fails=()):
     f = np.asarray(designs["a"]) * np.asarray(designs.get("b", 1.0)) ** 2 * np.asarray(designs.get("c", 1.0))
     f[list(fails)] = np.nan
     codes = np.isnan(f).astype(int)
-    return fm.Sweep(designs, {"f": f, "g": np.stack([f, f], axis=1)}, codes, {"f": "Hz", "a": "m"})
+    return fm.design.Sweep(designs, {"f": f, "g": np.stack([f, f], axis=1)}, codes, {"f": "Hz", "a": "m"})
 
 
 def test_a_map_of_a_grid():
-    found = swept(fm.grid(a=[1.0, 2.0, 3.0], b=[1.0, 3.0], c=[1.0, 10.0, 100.0]), fails=[1])
+    found = swept(fm.design.grid(a=[1.0, 2.0, 3.0], b=[1.0, 3.0], c=[1.0, 10.0, 100.0]), fails=[1])
     ax = plot.sweep(found, "f", ["a", "b"])
     mesh = ax.collections[0]
     # The third axis is held at its middle value.
@@ -40,7 +40,7 @@ def test_a_map_of_a_grid():
 
 
 def test_a_curve():
-    found = swept(fm.grid(a=[3.0, 4.0, 5.0]), fails=[1])
+    found = swept(fm.design.grid(a=[3.0, 4.0, 5.0]), fails=[1])
     ax = plot.sweep(found, "f")
     np.testing.assert_allclose(ax.lines[0].get_xydata(), [[3, 3], [4, np.nan], [5, 5]], equal_nan=True)
     np.testing.assert_allclose(ax.lines[1].get_xydata(), [[4, 3]])
@@ -48,7 +48,7 @@ def test_a_curve():
 
 
 def test_points_of_other_designs():
-    found = swept(fm.latin_hypercube(12, seed=3, a=(1.0, 2.0), b=(1.0, 3.0)))
+    found = swept(fm.design.latin_hypercube(12, seed=3, a=(1.0, 2.0), b=(1.0, 3.0)))
     ax = plot.sweep(found, "f", ("b", "a"))
     drawn = ax.collections[0]
     np.testing.assert_allclose(drawn.get_offsets(), np.stack([found["b"], found["a"]], axis=1))
@@ -60,7 +60,7 @@ def test_points_of_other_designs():
     [("h", None, KeyError), ("g", None, ValueError), ("f", "d", KeyError), ("f", ["a", "b", "c"], ValueError)],
 )
 def test_sweeps_that_cannot_be_drawn(answer, over, expected):
-    found = swept(fm.grid(a=[1.0, 2.0], b=[1.0, 3.0], c=[1.0, 10.0]))
+    found = swept(fm.design.grid(a=[1.0, 2.0], b=[1.0, 3.0], c=[1.0, 10.0]))
     with pytest.raises(expected):
         plot.sweep(found, answer, over)
 

@@ -350,7 +350,7 @@ def test_stress_has_the_colours_of_a_cantilever():
     # Shear of 3 F/(2 A) adds to it at the tip, 0.003 MPa.
     np.testing.assert_allclose(colours, clamp * (1 - (np.arange(96) + 0.5) / 96), atol=3e-3)
     assert ax.figure.axes[1].get_ylabel() == "von Mises stress [MPa]"
-    signed = plot.stress(fm.section_resultants(model, at=lin), lin)
+    signed = plot.stress(fm.linear.section_resultants(model, at=lin), lin)
     drawn = collection(signed, "bending moment y [N m]")
     assert drawn.get_clim() == pytest.approx((-1e-3, 1e-3), rel=1e-4)
     drawn = collection(plot.stress(fm.stress(model, at=lin), lin, "shear force z"), "shear force z [N]")
@@ -469,7 +469,7 @@ def test_bode_plot_has_its_resonance_and_only_outputs_that_respond():
         (lambda m: plot.modes(m), TypeError, "fm.modes"),
         (lambda m: plot.modes(fm.modes(m), 7), ValueError, "no mode 7"),
         (lambda m: plot.stress(m, m), TypeError, "fm.stress"),
-        (lambda m: plot.stress(fm.section_resultants(m), m, "von Mises"), ValueError, "must be one of"),
+        (lambda m: plot.stress(fm.linear.section_resultants(m), m, "von Mises"), ValueError, "must be one of"),
         (lambda m: plot.self_stress(fm.mobility(m)), ValueError, "there are 0"),
         (lambda m: plot.path(m), TypeError, "fm.path"),
         (lambda m: plot.history(m), TypeError, "fm.simulate"),

@@ -39,7 +39,7 @@ class Panels:
         return np.concatenate([np.zeros((1, *panels.shape[1:])), np.cumsum(panels, axis=0)])
 
 
-def energy_rate(motion: fm.Motion, step: float) -> np.ndarray:
+def energy_rate(motion: fm.motion.Motion, step: float) -> np.ndarray:
     """Derivative of the whole energy along a motion, by differences of order four, (n_t,) [W].
 
     Args:
@@ -116,7 +116,7 @@ class Momenta:
     force: np.ndarray
 
 
-def momenta(motion: fm.Motion) -> Momenta:
+def momenta(motion: fm.motion.Motion) -> Momenta:
     """Momenta of a mechanism at every time of its motion.
 
     Args:
@@ -128,7 +128,7 @@ def momenta(motion: fm.Motion) -> Momenta:
 
 
 def check_balances(
-    motion: fm.Motion,
+    motion: fm.motion.Motion,
     panels: Panels,
     *,
     step: float,

@@ -56,7 +56,7 @@ def guide_frequency(t):
 
 @functools.cache
 def run_guide():
-    return fm.spacar_light(*guide())
+    return fm.spacar.spacar_light(*guide())
 
 
 def test_frequency_of_a_guide_is_its_closed_form():
@@ -70,13 +70,13 @@ def test_frequency_of_a_guide_is_its_closed_form():
     np.testing.assert_allclose(1 / out.node(3).CMglob[0, 0], sway, rtol=1e-3)
     assert abs(out.node(3).CMglob[1, 1]) < 1e-12 * out.node(3).CMglob[0, 0]
     assert out.node(3).CMglob.shape == (6, 6, 1)
-    assert fm.spacar_light(*guide(calccompl=False)).node(3).CMloc is None
+    assert fm.spacar.spacar_light(*guide(calccompl=False)).node(3).CMloc is None
 
 
 def test_derivative_through_the_script():
     # Releases are found inside the trace, from the geometry alone.
     def frequency(t):
-        return fm.frequencies(fm.spacar_light_model(*guide(t)))[0]
+        return fm.frequencies(fm.spacar.spacar_light_model(*guide(t)))[0]
 
     value, slope = fm.jit(jax.value_and_grad(frequency))(0.5e-3)
     assert value == pytest.approx(guide_frequency(0.5e-3), rel=1e-9)
@@ -91,7 +91,7 @@ def test_traced_nodes_need_named_releases():
 
     def height(y, opt):
         moved = [[x, y if place else 0.0, z] for x, place, z in nodes]
-        model = fm.spacar_light_model(moved, elements, nprops, eprops, opt)
+        model = fm.spacar.spacar_light_model(moved, elements, nprops, eprops, opt)
         return model.parameters.reference[model.labels.coordinates("n3")[1]]
 
     with pytest.raises(fm.ModelError, match=r"\(nodes or orien\) is traced.*give opt.rls"):
@@ -102,10 +102,10 @@ def test_traced_nodes_need_named_releases():
 def stroke(x, beams):
     """B1: guide whose middle is driven, no shear; W = L and EA L^2/EI = 480000."""
     sets = [{"elems": [1, 4], **leaf(smod=1e15, nbeams=beams)}, {"elems": [2, 3], "orien": UP}]
-    nprops = fm.StructArray()
+    nprops = fm.spacar.StructArray()
     nprops(1).fix = nprops(5).fix = True
     nprops(3).displ_x = x
-    return fm.spacar_light(*GUIDE, nprops, sets, {"loadsteps": 2, "gravity": [0, 0, 0]})
+    return fm.spacar.spacar_light(*GUIDE, nprops, sets, {"loadsteps": 2, "gravity": [0, 0, 0]})
 
 
 def test_support_stiffness_falls_with_the_stroke():
@@ -131,7 +131,7 @@ CROSS = [[0, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0], [0.1, 0, 0]], [[1, 3], [2, 3], [
 
 def cross_flexure(**opt):
     """The predecessor's first example with one beam a leaf spring, its lines as they stand there."""
-    nprops, eprops = fm.StructArray(), fm.StructArray()
+    nprops, eprops = fm.spacar.StructArray(), fm.spacar.StructArray()
     nprops(1).fix = True
     nprops(4).fix = True
     nprops(3).force = [0, 1, 0]
@@ -185,7 +185,7 @@ def cross_by_hand():
 
 @functools.cache
 def run_cross():
-    return fm.spacar_light(*cross_flexure(calcbuck=True))
+    return fm.spacar.spacar_light(*cross_flexure(calcbuck=True))
 
 
 def test_cross_flexure_is_that_built_by_hand():
@@ -206,7 +206,7 @@ def test_stiff_deformations_may_be_released():
     # In-plane bending, 6e4 times stiffer than the other: where its stress came from D(x), no equilibrium was found.
     releases = ((4, 6), (2, 3, 4, 6)), ((1, 2, 3, 4, 5, 6), ()), ((2, 3, 4), (2, 4, 6))
     for first, third in releases:
-        model = fm.spacar_light_model(*cross_flexure(rls={1: first, 3: third}))
+        model = fm.spacar.spacar_light_model(*cross_flexure(rls={1: first, 3: third}))
         lin = fm.linearize(model, load_factor=1.0, increment=1.0)
         assert lin.matrices.iterations <= 30
         np.testing.assert_allclose(lin.matrices.x[lin.labels.known("n3")], run_cross().node(3).p[:, 2], atol=1e-9)
@@ -216,7 +216,7 @@ def test_named_releases_are_those_found():
     out = run_cross()
     assert sum(len(numbers) for numbers in out.overconstraints.values()) == 6
     assert all(k in (1, 3) for k in out.overconstraints)
-    again = fm.spacar_light(*cross_flexure(rls=out.overconstraints, showinputonly=True))
+    again = fm.spacar.spacar_light(*cross_flexure(rls=out.overconstraints, showinputonly=True))
     assert again.model.q_labels == out.model.q_labels
     assert again.freq.shape == (30, 0)
 
@@ -259,7 +259,7 @@ def test_buckling_and_frequencies_of_a_wire():
     wire = {"elems": 1, "emod": 210e9, "smod": 79e9, "dens": 7800.0, "cshape": "circ", "dim": 1e-3}
     wire |= {"orien": [0, 1, 0], "nbeams": 4, "flex": range(1, 7)}
     tip = {"force_initial": [-1.0, 0, 0]}
-    out = fm.spacar_light(
+    out = fm.spacar.spacar_light(
         [[0, 0, 0], [0.1, 0, 0]], [[1, 2]], [{"fix": 1}, tip], [wire], {"calcbuck": 1, "loadsteps": 2}
     )
     assert out.overconstraints == {}
@@ -282,7 +282,7 @@ def test_state_space_with_a_damping_ratio():
     elements = [[1, 2], [2, 3], [3, 4], [3, 5]]
     nprops = {1: {"fix": 1}, 4: {"fix": 1}, 3: {"transfer_in": "force_x", "transfer_out": ["displ_x", "veloc_x"]}}
     eprops = [{"elems": [1, 3], **leaf(0.2e-3, nbeams=2)}, {"elems": [2, 4], **body(dens=7800)}]
-    out = fm.spacar_light(nodes, elements, nprops, eprops, {"transfer": [True, 0.01]})
+    out = fm.spacar.spacar_light(nodes, elements, nprops, eprops, {"transfer": [True, 0.01]})
     system = out.statespace
     assert system.input_labels == ["force-x n3"]
     assert system.output_labels == ["displ-x n3", "veloc-x n3"]
@@ -297,7 +297,7 @@ def test_state_space_with_a_damping_ratio():
 def test_slider_crank_turns_past_half_a_turn():
     nodes = [[0, 0, 0], [1, 1, 0], [1, 1, 0], [3, 0, 0]]
     elements = [[1, 2], [2, 3], [3, 4]]
-    nprops, eprops = fm.StructArray(), fm.StructArray()
+    nprops, eprops = fm.spacar.StructArray(), fm.spacar.StructArray()
     nprops(1).fix_pos = True
     nprops(1).rot_initial = [-0.5, 0, 0, 2]
     nprops(1).rot = [4.5, 0, 0, 1]
@@ -309,7 +309,7 @@ def test_slider_crank_turns_past_half_a_turn():
     eprops(2).elems = 2
     eprops(2).type = "hinge"
     eprops(2).orien = UP
-    out = fm.spacar_light(nodes, elements, nprops, eprops, {"loadsteps": 3})
+    out = fm.spacar.spacar_light(nodes, elements, nprops, eprops, {"loadsteps": 3})
     # Nothing resists, so that the crank stays straight: radius sqrt 2, rod sqrt 5.
     turned = np.array([0, -0.25, -0.5, 1.75, 4.0])
     angle = np.pi / 4 + turned
@@ -326,7 +326,7 @@ def test_reactions_at_a_turned_support():
     tip = {"displ_y": 0.002, "displ_z": 0.02, "rot_y": 0.4}
     wire = {"elems": 1, "emod": 210e9, "smod": 79e9, "dens": 7800.0, "cshape": "circ", "dim": 1e-3}
     wire |= {"nbeams": 4, "flex": range(1, 7)}
-    out = fm.spacar_light([[0, 0, 0], [0.1, 0, 0]], [[1, 2]], [{"fix": 1}, tip], [wire], {"loadsteps": 2})
+    out = fm.spacar.spacar_light([[0, 0, 0], [0.1, 0, 0]], [[1, 2]], [{"fix": 1}, tip], [wire], {"loadsteps": 2})
     foot, end = out.step(2).node(1), out.step(2).node(2)
     np.testing.assert_allclose(foot.Freac + end.Freac, 0, atol=1e-9 * np.abs(end.Freac).max())
     moments = foot.Mreac + end.Mreac + np.cross(end.p, end.Freac)
@@ -337,7 +337,7 @@ def test_reactions_at_a_turned_support():
     axes = np.kron(np.eye(2), Rotation.from_quat(q, scalar_first=True).as_matrix())
     size = np.abs(end.CMglob).max()
     np.testing.assert_allclose(end.CMloc, axes.T @ end.CMglob @ axes, rtol=0, atol=1e-9 * size)
-    assert np.abs(end.CMloc - end.CMglob).max() > 0.1 * size
+    assert np.abs(np.subtract(end.CMloc, end.CMglob)).max() > 0.1 * size
 
 
 def test_local_axes_are_those_of_the_script():
@@ -345,7 +345,7 @@ def test_local_axes_are_those_of_the_script():
     nodes = [[0, 0, 0], [0.3, 0.4, 0], [0.3, 0.4, 0]]
     eprops = [{"elems": 1, **leaf(orien=[1, 0, 2.0])}, {"elems": 2, "type": "hinge", "orien": [0, 0, 3.0]}]
     nprops = {1: {"fix": 1}, 3: {"fix_orien": 1}}
-    out = fm.spacar_light(nodes, [[1, 2], [2, 3]], nprops, eprops, {"showinputonly": True, "silent": True})
+    out = fm.spacar.spacar_light(nodes, [[1, 2], [2, 3]], nprops, eprops, {"showinputonly": True, "silent": True})
     x = np.array([0.6, 0.8, 0])
     y = np.array([1, 0, 2.0]) - 0.6 * x
     y /= np.linalg.norm(y)
@@ -363,7 +363,7 @@ def test_universal_joint():
     sets = [{"elems": 1, **leaf(0.2e-3, nbeams=2)}, {"elems": [3, 6], "type": "hinge", "orien": UP}]
     sets += [{"elems": 4, "type": "hinge", "orien": [0, 1, 0]}]
     nprops = {1: {"fix": 1}, 7: {"fix": 1}, 2: {"force": [1, 1, 0]}}
-    out = fm.spacar_light(HINGED, elements, nprops, sets, {"showinputonly": True})
+    out = fm.spacar.spacar_light(HINGED, elements, nprops, sets, {"showinputonly": True})
     # Two beams and three hinges have 15 deformations; the loop through the ground closes with six of them.
     assert out.ndof == 9
     assert sum(len(numbers) for numbers in out.overconstraints.values()) == 6
@@ -391,7 +391,7 @@ def test_initial_loads_come_first(fields, steps):
 
 
 def test_structures_grow_and_are_read_in_every_form():
-    grown = fm.StructArray()
+    grown = fm.spacar.StructArray()
     grown(3).force = [0, 1, 0]
     grown[1].fix = 1
     grown(1).fix_warp = []
@@ -403,8 +403,8 @@ def test_structures_grow_and_are_read_in_every_form():
         found = read([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[1, 2], [2, 3]], nprops, {}, None).nprops
         assert found[1] == {"fix": True}
         np.testing.assert_array_equal(found[3]["force"], [0, 1, 0])
-    opt = fm.Struct()
-    opt.rls = fm.StructArray()
+    opt = fm.spacar.Struct()
+    opt.rls = fm.spacar.StructArray()
     opt.rls(4).def_ = [2, 3]
     script = read(*GUIDE, {1: {"fix": 1}}, [{"elems": 4, **leaf()}], opt)
     check(script)
@@ -496,12 +496,12 @@ FAULTS = {
 def test_faults_are_told_by_name(fault):
     change, text = FAULTS[fault]
     with pytest.raises(fm.ModelError, match=re.escape(text)):
-        fm.spacar_light(*changed(**change))
+        fm.spacar.spacar_light(*changed(**change))
 
 
 def test_all_faults_are_told_at_once():
     with pytest.raises(fm.ModelError) as caught:
-        fm.spacar_light(*changed(node={"fix_x": 1, "displ_x": 1, "mass": -1}, sets={1: {"emod": 0}}))
+        fm.spacar.spacar_light(*changed(node={"fix_x": 1, "displ_x": 1, "mass": -1}, sets={1: {"emod": 0}}))
     lines = str(caught.value).splitlines()
     assert [line.split(":")[0] for line in lines] == ["eprops(1).emod", "Node 3", "Node 3"]
 
@@ -510,15 +510,15 @@ def test_constraints_are_told_by_element_and_node():
     nodes, elements, nprops, eprops, opt = changed(sets={2: {"flex": [2, 3, 4]}})
     stuck = r"(?s)\(1 times\).*elements 1, 2, 3, 4 hold each other: add one of \[5, 6\] to flex of element 1; or add"
     with pytest.raises(fm.MechanismError, match=stuck):
-        fm.spacar_light(nodes, elements, nprops, eprops, opt)
+        fm.spacar.spacar_light(nodes, elements, nprops, eprops, opt)
     with pytest.raises(fm.MechanismError, match=r"(?s)opt.rls as given \(3 times\).*opt.rls\(1\).def = "):
-        fm.spacar_light(*guide(rls={4: [2, 3, 6]}))
+        fm.spacar.spacar_light(*guide(rls={4: [2, 3, 6]}))
     loose = {1: {"fix_pos": 1}, 5: {"fix_pos": 1}}
     with pytest.raises(fm.MechanismError, match=r"(?s)under-constrained.*: 1\..* n3"):
-        fm.spacar_light(nodes, elements, loose, [{"elems": [2, 3], **body()}], opt)
+        fm.spacar.spacar_light(nodes, elements, loose, [{"elems": [2, 3], **body()}], opt)
     loop = [*GUIDE[1], [5, 1]]
     with pytest.raises(fm.MechanismError, match="form a loop of rigid elements; make one of them flexible"):
-        fm.spacar_light(nodes, loop, {1: {"fix": 1}}, [{"elems": [2, 3], **body()}], opt)
+        fm.spacar.spacar_light(nodes, loop, {1: {"fix": 1}}, [{"elems": [2, 3], **body()}], opt)
 
 
 def test_what_has_no_effect_is_warned_of():
@@ -530,7 +530,7 @@ def test_what_has_no_effect_is_warned_of():
     opt = {"spavisual": False, "showinputonly": True}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        out = fm.spacar_light(nodes, elements, nprops, eprops, opt)
+        out = fm.spacar.spacar_light(nodes, elements, nprops, eprops, opt)
     texts = [str(w.message) for w in caught]
     assert texts == out.warnings
     assert texts[0].endswith("for pictures and stresses: eprops(1).color, eprops(1).opacity, opt.spavisual")
@@ -538,13 +538,13 @@ def test_what_has_no_effect_is_warned_of():
     assert texts[2].startswith("Node 1: fix_warp has no effect")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        fm.spacar_light(nodes, elements, nprops, eprops, {**opt, "silent": True})
+        fm.spacar.spacar_light(nodes, elements, nprops, eprops, {**opt, "silent": True})
 
 
 def test_warping_of_two_leaf_springs_in_a_row_is_refused():
     script = {"sets": {1: {"warping": 1, "elems": [1, 2]}, 3: {"elems": 3}, 2: {"elems": 4}}}
     with pytest.raises(fm.ModelError, match="Elements 1 and 2: share their warping at node 2, which is not offered"):
-        fm.spacar_light(*changed(**script))
+        fm.spacar.spacar_light(*changed(**script))
 
 
 def as_struct(**fields):
@@ -555,13 +555,13 @@ def as_struct(**fields):
 
 
 def test_a_script_in_one_struct():
-    alone = fm.spacar_light_model(as_struct())
-    apart = fm.spacar_light_model(*guide())
+    alone = fm.spacar.spacar_light_model(as_struct())
+    apart = fm.spacar.spacar_light_model(*guide())
     for one, other in zip(jax.tree.leaves(alone), jax.tree.leaves(apart), strict=True):
         np.testing.assert_array_equal(one, other)
     # As a Struct, and without opt.
-    assert fm.spacar_light_model(fm.Struct(**as_struct(opt=None))).labels == apart.labels
-    assert fm.spacar_light(as_struct()).ndof == 1
+    assert fm.spacar.spacar_light_model(fm.spacar.Struct(**as_struct(opt=None))).labels == apart.labels
+    assert fm.spacar.spacar_light(as_struct()).ndof == 1
 
 
 @pytest.mark.parametrize(
@@ -576,6 +576,6 @@ def test_a_script_in_one_struct():
     ],
 )
 def test_a_script_that_lacks_a_part(arguments, message):
-    for call in (fm.spacar_light, fm.spacar_light_model):
+    for call in (fm.spacar.spacar_light, fm.spacar.spacar_light_model):
         with pytest.raises(fm.ModelError, match=message):
             call(*arguments)

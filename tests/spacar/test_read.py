@@ -101,7 +101,7 @@ def test_models_of_two_masses(name):
 
 
 def test_stress_input_acts_on_both_sides():
-    found, _ = fm.state_matrices(shipped("pf1dsupport2").builder.build(dofs="named"))
+    found, _ = fm.control.state_matrices(shipped("pf1dsupport2").builder.build(dofs="named"))
     # A positive stress pulls base and mass together.
     np.testing.assert_allclose(found.B[2:, 0], [1 / 2, -1 / (0.206 + 0.01413 / 3)], rtol=1e-12)
 
@@ -724,7 +724,7 @@ def test_components_of_a_spatial_rotation_keep_their_meaning_with_a_warning():
         ["INPUTF", "a coordinate of a spatial rotation is an Euler parameter"],
         ["OUTX", "a coordinate of a spatial rotation is an Euler parameter"],
     ]
-    found, _ = fm.state_matrices(read.builder.build())
+    found, _ = fm.control.state_matrices(read.builder.build())
     static = -np.asarray(found.C) @ np.linalg.solve(found.A, found.B)
     # Twist L/(G It) = 1 of a unit moment; the dual is twice the moment, the parameter half the angle.
     assert static[0, 0] == pytest.approx(0.25, rel=1e-9)

@@ -185,7 +185,7 @@ def test_shear_is_counted_where_it_is_given(tmp_path):
     assert "RLSE 1 3 5\n" in (tmp_path / "shear.dat").read_text()
     # Timoshenko: tip compliance l^3/3EI + l/GAk, both with EI = 1e6 and EI/GAk = 0.02.
     unloaded = text.replace("XF", "% XF")
-    found = fm.directional_compliance(fm.read_spacar(unloaded).builder.build(dofs="named"))["3"]
+    found = fm.linear.directional_compliance(fm.read_spacar(unloaded).builder.build(dofs="named"))["3"]
     np.testing.assert_allclose(found[1:], [1 / 3 + 0.01, (1 / 3 + 0.02) / 1e6], rtol=1e-6)
 
 

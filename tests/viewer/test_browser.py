@@ -57,7 +57,7 @@ def modes():
 
 @pytest.fixture(scope="module")
 def view(modes):
-    return fm.view(modes, fm.section_resultants(modes.lin.model, at=modes.lin))
+    return fm.view(modes, fm.linear.section_resultants(modes.lin.model, at=modes.lin))
 
 
 @pytest.fixture
@@ -173,7 +173,7 @@ def pages(modes):
     b.fix("top")
     moved = b.build()
     path, motion = fm.path(moved, step=0.5), fm.simulate(moved, np.array([0.0, 0.1, 0.3]))
-    along = fm.linearize_motion(motion)
+    along = fm.motion.linearize_motion(motion)
     free = hinged()
     return {
         "model": fm.view(model),
@@ -181,15 +181,17 @@ def pages(modes):
         "linearization": fm.view(lin),
         "linearization with stress": fm.view(lin, fm.stress(model, at=lin)),
         "modes": fm.view(modes),
-        "modes with resultants": fm.view(modes, fm.section_resultants(model, at=lin)),
+        "modes with resultants": fm.view(modes, fm.linear.section_resultants(model, at=lin)),
         "modes in space": fm.view(fm.modes(free)),
         "buckling": fm.view(fm.buckling(model)),
         "path": fm.view(path),
         "path with stress": fm.view(
-            path, [fm.section_resultants(moved, at=path.linearization(i)) for i in range(len(path.load_factor))]
+            path, [fm.linear.section_resultants(moved, at=path.linearization(i)) for i in range(len(path.load_factor))]
         ),
         "motion": fm.view(motion),
-        "motion with stress": fm.view(motion, [fm.section_resultants(moved, at=along.instant(i)) for i in range(3)]),
+        "motion with stress": fm.view(
+            motion, [fm.linear.section_resultants(moved, at=along.instant(i)) for i in range(3)]
+        ),
         "mobility": fm.view(fm.mobility(spatial_guide().build(check=False))),
         "mobility without fault": fm.view(fm.mobility(model)),
     }
@@ -375,7 +377,7 @@ def cart():
 def test_a_motion_plays_its_states(browser, tmp_path):
     model = cart().build()
     motion = fm.simulate(model, np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
-    forces = [fm.section_resultants(model, load_factor=factor) for factor in (0.0, 1.0, 3.0, -4.0)]
+    forces = [fm.linear.section_resultants(model, load_factor=factor) for factor in (0.0, 1.0, 3.0, -4.0)]
     page = opened(browser, fm.view(motion, forces, "normal force"), tmp_path)
     page.execute_script("window.flexmb.seek(0.2)")
     # Half way between 0.1 and 0.3 s, however the times are spaced.

@@ -84,7 +84,7 @@ def test_path_and_motion(cart):
 
 def test_sweep():
     found = fm.sweep(
-        spring, {"f": lambda m: fm.frequencies(m)[0]}, fm.grid(stiffness=[100.0, 400.0]), units={"f": "Hz"}
+        spring, {"f": lambda m: fm.frequencies(m)[0]}, fm.design.grid(stiffness=[100.0, 400.0]), units={"f": "Hz"}
     )
     assert shown(found) == {"designs": "2", "failed": "none", "f": "0.79577 to 1.5915 Hz"}
     # Nothing to draw where all designs failed.

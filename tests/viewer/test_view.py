@@ -227,13 +227,13 @@ def test_colours_of_a_cantilever():
     assert told["high"] == view.colours.high
     # The lower end of viridis, as matplotlib has it.
     np.testing.assert_allclose(told["table"][0], [0.267, 0.0049, 0.3294], atol=1e-3)
-    signed = fm.view(lin, fm.section_resultants(lin.model, at=lin), "shear force z").colours
+    signed = fm.view(lin, fm.linear.section_resultants(lin.model, at=lin), "shear force z").colours
     assert signed.low == -signed.high
     np.testing.assert_allclose(np.abs(signed.values), 0.01, rtol=1e-3)
 
 
 def test_rigid_elements_have_no_colour(guide):
-    view = fm.view(guide, fm.section_resultants(guide))
+    view = fm.view(guide, fm.linear.section_resultants(guide))
     for part in view.lines.parts:
         values = view.colours.values[0, part.start : part.start + part.count]
         assert np.all(np.isnan(values)) == (part.name == "bar")
