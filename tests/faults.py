@@ -233,7 +233,7 @@ FAULTS = [
         "answers/motion_answers.py",
         "velocity * t + 0.5 * acceleration",
         "velocity * t + acceleration",
-        "spacar/test_lines.py -k simulation_takes",
+        "answers/test_answers.py -k with_an_acceleration",
     ),
     Fault(
         "answers/motion_answers.py",
