@@ -233,7 +233,7 @@ FAULTS = [
         "answers/motion_answers.py",
         "velocity * t + 0.5 * acceleration",
         "velocity * t + acceleration",
-        "spacar/test_lines.py -k simulation_takes",
+        "answers/test_answers.py -k with_an_acceleration",
     ),
     Fault(
         "answers/motion_answers.py",
@@ -804,7 +804,7 @@ FAULTS = [
         "parts.append((todo[-1], (values, codes)))",
         "design/test_checkpoint.py -k goes_on",
     ),
-    Fault("design/checkpoint.py", "self.file.truncate(good)", "pass", "design/test_checkpoint.py"),
+    Fault("design/checkpoint.py", "self.file.seek(good)", "pass", "design/test_checkpoint.py"),
     Fault("design/identity.py", "yield np.ascontiguousarray(array).tobytes()", "pass", "design/test_identity.py"),
     Fault("design/study_parts.py", "return self.value - 1", "return 0", "design/test_study_parts.py -k answer"),
     Fault("design/study_parts.py", "[self.more - 1]", "[0]", "design/test_study_parts.py -k raised"),

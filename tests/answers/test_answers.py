@@ -6,6 +6,7 @@ import pytest
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import answer
+from flexmb.answers.motion_answers import _uniformly_accelerated
 
 
 def test_reactions_and_compliances_of_a_clamped_arm():
@@ -47,3 +48,7 @@ def test_what_falls_has_no_frequency():
         np.testing.assert_allclose(found.data["eigenvalues"], [square], rtol=1e-9)
         hertz = pytest.approx(np.sqrt(abs(square)) / (2 * np.pi), rel=1e-9)
         assert found.data["frequencies_hz"] == [hertz if stable else None]
+
+
+def test_what_is_prescribed_with_an_acceleration():
+    assert _uniformly_accelerated(2.0, 0.5, -1.0, 3.0) == 0.5 - 1.0 * 2.0 + 3.0 * 2.0**2 / 2
