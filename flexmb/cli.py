@@ -155,10 +155,10 @@ def _writing(path: Any) -> Iterator[None]:
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
-    from .answers.answers import MODES, RESERVED
+    from .answers.answers import RESERVED, modes
     from .errors import shown
 
-    names = {name: number for number, (name, _) in MODES.items()}
+    names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
     if wanted is None or (mode is not None and analysis is not None):
         _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
@@ -167,9 +167,9 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
         return names[text]
     # SPACAR draws nothing for a negative number; the analysis is the same.
     number = int(text.removeprefix("-")) if re.fullmatch(r"-?\d{1,9}", text, re.ASCII) else None
-    if number in MODES:
+    if number in modes():
         return number
-    known = ", ".join(f"{n} ({name})" for n, (name, _) in MODES.items())
+    known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
     if number in RESERVED or text in RESERVED.values():
         _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
     _refuse(f"flexmb run: there is no mode '{shown(text)}'. Available: {known}.")
@@ -297,7 +297,7 @@ def _run(
             write_whole(log, log_text(found, read.text).encode(errors="backslashreplace"))
     if plot is not None:
         with _writing(plot):
-            _draw(found, number, plot)
+            _draw(found, plot)
     _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
         first = (found.data["message"].splitlines() or [""])[0]
@@ -305,7 +305,7 @@ def _run(
         raise typer.Exit(found.exit_status)
 
 
-def _draw(found: Any, number: int, path: Path) -> None:
+def _draw(found: Any, path: Path) -> None:
     """Draw an answer in a file; where there is none, the mechanism."""
     from .files import write_whole
 
@@ -316,7 +316,7 @@ def _draw(found: Any, number: int, path: Path) -> None:
     else:
         from .plot.answer import image
 
-        write_whole(path, image(found, number, path.suffix[1:]))
+        write_whole(path, image(found, path.suffix[1:]))
 
 
 @contextlib.contextmanager
@@ -356,7 +356,7 @@ def program(
 @app.command(cls=Once)
 def run(
     model: ModelFile,
-    mode: Annotated[str | None, typer.Option("--mode", help="0, 1, 4, 7, 8, 9 or 10.")] = None,
+    mode: Annotated[str | None, typer.Option("--mode", help="Number, such as 7; another word lists all.")] = None,
     analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
     numbers: Numbers = None,
     json_path: Json = None,

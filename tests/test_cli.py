@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import flexmb as fm
 from flexmb.answers import answers
+from flexmb.answers.mode import Found
 from flexmb.cli import app
 from flexmb.errors import warn
 from flexmb.files import write_whole
@@ -460,7 +461,7 @@ def test_check_is_mode_0(name, status, tmp_path):
 
 @pytest.mark.parametrize("mode", [1, 4])
 def test_a_motion_that_ends_early_is_no_answer(mode, tmp_path, monkeypatch):
-    monkeypatch.setattr("flexmb.answers.motion_answers.simulate", partial(fm.simulate, max_steps=3))
+    monkeypatch.setattr("flexmb.answers.motion.simulate", partial(fm.simulate, max_steps=3))
     path = tmp_path / "swing.dat"
     path.write_text(re.sub("END\nHALT\n+INPUTF 1 2 1", SWING, mechanism_path("pf1dtrx").read_text()))
     result = call("run", path, "--mode", mode, "--json", "-")
@@ -471,7 +472,8 @@ def test_a_motion_that_ends_early_is_no_answer(mode, tmp_path, monkeypatch):
 
 
 def test_an_answer_that_is_not_finite_is_none(monkeypatch):
-    monkeypatch.setitem(answers.MODES, 7, ("frequencies", lambda *_: {"x": {"1": [0.0, np.nan]}, "stable": True}))
+    data = {"x": {"1": [0.0, np.nan]}, "stable": True}
+    monkeypatch.setitem(answers.modes(), 7, answers.modes()[7]._replace(run=lambda _: Found(data)))
     result, data = answer("pf2d", 7)
     assert (result.exit_code, data["status"]) == (1, "not_finite")
     assert data["message"].endswith("(x)")
@@ -480,7 +482,7 @@ def test_an_answer_that_is_not_finite_is_none(monkeypatch):
 
 
 def test_warnings_of_the_package_are_in_the_answer(monkeypatch):
-    monkeypatch.setattr(answers, "linearize", warned_by_the_package)
+    monkeypatch.setattr("flexmb.answers.mode.linearize", warned_by_the_package)
     result, data = answer("pf2d", 7)
     assert (result.exit_code, data["warnings"], result.stderr) == (0, ["Not what you may think."], "")
 

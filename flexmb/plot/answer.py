@@ -8,25 +8,21 @@ import numpy as np
 from .. import plot
 from ..display import Result
 
-STATE_SPACE = 9
 # The same file for the same answer: no date in it, no random names.
 CONSTANT: Any = {"backend": "agg", "svg.hashsalt": "flexmb"}
 
 
-def image(answer: Any, mode: int, format: str) -> bytes:
-    """Draw an answer: its own picture, or of a state space the Bode plot.
+def image(answer: Any, format: str) -> bytes:
+    """Draw an answer: by the picture that its mode names, or by that of its result.
 
     Args:
         answer: Answer of :func:`flexmb.answers.answers.answer`.
-        mode: Number of the analysis mode.
         format: "png" or "svg".
 
     Returns:
         Content of the file.
     """
-    # A Bode plot needs an input that moves some output.
-    moved = mode == STATE_SPACE and np.any(answer.data.get("B", 0)) and np.any(answer.data.get("C", 0))
-    return _content(answer.lin if moved else answer.shown, format, bode=bool(moved))
+    return _content(answer.lin if answer.picture else answer.shown, format, answer.picture)
 
 
 def study_image(found: Result, format: str) -> bytes:
@@ -42,14 +38,14 @@ def study_image(found: Result, format: str) -> bytes:
     return _content(found, format)
 
 
-def _content(found: Result, format: str, bode: bool = False) -> bytes:
+def _content(found: Result, format: str, picture: str = "") -> bytes:
     """Content of a file with the picture of a result."""
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):
         import matplotlib.pyplot as plt
 
-        figure = plot.bode(found) if bode else _figure(found)
+        figure = getattr(plot, picture)(found) if picture else _figure(found)
         buffer = io.BytesIO()
         figure.savefig(buffer, format=format, dpi=150, metadata={"Date": None} if format == "svg" else None)
         plt.close(figure)

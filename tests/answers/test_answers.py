@@ -6,7 +6,7 @@ import pytest
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import answer
-from flexmb.answers.motion_answers import _uniformly_accelerated
+from flexmb.answers.motion import _uniformly_accelerated
 
 
 def test_reactions_and_compliances_of_a_clamped_arm():

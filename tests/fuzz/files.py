@@ -25,7 +25,6 @@ import jax
 import numpy as np
 
 import flexmb as fm
-from flexmb.answers import motion_answers
 from flexmb.answers.answers import answer
 from flexmb.answers.files import to_json
 from flexmb.answers.tables import log, table
@@ -586,7 +585,7 @@ def _analysed(read, mode: int) -> str:
     # A motion that is stiff beyond reason takes all steps that it is allowed, which a few thousand show as well.
     quick = functools.partial(fm.simulate, max_steps=2000)
     try:
-        with mock.patch.object(motion_answers, "simulate", quick):
+        with mock.patch.object(motion, "simulate", quick):
             found = answer(
                 read.builder, read.name, mode, read.warnings, max_steps=50, settings=_shortened(read.settings)
             )

@@ -217,7 +217,8 @@ def bending_of(element):
     """Numbers of the deformations that bending stiffens."""
     starts = [np.array(kind.start) for kind in element.nodes.values()]
     starts[2] = np.eye(len(starts[0]))[0]
-    stiffness = element.stiffness(ref=element.reference(starts), section=fm.Rigidity(EIy=1.0))
+    own = element.arguments(element.stiffness, {"section": fm.Rigidity(EIy=1.0)})
+    stiffness = element.stiffness(ref=element.reference(starts), **own)
     return tuple(np.flatnonzero(np.diag(stiffness)) + 1)
 
 

@@ -517,15 +517,15 @@ def test_plot_on_the_command_line(tmp_path, name, mode, suffix, words):
 
 
 def test_path_and_motion_are_drawn_beside_where_they_end(snapping, swinging):
-    for found, mode, words in ((snapping, 10, "load factor [-]"), (swinging, 1, "time [s]")):
+    for found, words in ((snapping, "load factor [-]"), (swinging, "time [s]")):
         answer = Answer({}, 0, found.model, found=found)
         with mpl.rc_context({"svg.fonttype": "none"}):
-            text = image(answer, mode, "svg").decode()
+            text = image(answer, "svg").decode()
         assert words in text
         assert "x [m]" in text
         # The same answer gives the same file.
         with mpl.rc_context({"svg.fonttype": "none"}):
-            assert image(answer, mode, "svg").decode() == text
+            assert image(answer, "svg").decode() == text
 
 
 def test_demo_leaves_a_picture_and_says_where(tmp_path, monkeypatch):

@@ -1,5 +1,6 @@
-"""Answers of the modes that simulate: motion in time, and the linearised equations along it."""
+"""Modes 1 and 4: motion in time, and the linearised equations along it."""
 
+import functools
 import sys
 from typing import Any
 
@@ -20,6 +21,8 @@ from ..motion.motion import Motion
 from ..motion.simulate import simulate
 from ..results import RESULTS
 from ..spacar.reading import Setting
+from .mode import Found, Mode, Question
+from .parts import SHOWN_VALUES, row
 
 RTOL = 1e-5
 # What the output times of one motion may take. A number is kept in arrays, in lists and as text, 300 bytes in all, as
@@ -94,7 +97,7 @@ def _over_time(values, entries) -> dict[str, list]:
     return {owner: values[:, columns].tolist() for owner, columns in grouped.items()}
 
 
-def _steps(found: Motion) -> dict[str, Any]:
+def _steps(found: Motion) -> tuple[dict[str, Any], list[str]]:
     """Linearised equations at every time, null where there are none, and what to say of that."""
     along, labels = linearize_motion(found), found.labels
     named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
@@ -122,28 +125,16 @@ def _steps(found: Motion) -> dict[str, Any]:
         " configuration: there are no matrices there."
         for t in lost[:1]
     ]
-    return {"steps": steps, **named, "warnings": warnings}
+    return {"steps": steps, **named}, warnings
 
 
-def simulated(model: Model, name: str, settings: dict[str, Any], linearised: bool) -> dict[str, Any]:
-    """Motion in time, as keys and values of an answer.
-
-    Args:
-        model: Mechanism.
-        name: Name of its file.
-        settings: What is not part of the mechanism: TIMESTEP, ERROR, INPUTX, INPUTE.
-        linearised: Whether to linearise at every output time.
-
-    Returns:
-        The keys, and the Motion itself as "found", if any of it was reached.
-
-    Raises:
-        SpacarError: There is no TIMESTEP.
-    """
+def _run(asked: Question, linearised: bool = False) -> Found:
+    """Motion in time from TIMESTEP, ERROR, INPUTX and INPUTE; with ``linearised`` at every output time the matrices."""
+    model, settings = asked.checked(), asked.settings
     n_x, n_e, n_q = len(model.labels.x), len(model.labels.e), model.topology.n_q
     n_u, n_y = len(model.labels.inputs), len(model.labels.outputs)
     matrices = BESIDE_MATRICES + 6 * n_q**2 + (2 * n_q + n_u) * (2 * n_q + n_y) if linearised else 0
-    times = times_of(name, settings, 4 + 2 * (n_x + n_e) + matrices)
+    times = times_of(asked.name, settings, 4 + 2 * (n_x + n_e) + matrices)
     error = settings.get("ERROR", {})
     extent = extent_of(model.topology, model.parameters)
     rtol = error.get("relative", RTOL)
@@ -155,7 +146,7 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     code = RESULTS(int(found.result))
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if code not in PARTLY:
-        return extra
+        return Found(extra)
     reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
     if not reached[-1]:
         count = int(np.argmin(reached))
@@ -163,12 +154,12 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
     if code == RESULTS.singular_mass:
         extra["message"] = f"{code.message} {without_mass(model)}"
     if not len(found.t):
-        return extra
+        return Found(extra)
     seen = found.observe()
     labels = found.labels
-    return {
+    along, warnings = _steps(found) if linearised else ({}, [])
+    data = {
         **extra,
-        "found": found,
         "x": {node: rows[-1] for node, rows in _over_time(found.x, labels.x).items()},
         "time": np.asarray(found.t),
         "trajectory": _over_time(found.x, labels.x),
@@ -176,5 +167,27 @@ def simulated(model: Model, name: str, settings: dict[str, Any], linearised: boo
         "deformations": _over_time(seen.e, labels.e),
         "stresses": _over_time(seen.sigma, labels.e),
         "energy": {kind: np.asarray(getattr(seen, kind)) for kind in ("kinetic", "elastic", "potential")},
-        **(_steps(found) if linearised else {}),
+        **along,
     }
+    asked.warnings += warnings
+    return Found(data, found)
+
+
+def _table(data: dict[str, Any]) -> list[str]:
+    if "time" not in data:
+        return []
+    times, energy = np.asarray(data["time"]), {name: np.asarray(e) for name, e in data["energy"].items()}
+    lines = [f"motion from 0 to {times[-1]:.6g} s, {len(times)} output times; at the end:"]
+    lines += [f"  node {node:<8}{row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
+    total = sum(energy.values())
+    lines.append("energy [J] at start and end: {:.6g}, {:.6g}".format(*(np.asarray(total)[[0, -1]])))
+    for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
+        hertz = ["-" if f is None else f"{f:.6g}" for f in step["frequencies_hz"][:SHOWN_VALUES]]
+        lines.append(f"frequencies [Hz] at {step['time']:.6g} s: {'  '.join(hertz)}")
+    return lines
+
+
+MODES = (
+    Mode(1, "simulate", _run, _table),
+    Mode(4, "simulate-linearise", functools.partial(_run, linearised=True), _table),
+)

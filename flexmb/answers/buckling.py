@@ -1,0 +1,35 @@
+"""Mode 8: load multipliers at which the loaded mechanism buckles."""
+
+from typing import Any
+
+import numpy as np
+
+from ..linear.buckling import buckling
+from ..linear.loose import refuse_negative_mass
+from .mode import Found, Mode, Question
+from .parts import SHOWN_VALUES, compliances, shapes, state_of
+
+
+def _run(asked: Question) -> Found:
+    lin = asked.linearized()
+    refuse_negative_mass(lin)
+    found = buckling(asked.model)
+    if not len(found.multipliers):
+        asked.warnings.append("No load acts in any motion: there is no load multiplier.")
+    data = {
+        **state_of(lin),
+        "load_multipliers": np.asarray(found.multipliers),
+        "modes": shapes(found.shapes, lin.labels),
+        "compliance": compliances(lin),
+    }
+    return Found(data, found)
+
+
+def _table(data: dict[str, Any]) -> list[str]:
+    if "load_multipliers" not in data:
+        return []
+    found = data["load_multipliers"][:SHOWN_VALUES]
+    return ["load multipliers:", *(f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(found))]
+
+
+MODES = (Mode(8, "buckling", _run, _table, increments=True),)

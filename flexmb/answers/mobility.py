@@ -1,0 +1,41 @@
+"""Mode 0: over- and under-constraints."""
+
+from typing import Any
+
+from ..checks.mobility import Mobility, mobility
+from .mode import Found, Mode, Question
+from .parts import number
+
+
+def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
+    def listed(shares, key):
+        return [{key: number(s.of), "component": s.component, "share": s.share} for s in shares]
+
+    over = [
+        {
+            "kind": "overconstraint",
+            "deformations": listed(found.stresses(i), "element"),
+            "release": None if r is None else {"element": number(r[0]), "component": r[1]},
+        }
+        for i, r in enumerate(found.release)
+    ]
+    under = [
+        {"kind": "underconstraint", "coordinates": listed(found.motions(i), "node")}
+        for i in range(found.underconstraints)
+    ]
+    return over + under
+
+
+def _run(asked: Question) -> Found:
+    found = mobility(asked.model)
+    data = {
+        "status": found.status,
+        "message": found.report(),
+        "overconstraints": found.overconstraints,
+        "underconstraints": found.underconstraints,
+        "mobility": _mobility_modes(found),
+    }
+    return Found(data, found)
+
+
+MODES = (Mode(0, "mobility", _run, lambda data: []),)

@@ -1,0 +1,161 @@
+"""What the answers of several modes have in common: numbers by node and element, matrices, rows of a table."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..linear.compliance import directional_compliance
+from ..linear.linearize import Linearization
+from ..linear.modes import poles
+from ..linear.stress import stress, without_shape
+from ..math.linear import is_positive_definite
+from ..math.rotation import lbar
+from ..model.model import Labels
+
+# A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
+LOOSE = 1e-12
+# Rows and columns on the terminal.
+SHOWN_VALUES = 12
+
+
+def number(name: str) -> int | str:
+    """Node or element number; a rotation that a name stands for keeps its name."""
+    return int(name) if name.isdigit() else name
+
+
+def by_owner(values, entries) -> dict[str, list[float]]:
+    """Entries of a vector by the node or element they belong to.
+
+    Coordinates that an element owns are among its deformations and not repeated.
+    """
+    grouped: dict[str, list[float]] = {}
+    for value, entry in zip(np.asarray(values).tolist(), entries, strict=True):
+        if entry.kind not in ("norm", "internal"):
+            grouped.setdefault(entry.of, []).append(value)
+    return grouped
+
+
+def reactions(lin: Linearization) -> dict[str, list[float]]:
+    """Support forces, moments of spatial rotations about global axes, at nodes where something is held."""
+    labels, found = lin.labels, {}
+    held = set(np.asarray(lin.model.topology.x.held).tolist())
+    reactions, x = np.asarray(lin.matrices.reactions), np.asarray(lin.matrices.x)
+    for node in dict.fromkeys(entry.of for entry in labels.x):
+        indices = labels.coordinates(node)
+        if held.isdisjoint(indices):
+            continue
+        values = reactions[indices]
+        # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I, so M = Lbar f / 2.
+        found[node] = (np.asarray(lbar(jnp.asarray(x[indices]))) @ values / 2 if len(indices) == 4 else values).tolist()
+    return found
+
+
+def state_of(lin: Linearization) -> dict[str, Any]:
+    """What answers about a static equilibrium have in common."""
+    m = lin.matrices
+    return {**configuration(lin), **matrices(lin), "stable": bool(is_positive_definite((m.K + m.K.T) / 2))}
+
+
+def configuration(lin: Linearization) -> dict[str, Any]:
+    """Where the mechanism is and what it carries.
+
+    Args:
+        lin: Linearisation.
+    """
+    labels, m = lin.labels, lin.matrices
+    return {
+        "x": by_owner(m.x, labels.x),
+        "e": by_owner(m.e, labels.e),
+        "sig": by_owner(m.sigma, labels.e),
+        "reactions": reactions(lin),
+        **_stress(lin),
+    }
+
+
+def _stress(lin: Linearization) -> dict[str, Any]:
+    """Largest von Mises stress and where it is, where the sections of all flexible elements have a shape."""
+    if not any(map(any, lin.labels.stressed)) or without_shape(lin.model):
+        return {}
+    found = stress(lin.model, at=lin)
+    element, place, _ = found.where
+    return {"stress": {"maximum": float(found.maximum), "element": number(element), "place": place}}
+
+
+def matrices(lin: Linearization) -> dict[str, Any]:
+    """The matrices of the linearised equations.
+
+    Args:
+        lin: Linearisation.
+    """
+    return {name.lower(): np.asarray(getattr(lin.matrices, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
+
+
+def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
+    """Poles, real and imaginary parts.
+
+    Args:
+        lin: Linearisation.
+        always: Also where frequencies say the same.
+    """
+    damped = np.any(np.asarray(lin.matrices.C0 + lin.matrices.D0))
+    if not (always or damped or not lin.matrices.symmetric):
+        return {}
+    return {"poles": [[p.real, p.imag] for p in poles(lin).tolist()]}
+
+
+def compliances(lin: Linearization) -> dict[str, list[float]]:
+    """Directional compliance of each node, infinite (so that JSON has null) where it takes part in a free motion."""
+    own = {entry.of for entry in lin.labels.x if entry.kind == "internal"}
+    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node not in own}
+
+
+def shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
+    """Motions by node.
+
+    Args:
+        columns: One motion a column, (n_x, motions).
+        labels: Names.
+    """
+    return [by_owner(column, labels.x) for column in np.asarray(columns).T]
+
+
+def hertz_of(values, hertz) -> list[float | None]:
+    """Frequencies, None where the eigenvalue is negative."""
+    return [None if v < 0 else f for v, f in zip(np.asarray(values).tolist(), np.asarray(hertz).tolist(), strict=True)]
+
+
+def loose_warnings(lin: Linearization) -> list[str]:
+    """Degrees of freedom that move nothing stiff."""
+    m = lin.matrices
+    stiffness = np.abs(np.diag(np.asarray(m.K)))
+    coupled = np.max(np.abs(np.asarray(m.K)), axis=1, initial=0.0)
+    largest = max(stiffness.max(initial=0.0), np.abs(np.asarray(m.S)).max(initial=0.0))
+    return [
+        f"Degree of freedom {name} has neither stiffness nor load: nothing holds it."
+        for name, c in zip(lin.model.q_labels, coupled, strict=True)
+        if c <= LOOSE * largest
+    ]
+
+
+def row(values, digits: int = 6) -> str:
+    """Numbers in a line.
+
+    Args:
+        values: Numbers.
+        digits: Of each.
+    """
+    return "  ".join(f"{v:.{digits}g}" for v in np.ravel(np.asarray(values, float)).tolist())
+
+
+def matrix(name: str, values) -> list[str]:
+    """A matrix in lines of the terminal; a large one by its size.
+
+    Args:
+        name: Its name.
+        values: Its entries.
+    """
+    values = np.atleast_2d(np.asarray(values, float))
+    if max(values.shape, default=0) > SHOWN_VALUES:
+        return [f"{name}: {values.shape[0]} x {values.shape[1]}, see --json or --save"]
+    return [f"{name}:", *("  " + "  ".join(f"{v:12.5g}" for v in row) for row in values.tolist())]
