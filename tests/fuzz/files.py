@@ -25,6 +25,7 @@ import jax
 import numpy as np
 
 import flexmb as fm
+from flexmb.answers import motion
 from flexmb.answers.answers import answer
 from flexmb.answers.files import to_json
 from flexmb.answers.tables import log, table
