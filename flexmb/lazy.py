@@ -16,10 +16,8 @@ def offered(package: str) -> dict[str, str]:
     Args:
         package: Its full name; its ``__init__.pyi`` has lines such as ``from .linear.modes import modes as modes``.
     """
-    stub = ast.parse(
-        Path(str(importlib.import_module(package).__file__)).with_suffix(".pyi").read_text(encoding="utf-8")
-    )
-    lines = [line for line in stub.body if isinstance(line, ast.ImportFrom)]
+    stub = Path(str(importlib.import_module(package).__file__)).with_suffix(".pyi").read_text(encoding="utf-8")
+    lines = [line for line in ast.parse(stub).body if isinstance(line, ast.ImportFrom)]
     return {name.name: f"{package}.{line.module or ''}".rstrip(".") for line in lines for name in line.names}
 
 
@@ -37,8 +35,9 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
             where = where or offered(f"{package}.{room}".rstrip(".")).get(name)
         if where is None:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        # A package that does not hold the name has a module of that name.
         found = None if where == package else getattr(importlib.import_module(where), name, None)
-        found = importlib.import_module(f"{where}.{name}") if found is None else found
+        found = found or importlib.import_module(f"{where}.{name}")
         setattr(sys.modules[package], name, found)
         return found
 

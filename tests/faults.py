@@ -208,6 +208,8 @@ FAULTS = [
         "@ values if len(indices) == 4",
         "answers/test_answers.py",
     ),
+    Fault("answers/statespace.py", '"bode" if moved else ""', '""', "plot/test_plot.py -k command_line"),
+    Fault("answers/mobility.py", ", structural=True", "", "test_cli.py -k overconstrained"),
     Fault("answers/parts.py", "[None if v < 0 else f for", "[abs(f) for", "answers/test_answers.py -k falls"),
     Fault("answers/frequencies.py", '"stable": found.stable,', '"stable": True,', "answers/test_answers.py -k falls"),
     Fault(

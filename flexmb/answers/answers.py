@@ -116,7 +116,7 @@ def _answered(question: Question, mode: Mode, data: dict[str, Any]) -> Answer:
     failed = 0
     try:
         found = mode.run(question)
-        failed = int(mode.number != 0 and found.data.get("status", "ok") != "ok")
+        failed = int(not mode.structural and found.data.get("status", "ok") != "ok")
     except (MechanismError, AnalysisError) as fault:
         found, failed = Found({"status": fault.code, "message": str(fault)}), 1
     except ModelError as fault:
@@ -153,7 +153,7 @@ def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
     """What to say where loads of the file do not act."""
     hidden = (m for m in builder.members.values() if m.hidden)
     there = any(builder.loads["increment"].values()) or any(m.properties.get("incremental") for m in hidden)
-    if not there or mode.increments or mode.number == 0:
+    if not there or mode.increments or mode.structural:
         return []
     return [
         "Incremental loads (DELXF, DELESIG, DELINPX, DELINPE) act in modes"

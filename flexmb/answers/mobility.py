@@ -38,4 +38,4 @@ def _run(asked: Question) -> Found:
     return Found(data, found)
 
 
-MODES = (Mode(0, "mobility", _run, lambda data: []),)
+MODES = (Mode(0, "mobility", _run, lambda data: [], structural=True),)

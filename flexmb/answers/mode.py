@@ -84,9 +84,10 @@ class Mode(NamedTuple):
     Attributes:
         number: By which it is asked for, as in SPACAR.
         name: The same as a word.
-        run: The analysis. What it raises, and a status other than "ok", are failures; of mobility a status is none.
+        run: The analysis. What it raises, and a status other than "ok", are failures.
         table: Lines of the terminal, of the answer's keys and values, which are few where it failed.
         increments: Whether incremental loads act.
+        structural: Whether the structure alone is asked about: no loads act, and a status is a finding, not a failure.
     """
 
     number: int
@@ -94,3 +95,4 @@ class Mode(NamedTuple):
     run: Callable[[Question], Found]
     table: Callable[[dict[str, Any]], list[str]]
     increments: bool = False
+    structural: bool = False
