@@ -42,6 +42,8 @@ def _prepared(path: Path) -> None:
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
     """Keep compiled code on disk, so that a fresh process starts quickly.
 
+    Traced programs are kept too, except where functions or objects of yours take part in them.
+
     What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
     environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Files beyond 2 GB in all are
     removed by this call, those that were not used for the longest time first.
@@ -49,8 +51,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     Args:
         folder: Where, a folder of its own that belongs to you and that no other can write into; by default
             :func:`cache_folder`.
-        thorough: Compile for half the run time in twice the compile time, as code that is kept deserves; traced
-            programs are kept then too, except where functions or objects of yours take part in them.
+        thorough: Compile for half the run time in twice the compile time, as code that is kept deserves.
 
     Returns:
         The folder.
@@ -65,7 +66,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
 
     path = Path(folder) if folder is not None else cache_folder()
     _prepared(path)
-    compile_thoroughly(thorough)
+    compile_thoroughly(thorough, keep_traces=True)
     # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
     # checked for finiteness here. Equinox reads this once, when it is imported, which may have been before.
     on_error = os.environ.setdefault("EQX_ON_ERROR", "nan")

@@ -1,4 +1,10 @@
 import gc
+import os
+
+# What tests compute beside the package, one operation at a time, is compiled quickly too. XLA reads this once.
+os.environ["XLA_FLAGS"] = (
+    os.environ.get("XLA_FLAGS", "") + " --xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+)
 
 import hypothesis
 import jax

@@ -29,16 +29,18 @@ MOST = 32
 
 
 _thorough = False
+_keeps_traces = False
 
 
-def compile_thoroughly(thorough: bool) -> None:
+def compile_thoroughly(thorough: bool, keep_traces: bool = False) -> None:
     """Whether compiled functions should run quickly rather than compile quickly, from now on.
 
     Args:
         thorough: True takes twice the compile time for half the time of a run.
+        keep_traces: Whether traces are kept on disk beside the compiled code.
     """
-    global _thorough
-    _thorough = thorough
+    global _thorough, _keeps_traces
+    _thorough, _keeps_traces = thorough, keep_traces
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -120,7 +122,7 @@ def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     @functools.lru_cache(MOST)
     def compiled(structure, fixed, mode: str):
         def program(*leaves):
-            return (taken if mode == "thorough" else whole)(structure, fixed, *leaves)
+            return (taken if _keeps_traces and mode != "nested" else whole)(structure, fixed, *leaves)
 
         program.__name__ = name
         return jax.jit(program, compiler_options=OPTIONS[mode])

@@ -31,11 +31,11 @@ def folder(tmp_path):
     """Where traces are kept, as with ``fm.enable_cache()``."""
     before = jax.config.values["jax_compilation_cache_dir"]
     fresh()
-    compile_thoroughly(True)
+    compile_thoroughly(True, keep_traces=True)
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
     yield tmp_path / "traces"
     jax.config.update("jax_compilation_cache_dir", before)
-    compile_thoroughly(False)
+    compile_thoroughly(False, keep_traces=True)
 
 
 def cantilever(element) -> fm.Model:
@@ -451,7 +451,7 @@ def settings_restored(monkeypatch):
     yield
     for name, value in before.items():
         jax.config.update(name, value)
-    compile_thoroughly(False)
+    compile_thoroughly(False, keep_traces=True)
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="owners and modes are those of POSIX")
