@@ -104,6 +104,21 @@ def test_modes_are_followed_by_shape():
     np.testing.assert_allclose(fm.linear.mode_assurance(one, other).sum(axis=0), 1.0, rtol=1e-9)
 
 
+def test_three_modes_that_change_places_in_turn_are_followed():
+    # Which mode each has become, and not where each has come from: that is another answer from three on.
+    def masses(*stiffness):
+        b = fm.Builder()
+        for i, k in enumerate(stiffness):
+            b.node(f"foot{i}", (0.0, i))
+            b.node(f"mass{i}", (1.0, i))
+            b.fix(f"foot{i}")
+            b.fix(f"mass{i}", "y")
+            b.add(planar.truss, f"foot{i}", f"mass{i}", section=fm.Rigidity(EA=k, mass=1.0))
+        return fm.modes(b.build())
+
+    np.testing.assert_array_equal(fm.linear.follow_modes(masses(1.0, 2.0, 3.0), masses(2.0, 3.0, 1.0)), [1, 2, 0])
+
+
 def test_a_frequency_is_followed_through_a_crossing():
     shape = fm.modes(cross((K, 1.4 * K, 0.0))).q_shapes[:, 1]  # along y
 

@@ -2,10 +2,12 @@
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from cases import motions
 from jax.tree_util import Partial
 
 import flexmb as fm
+from flexmb import planar
 
 
 def test_rotating_cantilever_stiffens():
@@ -17,3 +19,25 @@ def test_rotating_cantilever_stiffens():
         found = np.sort(np.abs(np.imag(fm.poles(lin))))
         # Printed digits; the strain by the rotation is 2e-8 at EA = 1e9.
         np.testing.assert_allclose(found[0], expected, rtol=1e-6)
+
+
+def test_pendulum_in_a_coordinate_that_is_not_its_angle():
+    # A point of mass m on a rod of length 1, its place x the degree of freedom: m xdd/(1 - x^2) + m x xd^2/(1 - x^2)^2
+    # + m g x/sqrt(1 - x^2) = 0 from Lagrange's equations; by hand, its derivatives by xd and by x.
+    b = fm.Builder()
+    b.node("hook", (0, 0))
+    b.node("bob", (0, -1))
+    b.fix("hook")
+    b.add(planar.truss, "hook", "bob")
+    b.add(planar.mass, "bob", mass=2.0)
+    b.dof("bob", "x")
+    b.start("bob", "x", 0.3, velocity=0.7)
+    b.gravity((0, -9.81))
+    motion = fm.simulate(b.build(), [0.0, 0.01])
+    lin = fm.motion.linearize_motion(motion).instant(0)
+    x, v, left = 0.3, 0.7, 1 - 0.3**2
+    a = -x * v**2 / left - 9.81 * x * np.sqrt(left)
+    assert lin.M0[0, 0] == pytest.approx(2 / left, rel=1e-9)
+    assert lin.C0[0, 0] == pytest.approx(4 * x * v / left**2, rel=1e-9)
+    stiffness = 2 * (2 * x * a / left**2 + v**2 * (1 + 3 * x**2) / left**3 + 9.81 / left**1.5)
+    assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == pytest.approx(stiffness, rel=1e-9)

@@ -206,6 +206,9 @@ def test_settings():
     assert model.settings["ERROR"] == {"absolute": 1e-4, "relative": 1e-5}
     assert model.settings["ITERSTEP"]["tolerance"] == 5e-7
     assert model.settings["STARTDX"] == [(2, 1, 0.2, 1.0)]
+    # The file gives the coordinate itself, a Builder how far it starts from its undeformed place.
+    assert model.builder.starts["node", "2", 1] == pytest.approx((0.2 - model.builder.nodes["2"].start[0], 1.0))
+    assert model.builder.nodes["2"].start[0] != 0
     assert model.settings["USERSIG"] == ("wall", max)
 
 
