@@ -225,8 +225,11 @@ def test_deformed_shape_over_a_ghost_with_a_factor(rolled):
     ghost, beam = (collection(ax, label).get_segments()[0] for label in ("undeformed", "beam"))
     np.testing.assert_allclose(ghost[-1], [LENGTH, 0], atol=1e-12)
     np.testing.assert_allclose(beam[-1], found.at("tip"), atol=1e-12)
-    half = collection(plot.mechanism(model, at=found, scale=0.5), "beam").get_segments()[0]
-    np.testing.assert_allclose(half[-1], (np.array([LENGTH, 0]) + found.at("tip")) / 2, atol=1e-12)
+    halved, half_way = plot.mechanism(model, at=found, scale=0.5), (np.array([LENGTH, 0]) + found.at("tip")) / 2
+    np.testing.assert_allclose(collection(halved, "beam").get_segments()[0][-1], half_way, atol=1e-12)
+    # The moment is drawn at its node.
+    turned = next(text for text in halved.texts if "N m" in text.get_text())
+    np.testing.assert_allclose(turned.get_position(), half_way, atol=1e-12)
     assert "↺ 0.6185 N m" in texts_of(ax)
 
 
