@@ -213,18 +213,18 @@ class Whole:
 
 
 @functools.cache
-def wholes(chain) -> list[Whole]:
+def wholes(chain):
     return [Whole(chain(n)) for n in EXAMPLES]
 
 
 @functools.cache
-def balanced(chain) -> list[tuple[Whole, fm.Equilibrium]]:
+def balanced(chain):
     """Each example with its equilibrium."""
     return [(whole, fm.equilibrium(whole.model)) for whole in wholes(chain)]
 
 
 @functools.cache
-def linearised(chain) -> list[tuple[Whole, fm.Linearization]]:
+def linearised(chain):
     """Each example with its linearisation."""
     return [(whole, fm.linearize(whole.model)) for whole in wholes(chain)]
 
