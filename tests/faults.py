@@ -764,7 +764,7 @@ FAULTS = [
         "statics/configuration.py",
         "return x, tangent.DFx @ qd, e",
         "return x, -tangent.DFx @ qd, e",
-        "motion/test_simulate.py -k past_full_turns",
+        "motion/test_simulate.py -k turns_are_counted",
     ),
     Fault(
         "paths/stepper.py",

@@ -70,8 +70,7 @@ def spinner(mass=1.0, speed=2 * np.pi):
     b.rotation("arm")
     b.add(planar.rigid_beam, "pivot", "arm", "end", name="rod")
     b.fix("pivot")
-    if mass:
-        b.mass("end", mass)
+    b.mass("end", mass)
     b.start("arm", "phi", 0.0, velocity=speed)
     return b
 
@@ -182,11 +181,6 @@ def test_turns(turns):
 def test_mass_from_nothing_to_much(mass):
     found = fm.simulate(spinner(mass).build(), np.array([0.0, 1.0]))
     np.testing.assert_allclose(found.at("end")[-1], [1, 0], atol=1e-5)
-
-
-def test_no_mass_is_refused():
-    with pytest.raises(fm.AnalysisError, match="carries no mass"):
-        fm.simulate(spinner(mass=0.0).build(), np.array([0.0, 1.0]))
 
 
 def test_repeated_frequencies():

@@ -21,15 +21,15 @@ def pendulum() -> fm.Builder:
     return b
 
 
-def double_pendulum() -> fm.Builder:
+def double_pendulum(masses=(1.0, 1.0)) -> fm.Builder:
     """Two point masses on rigid rods of 1 m, at rest, both rods horizontal."""
     b = fm.Builder()
     for i, name in enumerate(("pivot", "upper", "lower")):
         b.node(name, (0.0, -1.0 * i))
-    for rod, p, q in (("first", "pivot", "upper"), ("second", "upper", "lower")):
+    for rod, p, q, mass in (("first", "pivot", "upper", masses[0]), ("second", "upper", "lower", masses[1])):
         b.rotation(rod)
         b.add(planar.rigid_beam, p, rod, q, name=f"arm of {q}")
-        b.mass(q, 1.0)
+        b.mass(q, mass)
         b.start(rod, "phi", np.pi / 2)
     b.fix("pivot", "x", "y")
     b.gravity((0, -9.81))

@@ -5,6 +5,7 @@ import jax
 import numpy as np
 import pytest
 from cases import motions
+from references import motion_references as reference
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -12,20 +13,35 @@ from flexmb import planar, spatial
 SOLVERS = {"alpha": fm.motion.GeneralizedAlpha(), "energy": fm.motion.EnergyKeeping()}
 
 
-@pytest.fixture(scope="module")
-def pendulum():
-    return motions.pendulum().build()
+def test_order_two():
+    """REFERENCES M1, before chaos has grown: the error falls with the square of the step.
+
+    The known failure of trapezoidal steps on bodies that turn is to gain energy, which the energy-keeping steps, as
+    long and as many, do not.
+    """
+    model = motions.double_pendulum().build()
+    times = np.linspace(0, 2, 11)
+    exact = reference.double_pendulum(times)["positions"][-1, 1]
+    for solver in SOLVERS.values():
+        ends = [fm.simulate(model, times, solver=solver, dt0=2 / steps).at("lower")[-1] for steps in (1000, 2000)]
+        errors = np.linalg.norm(np.array(ends) - exact, axis=1)
+        assert errors[0] < 0.02
+        np.testing.assert_allclose(errors[0] / errors[1], 4, rtol=0.05)
+    spread = {}
+    for name, solver in (("trapezoidal", fm.motion.GeneralizedAlpha(1.0)), ("keeping", SOLVERS["energy"])):
+        seen = fm.simulate(model, 10 * times, solver=solver, dt0=0.02).observe()
+        spread[name] = np.ptp(seen.energy) / np.max(seen.kinetic)
+    assert spread["keeping"] < 0.02 * spread["trapezoidal"]
 
 
-@pytest.mark.parametrize("name", SOLVERS)
-def test_order_two(pendulum, name):
-    """REFERENCES D5, closed form at t = 10: the error falls with the square of the step."""
-    errors = []
-    for steps in (1000, 2000):
-        found = fm.simulate(pendulum, np.array([0.0, 10.0]), solver=SOLVERS[name], dt0=10 / steps)
-        errors.append(np.linalg.norm(found.at("mass")[-1] - np.array([-0.2750874626, -0.9614192051])))
-    assert errors[0] < 0.02
-    np.testing.assert_allclose(errors[0] / errors[1], 4, rtol=0.05)
+def test_parts_of_whole_steps():
+    model, times = motions.double_pendulum().build(), np.linspace(0, 0.4, 11)
+    settings = {"solver": SOLVERS["energy"], "dt0": 0.004}
+    whole = fm.simulate(model, times, **settings)
+    parts = fm.simulate(model, times, progress=lambda *counts: None, **settings)
+    assert int(whole.steps) == int(parts.steps) == 100
+    # Newton's method of each step ends at 1e-10 of its start or so.
+    np.testing.assert_allclose(parts.x, whole.x, atol=1e-7)
 
 
 @pytest.fixture(scope="module")
@@ -59,44 +75,32 @@ def recursion(radius, stiffness, u, steps):
     return np.array(found)
 
 
-@pytest.mark.parametrize("radius", [0.0, 0.8, 1.0])
+@pytest.mark.parametrize("radius", [0.0, 0.8])
 def test_what_a_step_does_not_resolve_is_damped(oscillator, radius):
-    """Steps of 160 periods: as the recursion of one coordinate, which dies out but for a radius of one."""
+    """Steps of 160 periods: as the recursion of one coordinate, which dies out."""
     found = fm.simulate(oscillator, np.arange(0.0, 31.0), solver=fm.motion.GeneralizedAlpha(radius), dt0=1.0)
     expected = recursion(radius, 1e6, 1e-6, 30)
     # Positions are near one.
     np.testing.assert_allclose(np.asarray(found.at("mass"))[:, 0] - 1.0, expected, atol=1e-13)
-    late = np.max(np.abs(expected[25:])) / 1e-6
-    assert (late > 0.9) if radius == 1.0 else (late < 0.25)
+    assert np.max(np.abs(expected[25:])) < 0.25 * 1e-6
 
 
-def rod(element, *, space=False, beams=2):
-    """Flexible steel strip under its own weight, pinned in the plane and clamped in space, straight and at rest."""
-    leaf = fm.Rectangle(0.01, 0.001, fm.Material(E=210e9, G=80e9, rho=7850.0))
-    b = fm.Builder()
-    for i in range(beams + 1):
-        b.node(f"n{i}", (0.3 * i / beams, 0, 0) if space else (0.3 * i / beams, 0))
-    for i in range(beams):
-        b.add(element, f"n{i}", f"n{i + 1}", section=leaf, **({"y": (0, 1, 0)} if space else {}))
-    if space:
-        b.fix("n0")
-        b.mass(f"n{beams}", 0.05)
-        b.gravity((0.3, 0.2, -9.81))
-    else:
-        b.fix("n0", "x", "y")
-        b.gravity((0, -9.81))
-    return b.build()
-
-
-@pytest.mark.parametrize(("where", "steps"), [("plane", 5000), ("space", 1000)])
-def test_energy_is_kept_without_a_trend(where, steps):
+def test_energy_is_kept_without_a_trend():
     """A flexible mechanism without losses: round-off alone, at steps that do not resolve its axial vibration.
 
-    ``benchmarks/stability.py`` takes 100 000 steps.
+    A steel strip under its own weight, clamped, straight and at rest; ``benchmarks/stability.py`` takes 100 000 steps.
     """
-    model = rod(planar.beam, beams=1) if where == "plane" else rod(spatial.beam, space=True, beams=1)
+    leaf, steps = fm.Rectangle(0.01, 0.001, fm.Material(E=210e9, G=80e9, rho=7850.0)), 1000
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.3, 0, 0))
+    b.add(spatial.beam, "foot", "tip", section=leaf, y=(0, 1, 0))
+    b.fix("foot")
+    b.mass("tip", 0.05)
+    b.gravity((0.3, 0.2, -9.81))
+    model = b.build()
     times = np.linspace(0, steps * 1e-3, 101)
-    found = fm.simulate(model, times, solver=fm.motion.EnergyKeeping(), dt0=1e-3, max_steps=steps + 1)
+    found = fm.simulate(model, times, solver=SOLVERS["energy"], dt0=1e-3)
     assert int(found.steps) == steps
     seen = found.observe()
     greatest = np.max(seen.kinetic)
@@ -109,23 +113,10 @@ def test_energy_is_kept_without_a_trend(where, steps):
     assert np.max(np.abs(np.asarray(seen.e)[:, held]), initial=0.0) < 1e-12
 
 
-def test_the_trapezoidal_rule_gains_energy_where_the_other_does_not():
-    """The known failure of trapezoidal steps on bodies that turn; the energy-keeping steps are of the same size."""
-    model = motions.double_pendulum().build()
-    times = np.linspace(0, 20, 101)
-    spread = {}
-    for name, solver in (("trapezoidal", fm.motion.GeneralizedAlpha(1.0)), ("keeping", fm.motion.EnergyKeeping())):
-        seen = fm.simulate(model, times, solver=solver, dt0=0.02).observe()
-        spread[name] = np.ptp(seen.energy) / np.max(seen.kinetic)
-    assert spread["keeping"] < 0.02 * spread["trapezoidal"]
-
-
-def test_too_large_a_step_is_named():
-    model = motions.released_guide().build()
-    bent = fm.equilibrium(motions.pushed(model, "left2", 0, 1.0))
-    explicit = dict(solver=diffrax.Dopri8(), controller=diffrax.ConstantStepSize(), dt0=1e-3)
+def test_too_large_a_step_is_named(oscillator):
+    explicit = dict(solver=diffrax.Heun(), controller=diffrax.ConstantStepSize(), dt0=1.0)
     with pytest.raises(fm.AnalysisError, match="smaller dt0") as fault:
-        fm.simulate(model, np.array([0.0, 0.1]), initial=bent, **explicit)
+        fm.simulate(oscillator, np.array([0.0, 100.0]), **explicit)
     assert fault.value.code == "step_too_large"
 
 
@@ -137,9 +128,9 @@ def test_too_large_a_step_is_named():
         ({"dt0": 0.1, "loads": {"mass.x": fm.motion.Table([0.0, 1.0], [0.0, 1.0])}}, "StepTo"),
     ],
 )
-def test_what_fixed_steps_need(pendulum, options, expected):
+def test_what_fixed_steps_need(oscillator, options, expected):
     with pytest.raises(ValueError, match=expected):
-        fm.simulate(pendulum, np.array([0.0, 1.0]), solver=fm.motion.EnergyKeeping(), **options)
+        fm.simulate(oscillator, np.array([0.0, 1.0]), solver=fm.motion.EnergyKeeping(), **options)
 
 
 @pytest.mark.parametrize(

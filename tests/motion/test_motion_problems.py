@@ -155,11 +155,11 @@ def test_balances_of_the_heavy_top():
 
 
 def test_balances_of_four_bars():
-    """Through two singular positions."""
-    panels = Panels(np.linspace(0, 2, 81))
+    """One loop, through ten singular positions."""
+    panels = Panels(np.linspace(0, 10, 401))
     found = fm.simulate(motions.four_bars(1).build(), panels.times, rtol=1e-11, atol=1e-11)
-    exact = reference.fourbar(panels.times, 1)
+    exact = reference.fourbar(panels.times[panels.wanted[::20]], 1)
     # Round-off grows in each of them.
-    np.testing.assert_allclose(found.at("crank0")[:, 0] + np.pi / 2, exact["theta"], atol=1e-8)
-    np.testing.assert_allclose(found.at("top0"), exact["joint"], atol=1e-8)
+    np.testing.assert_allclose(found.at("crank0")[panels.wanted[::20], 0] + np.pi / 2, exact["theta"], atol=1e-8)
+    np.testing.assert_allclose(found.at("top0")[panels.wanted[::20]], exact["joint"], atol=1e-8)
     check_balances(found, panels, step=1e-3, differences=1e-10, integrated=1e-7)

@@ -13,13 +13,13 @@ import pytest
 from cases import motions
 from cases.mechanisms import planar_guide
 from jax.tree_util import Partial
+from references import motion_references as reference
 from references.balances import energy_rate
 from scipy.integrate import solve_ivp
 from scipy.io import loadmat
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.mechanisms import mechanism_path
 from flexmb.motion.simulate import Keywords
 
 
@@ -28,28 +28,28 @@ def pendulum():
     return motions.pendulum().build()
 
 
+# As many as in test_motion_problems.py, with which it shares compiled code.
+TIMES = np.linspace(0, 10, 601)
 PENDULUM = (-0.2750874626, -0.9614192051)  # REFERENCES D5, closed form, t = 10
 
 
-def test_pendulum_in_all_coordinates(pendulum):
-    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9)
+@pytest.fixture(scope="module")
+def swing(pendulum):
+    return fm.simulate(pendulum, TIMES, rtol=1e-9)
+
+
+def test_pendulum_in_all_coordinates(swing):
     # Global error over four swings: some hundred times the tolerance of one step.
-    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
-    seen = found.observe()
+    np.testing.assert_allclose(swing.at("mass")[-1], PENDULUM, atol=2e-7)
+    seen = swing.observe()
     assert np.ptp(seen.energy) < 1e-7 * np.max(seen.kinetic)
     # Round-off of the projection.
     assert np.max(np.abs(seen.e)) < 1e-14
     assert np.max(np.abs(seen.ed)) < 1e-13
 
 
-def test_pendulum_in_its_degree_of_freedom(pendulum):
-    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9, form="reduced")
-    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-6)
-    assert found.form == "reduced"
-
-
 def test_pendulum_by_an_explicit_solver(pendulum):
-    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9, atol=1e-9, solver=diffrax.Dopri8())
+    found = fm.simulate(pendulum, TIMES, rtol=1e-9, atol=1e-9, solver=diffrax.Dopri8())
     np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
     assert found.solver == "Dopri8"
 
@@ -57,8 +57,7 @@ def test_pendulum_by_an_explicit_solver(pendulum):
 def test_pendulum_by_an_implicit_solver_of_diffrax(pendulum):
     """Its root finder takes the tolerances of the steps."""
     found = fm.simulate(pendulum, np.array([0.0, 1.0]), rtol=1e-8, atol=1e-8, solver=diffrax.Kvaerno5())
-    other = fm.simulate(pendulum, np.array([0.0, 1.0]), rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(found.at("mass"), other.at("mass"), atol=1e-7)
+    np.testing.assert_allclose(found.at("mass"), reference.pendulum([0.0, 1.0])["position"], atol=1e-7)
 
 
 def test_order_of_the_default_solver(pendulum):
@@ -78,25 +77,19 @@ def test_order_of_the_default_solver(pendulum):
     assert np.log2(errors[0] / errors[1]) > 4.5, errors
 
 
-# REFERENCES D5: theta, its rate and the energy (zero potential at theta = 0) at t = 10. Asked for is 1e-8;
-# with two loops round-off becomes 3e-8 in ten passages of the position where both lose rank.
-FOUR_BARS = {
-    1: (-30.343944970939, -1.966934719, 20.4533333333, 1e-8),
-    2: (-30.179800860189, -1.506642181, 35.835, 1e-7),
-}
+# REFERENCES D5: theta, its rate and the energy (zero potential at theta = 0) at t = 10; round-off becomes 3e-8 in ten
+# passages of the position where both loops lose rank.
+FOUR_BARS, ENERGY = (-30.179800860189, -1.506642181), 35.835
 
 
-@pytest.mark.parametrize("loops", FOUR_BARS)
-def test_four_bars_pass_their_singular_position(loops):
-    """At theta = 0 and pi the constraints lose rank: it must stay on the branch of the parallelogram."""
-    theta, rate, energy, tolerance = FOUR_BARS[loops]
-    model = motions.four_bars(loops).build()
-    found = fm.simulate(model, np.linspace(0, 10, 21), rtol=1e-11)
-    assert abs(float(found.at("crank0")[-1, 0]) + np.pi / 2 - theta) < tolerance
-    assert abs(float(found.velocity("crank0")[-1, 0]) - rate) < 5 * tolerance
+def test_four_bars_pass_their_singular_position():
+    """At theta = 0 and pi the constraints lose rank: both loops must stay on the branch of the parallelogram."""
+    found = fm.simulate(motions.four_bars(2).build(), np.linspace(0, 10, 21), rtol=1e-11)
+    assert abs(float(found.at("crank0")[-1, 0]) + np.pi / 2 - FOUR_BARS[0]) < 1e-7
+    assert abs(float(found.velocity("crank0")[-1, 0]) - FOUR_BARS[1]) < 5e-7
     np.testing.assert_allclose(found.at("crank1"), found.at("crank0"), atol=1e-7)
     seen = found.observe()
-    np.testing.assert_allclose(seen.energy, seen.energy[0], atol=tolerance * energy)
+    np.testing.assert_allclose(seen.energy, seen.energy[0], atol=1e-7 * ENERGY)
     assert np.max(np.abs(seen.e)) < 1e-9
 
 
@@ -143,36 +136,36 @@ def oscillator():
 
 
 def test_plant_for_python_control():
-    """The same motion by python-control's integration of the plant as by the simulation."""
+    """Python-control's integration of the plant, against the equation of a driven pendulum."""
     b = motions.pendulum()
     b.input("rod", "phi", name="torque")
     b.output("rod", "phi", name="angle")
-    model = b.build()
     times = np.linspace(0, 1, 6)
-    plant = fm.control.to_nonlinear_system(model)
+    plant = fm.control.to_nonlinear_system(b.build())
     assert (plant.ninputs, plant.noutputs, plant.nstates) == (1, 1, 2)
-    driven = control.input_output_response(
-        plant, times, 4 * np.sin(times), solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10}
-    )
-    # python-control draws straight lines between the inputs.
-    loads = {"rod.phi": fm.motion.Table(jnp.asarray(times), jnp.asarray(4 * np.sin(times)))}
-    found = fm.simulate(model, times, loads=loads, rtol=1e-9)
-    np.testing.assert_allclose(np.ravel(driven.outputs), found.at("rod")[:, 0], atol=1e-6)
+    torque = 4 * np.sin(times)
+    driven = control.input_output_response(plant, times, torque, solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10})
+
+    def rate(t, y):
+        # python-control draws straight lines between the inputs.
+        return [y[1], 9.81 * np.cos(y[0]) + np.interp(t, times, torque)]
+
+    exact = solve_ivp(rate, (0, 1), [0, 0], t_eval=times, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(np.ravel(driven.outputs), exact.y[0], atol=1e-6)
 
 
-@pytest.mark.parametrize("ending", ["npz", "mat"])
-def test_a_motion_is_saved_whole(pendulum, tmp_path, ending):
-    found = fm.simulate(pendulum, np.linspace(0, 1, 5))
-    fm.save_motion(found, tmp_path / f"run.{ending}")
-    kept: Any = np.load(tmp_path / "run.npz") if ending == "npz" else loadmat(tmp_path / "run.mat")
-    np.testing.assert_array_equal(kept["x"], found.x)
-    np.testing.assert_allclose(np.ravel(kept["kinetic"]), found.observe().kinetic, rtol=1e-12)
-    assert [str(name).strip() for name in kept["x_names"]] == [str(entry) for entry in found.labels.x]
-    about = json.loads(str(np.ravel(kept["about"])[0]))
-    assert about["result"] == "successful"
-    assert about["units"]["kinetic"] == "J"
+def test_a_motion_is_saved_whole(swing, tmp_path):
+    for ending in ("npz", "mat"):
+        fm.save_motion(swing, tmp_path / f"run.{ending}")
+        kept: Any = np.load(tmp_path / "run.npz") if ending == "npz" else loadmat(tmp_path / "run.mat")
+        np.testing.assert_array_equal(kept["x"], swing.x)
+        np.testing.assert_allclose(np.ravel(kept["kinetic"]), swing.observe().kinetic, rtol=1e-12)
+        assert [str(name).strip() for name in kept["x_names"]] == [str(entry) for entry in swing.labels.x]
+        about = json.loads(str(np.ravel(kept["about"])[0]))
+        assert about["result"] == "successful"
+        assert about["units"]["kinetic"] == "J"
     with pytest.raises(ValueError, match=r"saved as \.npz or \.mat"):
-        fm.save_motion(found, tmp_path / "run.csv")
+        fm.save_motion(swing, tmp_path / "run.csv")
 
 
 def test_sampled_loop_of_a_linear_mechanism_is_that_of_control():
@@ -243,30 +236,47 @@ def test_damped_beams_beside_a_rigid_one_swing_as_one_mass_on_a_damped_spring():
     np.testing.assert_allclose(found.at("left1")[:, 0] / 1e-4, swing, rtol=0, atol=2e-5)
 
 
+def place(stiffness, **options):
+    """Mass on a spring after 0.7 s, and the code of the result."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (1.0, 0))
+    b.add(planar.truss, "foot", "mass", name="spring", section=fm.Rigidity(EA=stiffness))
+    b.fix("foot")
+    b.fix("mass", "y")
+    b.mass("mass", 1.0)
+    b.dof("mass", "x")
+    b.start("mass", "x", 0.1)
+    found = fm.simulate(b.build(), np.array([0.0, 0.7]), rtol=1e-8, max_steps=2000, **options)
+    return found.at("mass")[-1, 0], found.result
+
+
+def exact_place(stiffness):
+    """x = 1 + a cos(omega t) with omega^2 = EA / m, and its derivative by EA."""
+    omega, t = np.sqrt(stiffness), 0.7
+    return 1 + 0.1 * np.cos(omega * t), -0.1 * t * np.sin(omega * t) / (2 * omega)
+
+
 def test_derivative_of_a_motion():
-    """A mass on a spring: x = 1 + a cos(omega t) with omega^2 = EA / m, differentiated by EA in both modes."""
-
-    def place(stiffness, **options):
-        b = fm.Builder()
-        b.node("foot", (0, 0))
-        b.node("mass", (1.0, 0))
-        b.add(planar.truss, "foot", "mass", name="spring", section=fm.Rigidity(EA=stiffness))
-        b.fix("foot")
-        b.fix("mass", "y")
-        b.mass("mass", 1.0)
-        b.dof("mass", "x")
-        b.start("mass", "x", 0.1)
-        return fm.simulate(b.build(), np.array([0.0, 0.7]), rtol=1e-8, **options).at("mass")[-1, 0]
-
-    omega, t = 3.0, 0.7
-    exact = -0.1 * t * np.sin(omega * t) / (2 * omega)
-    _, forward = jax.jvp(lambda s: place(s, adjoint=diffrax.ForwardMode()), (omega**2,), (1.0,))
+    """Forward mode; reverse in the batch below."""
+    (found, _), (forward, _) = jax.jvp(lambda s: place(s, adjoint=diffrax.ForwardMode()), (9.0,), (1.0,))
     # Ten times the tolerance of the integration.
-    np.testing.assert_allclose(forward, exact, rtol=1e-6)
-    np.testing.assert_allclose(jax.grad(place)(omega**2), exact, rtol=1e-6)
+    np.testing.assert_allclose([found, forward], exact_place(9.0), rtol=1e-6)
 
 
-def test_hinge_counts_past_full_turns_in_space():
+def test_derivatives_of_a_batch_whose_motions_take_different_numbers_of_steps():
+    """A batch is its members, one by one, each with steps of its own."""
+    many = np.array([9.0, 900.0])
+    (places, results), slopes = jax.vmap(jax.value_and_grad(place, has_aux=True))(many)
+    assert not np.any(results)
+    expected = exact_place(many)
+    np.testing.assert_allclose(places, expected[0], rtol=1e-6)
+    # The tolerance of a step, over some tens of steps, and times t w for the phase.
+    np.testing.assert_allclose(slopes, expected[1], rtol=1e-5)
+
+
+def test_turns_are_counted_past_full_ones_and_on_from_another_motion():
+    """Steady turning of a wheel on a hinge in space, with a mass on its arm."""
     b = fm.Builder()
     b.node("o", (0, 0, 0))
     b.node("end", (0.1, 0, 0))
@@ -278,8 +288,13 @@ def test_hinge_counts_past_full_turns_in_space():
     b.add(fm.spatial.rigid_beam, "o", "arm", "end", name="bar")
     b.mass("end", 1.0)
     b.start("hinge", 1, 0.0, 10.0)
-    found = fm.simulate(b.build(), np.linspace(0, 2, 5), rtol=1e-8, solver=diffrax.Dopri8())
-    np.testing.assert_allclose(found.observe().e[:, 0], 10.0 * np.linspace(0, 2, 5), rtol=1e-6)
+    model = b.build()
+    first = fm.simulate(model, [0.0, 0.5, 1.0], rtol=1e-8, solver=diffrax.Dopri8())
+    second = fm.simulate(model, [0.5, 1.5, 2.0], initial=first.until(2), rtol=1e-8, solver=diffrax.Dopri8())
+    for found in (first, second):
+        # Some hundred steps of 1e-8 each.
+        np.testing.assert_allclose(found.near[:, 0], 10.0 * found.t, rtol=1e-6)
+    np.testing.assert_allclose(second.observe().e[:, 0], 10.0 * second.t, rtol=1e-6)
 
 
 # -- what is refused ----------------------------------------------------------------------------------------------
@@ -312,60 +327,35 @@ def test_keywords_and_records_are_checked(pendulum):
         fm.simulate(pendulum, [0, 1.0], control=abs, form="reduced")
 
 
-def test_motion_without_mass_is_named():
-    b = motions.pendulum()
-    b.members = {name: member for name, member in b.members.items() if not member.hidden}
-    with pytest.raises(fm.AnalysisError, match="some motion carries no mass") as fault:
-        fm.simulate(b.build(), [0, 1.0])
-    assert fault.value.code == "singular_mass"
-
-
-def test_too_few_steps_keep_what_was_reached(pendulum):
-    found = fm.simulate(pendulum, np.linspace(0, 10, 11), rtol=1e-9, max_steps=100, throw=False)
-    assert fm.RESULTS(int(found.result)) == fm.RESULTS.motion_unfinished
-    reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
-    assert reached[0]
-    assert not reached[-1]
-
-
 def test_a_negative_lumped_inertia_is_refused_by_name_or_right():
-    """The tutorial's (3.9) puts one on a leaf spring's end: mass of all coordinates is indefinite, that of q is not."""
-    model = fm.read_spacar(mechanism_path("pf2d")).builder.build(dofs="named")
-    times, loads = np.linspace(0, 0.01, 3), {"5.x": Partial(jnp.full_like, fill_value=1.0)}
+    """As the tutorial's (3.9) puts one on a leaf spring: mass of all coordinates is indefinite, that of q is not.
+
+    The inertia takes away what the upper mass has too much, and a driven load its weight: M1 is left.
+    """
+    b = motions.double_pendulum(masses=(11.0, 1.0))
+    b.inertia("first", -10.0)
+    b.dof("first", "phi")
+    b.dof("second", "phi")
+    model = b.build()
+    times, loads = np.linspace(0, 2, 5), {"upper.y": Partial(jnp.full_like, fill_value=10 * 9.81)}
     with pytest.raises(fm.AnalysisError, match="reduced") as fault:
-        fm.simulate(model, times, loads=loads)
+        fm.simulate(model, times, loads=loads, solver=diffrax.Dopri8())
     assert fault.value.code == "singular_mass"
-    found = fm.simulate(model, times, loads=loads, form="reduced")
-    # The damped oscillator of the linearised equations, whose numbers are tested against the tutorial.
-    lin = fm.linearize(model)
-    m, d, k = (float(a[0, 0]) for a in (lin.M0, lin.D0, lin.K))
-    root = np.roots([m, d, k])[0]
-    expected = (
-        1 - np.exp(root.real * times) * (np.cos(root.imag * times) - root.real / root.imag * np.sin(root.imag * times))
-    ) / k
-    np.testing.assert_allclose(found.at("5")[:, 0] - 0.1, expected, atol=1e-4 * expected[-1])
+    found = fm.simulate(model, times, loads=loads, form="reduced", rtol=1e-9)
+    assert found.form == "reduced"
+    exact = reference.double_pendulum(times)["positions"]
+    # Some hundred times the tolerance of one step.
+    for i, name in enumerate(("upper", "lower")):
+        np.testing.assert_allclose(found.at(name), exact[:, i], atol=1e-7)
 
 
 def test_in_parts(pendulum):
-    """What is watched is what is computed at once, and turns are counted on."""
-    times = np.linspace(0, 10, 41)
+    """What is watched is what is computed at once."""
     calls = []
-    found = fm.simulate(pendulum, times, rtol=1e-9, progress=lambda *counts: calls.append(counts))
+    found = fm.simulate(pendulum, TIMES, rtol=1e-9, progress=lambda *counts: calls.append(counts))
     # As for the whole: some hundred times the tolerance of one step.
     np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
     assert calls == [(i + 1, 50) for i in range(50)]
-    later = fm.simulate(pendulum, times[20:], rtol=1e-9, initial=found.until(21))
-    np.testing.assert_allclose(later.at("mass")[-1], PENDULUM, atol=2e-7)
-
-
-def test_parts_of_whole_steps(pendulum):
-    times = np.linspace(0, 1, 5)
-    settings = {"solver": fm.motion.EnergyKeeping(), "dt0": 0.01}
-    whole = fm.simulate(pendulum, times, **settings)
-    parts = fm.simulate(pendulum, times, progress=lambda *counts: None, **settings)
-    assert int(whole.steps) == int(parts.steps) == 100
-    # Newton's method of each step ends at 1e-10 of its start or so.
-    np.testing.assert_allclose(parts.x, whole.x, atol=1e-7)
 
 
 def test_stopped_from_the_keyboard(pendulum):
@@ -373,66 +363,8 @@ def test_stopped_from_the_keyboard(pendulum):
         if done == of // 2:
             raise KeyboardInterrupt
 
-    found = fm.simulate(pendulum, np.linspace(0, 10, 41), rtol=1e-9, progress=interrupt)
+    found = fm.simulate(pendulum, TIMES, rtol=1e-9, progress=interrupt)
     assert int(found.result) == fm.RESULTS.stopped
-    assert found.t.shape == (20,)
-    assert found.x.shape[0] == found.xd.shape[0] == 20
+    assert found.t.shape == (300,)
+    assert found.x.shape[0] == found.xd.shape[0] == 300
     assert np.all(np.isfinite(found.observe().energy))
-
-
-def test_turns_are_counted_on_from_another_motion():
-    b = fm.Builder()
-    b.node("o", (0, 0, 0))
-    b.fix("o")
-    b.rotation("ground")
-    b.rotation("wheel")
-    b.fix("ground")
-    b.add(fm.spatial.hinge, "ground", "wheel", name="hinge", axis=(0, 0, 1.0))
-    b.inertia("wheel", np.eye(3))
-    b.start("hinge", 1, 0.0, velocity=2 * np.pi)
-    model = b.build()
-    first = fm.simulate(model, np.array([0.0, 1.5, 3.0]), rtol=1e-8)
-    second = fm.simulate(model, np.array([3.0, 4.0, 5.0]), initial=first, rtol=1e-8)
-    # Steady turning; some hundred steps of 1e-8 each.
-    np.testing.assert_allclose(second.near[:, 0], 2 * np.pi * second.t, rtol=1e-6)
-
-
-def test_batch_of_simulations(pendulum):
-    """A batch is its members, one by one."""
-    times = np.linspace(0, 1, 3)
-
-    def end(gravity):
-        parameters = pendulum.parameters
-        loads = dataclasses.replace(parameters.loads, gravity=jnp.array([0.0, -gravity]))
-        model = dataclasses.replace(pendulum, parameters=dataclasses.replace(parameters, loads=loads))
-        motion = fm.simulate(model, times, rtol=1e-8, throw=False)
-        return motion.at("mass")[-1], motion.result
-
-    many = jnp.array([9.81, 1.62, 24.8])
-    places, results = jax.vmap(end)(many)
-    assert not np.any(results)
-    # Each has steps of its own; the error of one simulation is some hundred tolerances of a step.
-    np.testing.assert_allclose(places, [end(g)[0] for g in many], atol=1e-6)
-
-
-def test_derivatives_of_a_batch_whose_motions_take_different_numbers_of_steps():
-    """A mass on a spring under a sudden force: x = F/k (1 - cos wt), w^2 = k/m, with the derivative by k."""
-    force, mass, t = 5.0, 2.0, 0.5
-
-    def moved(k):
-        b = fm.Builder()
-        b.node("wall", (0, 0))
-        b.node("mass", (1, 0))
-        b.add(planar.truss, "wall", "mass", section=fm.Rigidity(EA=k))
-        b.fix("wall")
-        b.fix("mass", "y")
-        b.mass("mass", mass)
-        b.dof("mass", "x")
-        b.force("mass", (force, 0))
-        return fm.simulate(b.build(), [0.0, t], rtol=1e-8).at("mass")[-1, 0] - 1
-
-    k = np.array([10.0, 1000.0])
-    w = np.sqrt(k / mass)
-    expected = -force / k**2 * (1 - np.cos(w * t)) + force / k * np.sin(w * t) * t / (2 * np.sqrt(k * mass))
-    # The tolerance of a step, over some tens of steps, and times t w for the phase.
-    np.testing.assert_allclose(jax.vmap(jax.grad(moved))(k), expected, rtol=1e-5)

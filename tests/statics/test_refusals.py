@@ -4,7 +4,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import mechanisms
 from scipy.optimize import brentq
 
 import flexmb as fm
@@ -338,7 +337,7 @@ def test_a_third_leaf_spring_that_cannot_stretch_is_refused_by_name(lean, code, 
 
 def test_modes_under_a_trace():
     with pytest.raises(TypeError, match="frequencies"):
-        jax.grad(lambda t: fm.modes(mechanisms.planar_guide(t).build()).frequencies[0])(5e-4)
+        jax.grad(lambda load: fm.modes(side_loaded(1, load, lengthwise=-1.0)).frequencies[0])(1.0)
 
 
 def side_loaded(beams, load, released=None, lengthwise=0.0):
@@ -359,7 +358,8 @@ def test_what_round_off_would_buckle_is_unbounded(released, load):
     model = side_loaded(1, load, released)
     assert not np.any(np.isfinite(fm.buckling_loads(model)))
     assert len(fm.buckling(model).multipliers) == 0
-    assert not np.any(np.isfinite(fm.path(model).multipliers[1:]))
+    if released is None:
+        assert not np.any(np.isfinite(fm.path(model).multipliers[1:]))
 
 
 @pytest.mark.parametrize("load", [1e-5, 1e-3, 1.0])
@@ -383,7 +383,7 @@ def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
         b.dof("1", "x", "y", "phi")
         return fm.buckling_loads(b.build())
 
-    found = jax.jacfwd(first)(5e-4)
+    loads, found = jax.jvp(first, (5e-4,), (1.0,))
     # With the cube of the thickness, but for the strain P/EA.
-    np.testing.assert_allclose(found[:2], 3 * first(5e-4)[:2] / 5e-4, rtol=1e-6)
+    np.testing.assert_allclose(found[:2], 3 * loads[:2] / 5e-4, rtol=1e-6)
     assert np.all(np.isfinite(found[:2]))

@@ -10,43 +10,36 @@ from flexmb import planar, spatial
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
 
 
-def frame(thickness=5e-4, floors=3, columns=3):
-    """A rack under its own weight and a force at its corner."""
-    section = fm.Rectangle(0.018, thickness, STEEL)
-    b = fm.Builder()
-    for i in range(columns):
-        for j in range(floors + 1):
-            b.node(f"n{i}_{j}", (0.05 * i, 0.05 * j))
-    for i in range(columns):
-        for j in range(floors):
-            b.add(planar.beam, f"n{i}_{j}", f"n{i}_{j + 1}", section=section)
-            if i + 1 < columns:
-                b.add(planar.beam, f"n{i}_{j + 1}", f"n{i + 1}_{j + 1}", section=section)
-        b.fix(f"n{i}_0")
-    b.force(f"n{columns - 1}_{floors}", (0.2, -0.1))
-    b.gravity((0, -9.81))
-    return b
-
-
 def arm(thickness=1e-3):
-    """A right-angled arm in space with a rigid middle, an elongation FIXED, its tip prescribed in one direction."""
+    """A right-angled arm in space under its own weight.
+
+    With a rigid middle, an elongation FIXED, a side branch, its tip prescribed in one direction.
+    """
     section = fm.Rectangle(0.01, thickness, STEEL)
     b = fm.Builder()
-    for name, place in {"a": (0, 0, 0), "b": (0.1, 0, 0), "c": (0.1, 0.03, 0), "d": (0.1, 0.1, 0.02)}.items():
+    for name, place in {
+        "a": (0, 0, 0),
+        "b": (0.1, 0, 0),
+        "c": (0.1, 0.03, 0),
+        "d": (0.1, 0.1, 0.02),
+        "e": (0.15, 0, 0),
+    }.items():
         b.node(name, place)
     b.add(spatial.beam, "a", "b", section=section, y=(0, 1, 0), released=(2, 3, 4, 5, 6))
     b.add(spatial.beam, "b", "c", y=(0, 0, 1))
     b.add(spatial.beam, "c", "d", section=section, y=(0, 0, 1))
+    b.add(spatial.beam, "b", "e", section=section, y=(0, 0, 1))
     b.fix("a")
+    b.fix("e")
     b.mass("d", 0.02)
+    b.gravity((0, 0.5, -9.81))
     b.prescribe("d", "z", 0.002)
     b.force("d", (0.3, 0.0, 0.0))
     return b
 
 
-@pytest.mark.parametrize("mechanism", [frame, arm])
-def test_answers_are_those_of_the_dense_path(mechanism):
-    dense, sparse = mechanism().build(), mechanism().build(check=False)
+def test_answers_are_those_of_the_dense_path():
+    dense, sparse = arm().build(), arm().build(check=False)
     one, other = fm.equilibrium(dense), fm.equilibrium(sparse, sparse=True)
     # Both iterate to 1e-9 of the extent, beyond which the error is its square.
     for name in ("x", "e", "reactions"):
@@ -61,17 +54,17 @@ def test_derivatives_are_those_of_central_differences():
     start = 1e-3
 
     def tip(thickness):
-        return fm.equilibrium(arm(thickness).build(check=False), sparse=True).x[-4]
+        found = fm.equilibrium(arm(thickness).build(check=False), sparse=True)
+        return found.at("d")[0]
 
     def first(thickness):
         return fm.frequencies(arm(thickness).build(check=False), count=2, sparse=True)[0]
 
     h = 1e-4 * start
-    for function in (tip, first):
+    for function, derivative in ((tip, jax.grad), (first, jax.jacfwd)):
         difference = (float(function(start + h)) - float(function(start - h))) / (2 * h)
         # Truncation h^2, round-off 1e-10 over h.
-        assert float(jax.grad(function)(start)) == pytest.approx(difference, rel=1e-6)
-        assert float(jax.jacfwd(function)(start)) == pytest.approx(difference, rel=1e-6)
+        assert float(derivative(function)(start)) == pytest.approx(difference, rel=1e-6)
 
 
 def test_a_thousand_beams_against_the_closed_form():
@@ -114,11 +107,11 @@ def test_what_is_refused():
     with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
         fm.equilibrium(b.build(check=False), sparse=True)
     with pytest.raises(ValueError, match="`count`"):
-        fm.frequencies(frame().build(check=False), sparse=True)
+        fm.frequencies(arm().build(check=False), sparse=True)
     with pytest.raises(fm.ModelError, match="few of many"):
-        fm.frequencies(frame().build(check=False), count=1000, sparse=True)
+        fm.frequencies(arm().build(check=False), count=1000, sparse=True)
     with pytest.raises(TypeError, match=r"outside jax\.jit"):
-        jax.jit(lambda model: fm.equilibrium(model, sparse=True).x)(frame().build(check=False))
+        jax.jit(lambda model: fm.equilibrium(model, sparse=True).x)(arm().build(check=False))
     b.fix("a")
     b.force("b", (0, 1.0), follower=True)
     with pytest.raises(fm.ModelError, match="takes dead loads"):
