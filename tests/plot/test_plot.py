@@ -5,13 +5,12 @@ import dataclasses
 import matplotlib as mpl
 import numpy as np
 import pytest
+from cases.commands import command
 from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
-from typer.testing import CliRunner
 
 import flexmb as fm
 from flexmb import planar, plot, spatial
 from flexmb.answers.answers import Answer
-from flexmb.cli import app
 from flexmb.elements.nodes import Angle, Point2, Point3
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.answer import image
@@ -510,7 +509,7 @@ def test_plot_on_the_command_line(tmp_path, name, mode, suffix, words):
     target = tmp_path / f"picture.{suffix}"
     # Text stays text in the file, so that it can be read here.
     with mpl.rc_context({"svg.fonttype": "none"}):
-        result = CliRunner().invoke(app, ["run", str(mechanism_path(name)), "--mode", str(mode), "--plot", str(target)])
+        result = command("run", mechanism_path(name), "--mode", mode, "--plot", target)
     assert result.exit_code == 0, result.output
     content = target.read_bytes()
     assert words is None or words in content.decode()
@@ -531,7 +530,7 @@ def test_path_and_motion_are_drawn_beside_where_they_end(snapping, swinging):
 
 def test_demo_leaves_a_picture_and_says_where(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(app, ["demo", "pf1dtrx"])
+    result = command("demo", "pf1dtrx")
     assert result.exit_code == 0, result.output
     assert f"picture: {tmp_path / 'pf1dtrx.png'}" in result.stdout
     assert (tmp_path / "pf1dtrx.png").read_bytes().startswith(b"\x89PNG")
@@ -540,7 +539,7 @@ def test_demo_leaves_a_picture_and_says_where(tmp_path, monkeypatch):
 @pytest.mark.parametrize("target", ["picture.pdf", "nowhere/picture.png"])
 def test_plot_refuses_before_anything_is_computed(tmp_path, monkeypatch, target):
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(app, ["run", str(mechanism_path("pf1dtrx")), "--mode", "7", "--plot", target])
+    result = command("run", mechanism_path("pf1dtrx"), "--mode", 7, "--plot", target)
     assert result.exit_code == 2
     assert target in result.stderr
     assert result.stderr.count("\n") == 1
