@@ -11,12 +11,11 @@ from functools import partial
 import numpy as np
 import pytest
 import scipy.io
-from typer.testing import CliRunner
+from cases.commands import command as call
 
 import flexmb as fm
 from flexmb.answers import answers
 from flexmb.answers.mode import Found
-from flexmb.cli import app
 from flexmb.errors import warn
 from flexmb.files import write_whole
 from flexmb.mechanisms import mechanism_path, mechanisms
@@ -40,10 +39,6 @@ INSIDE = {
     ("steps", 4): {"time", "frequencies_hz", "A", "B", "C", "D"} | SECOND_ORDER,
     ("path", 10): (STATE | {"load_factor", "eigenvalues", "frequencies_hz", "load_multipliers", "compliance"}),
 }
-
-
-def call(*arguments):
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 def program(*arguments, **options):
@@ -77,11 +72,27 @@ HALT
 INPUTF 1 2 1"""
 
 
+@pytest.fixture
+def swing(tmp_path, monkeypatch):
+    """Writes the file, with other lines where asked; all its motions are one structure and end after 50 steps."""
+    monkeypatch.setattr("flexmb.answers.motion.simulate", partial(fm.simulate, max_steps=50))
+
+    def write(**lines):
+        text = mechanism_path("pf1dtrx").read_text().replace("XF 2 1\n", "")
+        text = re.sub("END\nHALT\n+INPUTF 1 2 1", SWING, text)
+        for keyword, line in lines.items():
+            text, count = re.subn(f"(?m)^{keyword} .*$", f"{keyword} {line}", text)
+            assert count == 1
+        path = tmp_path / "swing.dat"
+        path.write_text(text)
+        return path
+
+    return write
+
+
 @pytest.mark.parametrize("mode", [1, 4])
-def test_json_of_a_motion(mode, tmp_path):
-    text = mechanism_path("pf1dtrx").read_text().replace("XF 2 1\n", "")
-    path = tmp_path / "swing.dat"
-    path.write_text(re.sub("END\nHALT\n+INPUTF 1 2 1", SWING, text))
+def test_json_of_a_motion(mode, swing):
+    path = swing()
     result = call("run", path, "--mode", mode, "--json", "-")
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"], data["warnings"]) == (0, "ok", [])
@@ -439,7 +450,7 @@ def test_the_same_of_every_command(command, monkeypatch, tmp_path):
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "flexmb: RuntimeError: surprise (--debug shows where)\n"
     with pytest.raises(RuntimeError, match="surprise"):
-        CliRunner().invoke(app, [command, *map(str, given), "--debug"], catch_exceptions=False)
+        call(command, *given, "--debug", catch_exceptions=False)
 
 
 @pytest.mark.parametrize(
@@ -460,11 +471,9 @@ def test_check_is_mode_0(name, status, tmp_path):
 
 
 @pytest.mark.parametrize("mode", [1, 4])
-def test_a_motion_that_ends_early_is_no_answer(mode, tmp_path, monkeypatch):
-    monkeypatch.setattr("flexmb.answers.motion.simulate", partial(fm.simulate, max_steps=3))
-    path = tmp_path / "swing.dat"
-    path.write_text(re.sub("END\nHALT\n+INPUTF 1 2 1", SWING, mechanism_path("pf1dtrx").read_text()))
-    result = call("run", path, "--mode", mode, "--json", "-")
+def test_a_motion_that_ends_early_is_no_answer(mode, swing):
+    # A hundred times as long.
+    result = call("run", swing(TIMESTEP="2 4"), "--mode", mode, "--json", "-")
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"]) == (1, "motion_unfinished")
     assert result.stderr.startswith("swing.dat: motion_unfinished: ")
@@ -496,7 +505,7 @@ def warned_by_the_package(model, **given):
 @pytest.mark.parametrize("mode", [0, 7, 9])
 def test_incremental_loads_that_do_not_act_are_told(mode, tmp_path):
     path = tmp_path / "more.dat"
-    path.write_text(mechanism_path("pf2d").read_text().replace("XM 3", "DELXF 3 1\nXM 3"))
+    path.write_text(mechanism_path("pf1dtrx").read_text().replace("XM 2", "DELXF 2 1\nXM 2"))
     data = json.loads(call("run", path, "--mode", mode, "--json", "-").stdout)
     told = [f"Incremental loads (DELXF, DELESIG, DELINPX, DELINPE) act in modes 8 and 10: mode {mode} answers without"]
     assert [w[: len(told[0])] for w in data["warnings"]] == (told if mode else [])
@@ -625,11 +634,8 @@ END
 """
 
 
-def test_a_motion_that_cannot_begin_has_no_states(tmp_path):
-    path = tmp_path / "light.dat"
-    text = re.sub("END\\nHALT\\n+INPUTF 1 2 1", SWING, mechanism_path("pf1dtrx").read_text())
-    path.write_text(re.sub("(?m)^(XM|EM) .*$", "", text))
-    result = call("run", path, "--mode", "1", "--json", "-")
+def test_a_motion_that_cannot_begin_has_no_states(swing):
+    result = call("run", swing(XM="2 0", EM="1 0"), "--mode", "1", "--json", "-")
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"]) == (1, "singular_mass")
     assert not {"time", "trajectory", "x", "energy"} & set(data)
@@ -655,11 +661,15 @@ def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
     assert result.stderr.startswith("held.dat: not_valid: Output 'stress 1.1' is the stress of a fixed deformation")
 
 
+# A wheel on a torsion spring.
+WHEEL = "PLTOR 1 1 2\nFIX 1\nRLSE 1 1\nDYNX 2 1\nEND\nHALT\nXM 2 -0.01\nESTIFF 1 1\nTIMESTEP 0.02 4\nEND\nEND\n"
+
+
 @pytest.mark.parametrize("mode", [1, 7, 8, 9])
 def test_a_negative_mass_is_refused_in_every_mode(mode, tmp_path):
     path = tmp_path / "negative.dat"
-    text = mechanism_path("pf2d3dof").read_text()
-    path.write_text(re.sub("(?m)^XM 4 .*$", "XM 4 -0.01\nTIMESTEP 0.01 2", text))
+    guide = re.sub("(?m)^XM 4 .*$", "XM 4 -0.01", mechanism_path("pf2d3dof").read_text())
+    path.write_text(WHEEL if mode == 1 else guide)
     result = call("run", path, "--mode", mode, "--json", "-")
     assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "singular_mass")
     assert result.stderr.startswith("negative.dat: singular_mass: The mass matrix is singular")

@@ -16,9 +16,8 @@ from typing import NamedTuple
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import pytest
-from typer.testing import CliRunner
+from cases.commands import command
 
-from flexmb.cli import app
 from flexmb.spacar.keywords import DRAWN, REFUSED, ROWS
 
 ROOT = Path(__file__).parents[1]
@@ -76,7 +75,7 @@ def run_commands(text: str) -> str:
     for line in text.splitlines():
         words = shlex.split(line, comments=True)
         if words[:1] == ["flexmb"]:
-            result = CliRunner().invoke(app, words[1:])
+            result = command(*words[1:])
             assert result.exit_code == 0, f"{line}\n{result.output}"
             printed.append(result.stdout)
     return "\n".join(printed)

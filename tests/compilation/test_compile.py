@@ -92,6 +92,18 @@ def guide(mass: str = "C") -> fm.Model:
 
 
 TIMES = np.linspace(0.0, 0.01, 3)
+
+
+def moved(model):
+    """All that is asked of a motion."""
+    motion = fm.simulate(model, TIMES)
+    return motion.observe(), fm.motion.linearize_motion(motion)
+
+
+def controlled(model):
+    return fm.simulate(model, TIMES, control=lambda t, y: -y).observe()
+
+
 ANALYSES = {
     "build": lambda model: guide(),
     "mobility": fm.mobility,
@@ -108,10 +120,8 @@ ANALYSES = {
     "compliance": lambda model: fm.compliance(model, "B"),
     "to_statespace": fm.to_statespace,
     "path": fm.path,
-    "simulate": lambda model: fm.simulate(model, TIMES),
-    "motion": lambda model: fm.motion.linearize_motion(fm.simulate(model, TIMES)),
-    "observe": lambda model: fm.simulate(model, TIMES).observe(),
-    "controlled": lambda model: fm.simulate(model, TIMES, control=lambda t, y: -y),
+    "motion": moved,
+    "controlled": controlled,
 }
 
 
@@ -143,10 +153,10 @@ def test_however_a_number_is_given_the_kernel_is_the_same(compilations):
 
 
 def test_names_compile_nothing(compilations):
-    fm.simulate(guide(), TIMES, control=lambda t, y: -y).observe()
+    controlled(guide())
     other = guide("another name")
     compilations.clear()
-    fm.simulate(other, TIMES, control=lambda t, y: -y).observe()
+    controlled(other)
     assert compilations == []
 
 

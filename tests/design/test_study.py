@@ -6,10 +6,9 @@ import os
 import jax
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from cases.commands import command as call
 
 import flexmb as fm
-from flexmb.cli import app
 from flexmb.design.study import sweep_answer
 from flexmb.design.study_file import read_study
 from flexmb.design.sweep import Sweep
@@ -75,10 +74,6 @@ def study(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     return path
-
-
-def call(*arguments):
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 def frequency(t):

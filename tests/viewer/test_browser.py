@@ -166,13 +166,8 @@ PAGES = (
 def pages(modes):
     """One of each kind that README names; the bar of the guide and the mast on the cart have no stress."""
     model, lin = modes.lin.model, modes.lin
-    b = cart()
-    b.node("mast", (1, 0.5))
-    b.rotation("top")
-    b.add(planar.rigid_beam, "cart", "top", "mast", name="pole")
-    b.fix("top")
-    moved = b.build()
-    path, motion = fm.path(moved, step=0.5), fm.simulate(moved, np.array([0.0, 0.1, 0.3]))
+    moved = cart().build()
+    path, motion = fm.path(moved, step=0.5), swing(moved)
     along = fm.motion.linearize_motion(motion)
     free = hinged()
     return {
@@ -190,7 +185,7 @@ def pages(modes):
         ),
         "motion": fm.view(motion),
         "motion with stress": fm.view(
-            motion, [fm.linear.section_resultants(moved, at=along.instant(i)) for i in range(3)]
+            motion, [fm.linear.section_resultants(moved, at=along.instant(i)) for i in range(4)]
         ),
         "mobility": fm.view(fm.mobility(spatial_guide().build(check=False))),
         "mobility without fault": fm.view(fm.mobility(model)),
@@ -362,6 +357,7 @@ def test_every_control_has_a_name_for_a_screen_reader(page):
 
 
 def cart():
+    """A mass on a wire, and a mast on it."""
     b = fm.Builder()
     b.node("wall", (0, 0))
     b.node("cart", (1, 0))
@@ -371,12 +367,20 @@ def cart():
     b.mass("cart", 4.0)
     b.force("cart", (1.0, 0))
     b.start("cart", "x", 0.1)
+    b.node("mast", (1, 0.5))
+    b.rotation("top")
+    b.add(planar.rigid_beam, "cart", "top", "mast", name="pole")
+    b.fix("top")
     return b
+
+
+def swing(model):
+    return fm.simulate(model, np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
 
 
 def test_a_motion_plays_its_states(browser, tmp_path):
     model = cart().build()
-    motion = fm.simulate(model, np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
+    motion = swing(model)
     forces = [fm.linear.section_resultants(model, load_factor=factor) for factor in (0.0, 1.0, 3.0, -4.0)]
     page = opened(browser, fm.view(motion, forces, "normal force"), tmp_path)
     page.execute_script("window.flexmb.seek(0.2)")

@@ -10,13 +10,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cases.commands import command
 from cases.mechanisms import LENGTH, THICKNESS, WIDTH, leaf, planar_guide, spatial_guide
-from typer.testing import CliRunner
 
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import Answer
-from flexmb.cli import app
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.geometry import PLACES, lines
 from flexmb.plot.modes import factor_of
@@ -355,7 +354,7 @@ def test_a_path_takes_one_stress_for_each_state(pressed):
 )
 def test_plot_on_the_command_line(tmp_path, name, mode, words):
     target = tmp_path / "page.html"
-    result = CliRunner().invoke(app, ["run", str(mechanism_path(name)), "--mode", str(mode), "--plot", str(target)])
+    result = command("run", mechanism_path(name), "--mode", mode, "--plot", target)
     assert result.exit_code == 0, result.output
     assert words in target.read_text()
 
