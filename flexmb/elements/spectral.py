@@ -151,7 +151,7 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
         (n, fields, order) [-].
 
     Source:
-        THEORY.md 2.
+        THEORY.md 2, eq. (2.11) and (2.21).
     """
     traced = isinstance(places, jax.Array)
     polynomials = (legendre_values_at if traced else legendre_values)(order, places)

@@ -1,5 +1,7 @@
 """Sections that vary along a spectral beam, against shooting and closed forms."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -86,7 +88,8 @@ def test_compliance_of_a_circular_notch(space):
         element, end, moment = spatial.spectral_beam(3, shear=True), (2 * r, 0, 0), (0, 1e-3, 0)
 
         def shearing(place, length):
-            return fm.Rectangle(width, notch.at(place, length).thickness, STEEL, shear=True)
+            at: Any = notch.at(place, length)
+            return fm.Rectangle(width, at.thickness, STEEL, shear=True)
 
         section = sections.Profile(shearing, notch.breaks_at)
     b = cantilever(element, section, end)

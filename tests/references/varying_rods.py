@@ -1,4 +1,4 @@
-"""Cantilevers whose rigidities vary along their length, by shooting from the foot: written apart from flexmb.
+"""Cantilevers whose rigidities vary along their length, by shooting from the foot: written apart from flexmb (A13).
 
 In space, with the frame R of the section and the forces n and moments m that act on the part before a cut,
     r' = R (1 + N/EA, 0, 0) with N = (R^T n) x,    R' = R hat(R^T m / (GIt, EIy, EIz)),    m' = -r' x n,    n = F
