@@ -12,6 +12,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
+from ..elements.profile import Profile
 from ..elements.sections import Rigidity
 from ..math.indices import put
 from ..mechanics.blocks import with_meaning
@@ -171,9 +172,14 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
 
 
 def _structure(properties: dict[str, Any]) -> Any:
-    """What two elements must have in common to be stacked: anything but the numbers and the kinds of section."""
+    """What two elements must have in common to be stacked: anything but the numbers and the kinds of section.
+
+    Sections that vary along the element are stacked with those of the same function alone.
+    """
     options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
     rest = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
+    if isinstance(section := properties.get("section"), Profile):
+        rest["section"] = section
     leaves, structure = jax.tree.flatten(rest)
     return options, structure, tuple(np.shape(leaf) for leaf in leaves)
 

@@ -13,6 +13,7 @@ from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3
 from ..errors import ModelError
+from ..mechanics.deformation import in_undeformed
 from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble, stack
@@ -517,7 +518,8 @@ class Builder(Description):
         if check:
             warn_of_idle(self)
         model, before = assemble(self), next_carried()
-        if not is_concrete(model.parameters.reference):
+        blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
+        if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):
             if before is not None and (twin := as_in(self, before)) is not self:
                 return note(check_inputs(assemble(twin), twin))
             if not self.dofs and dofs == "auto":

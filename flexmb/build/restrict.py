@@ -12,6 +12,7 @@ from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR
 from ..elements.tie import Part, tie
 from ..math.subspace import independent_rows
+from ..mechanics.blocks import deforming
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Block, RoleIndices, Topology
@@ -58,7 +59,8 @@ class Restriction(Record):
         more = self.topology.n_e - model.topology.n_e
         properties = own.properties
         if more:
-            parts = tuple(model.topology.blocks[i].element.of_deformation(own.properties[i]) for i in self.tied)
+            blocks = [(model.topology.blocks[i], own.properties[i]) for i in self.tied]
+            parts = tuple(block.element.of_deformation(deforming(block, given)) for block, given in blocks)
             of = tuple(jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], part) for part in parts)
             properties = (*properties, {"weights": self.weights, "of": of})
 

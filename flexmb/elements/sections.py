@@ -1,153 +1,22 @@
-"""Cross-sections and materials: leaf-spring dimensions to rigidities and mass.
+"""Cross-sections and materials: leaf-spring dimensions to rigidities and mass; axes as in :mod:`.section`."""
 
-A section's local y and z axes are the element's. ``EIy`` resists bending that displaces along z (deformations 3
-and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that displaces along y.
-"""
-
-import abc
-import dataclasses
-from typing import Any, Literal
+from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, shown
-from ..compilation.record import Record, static
-from ..errors import ModelError
+from ..arguments import check_number, is_concrete, shown
+from ..compilation.record import static
 from . import surface
-
-Scalar = float | Float[Array, ""]
-
-
-class Material(Record):
-    """Isotropic linear material.
-
-    Attributes:
-        E: Young's modulus [Pa].
-        G: Shear modulus [Pa].
-        rho: Density [kg/m^3].
-        nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
-    """
-
-    E: Scalar
-    G: Scalar
-    rho: Scalar = 0.0
-    nu: Scalar | None = None
-
-    def poisson(self) -> Scalar:
-        """Poisson's ratio, () [-]."""
-        return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
-
-
-class Section(Record):
-    """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers.
-
-    A section with a shape also says what stress it has, by :meth:`stress`.
-    """
-
-    @abc.abstractmethod
-    def rigidity(self) -> "Rigidity":
-        """Rigidities and mass per length of the section."""
-
-    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """Stress at eight points of the surface.
-
-        Args:
-            resultants: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], (6,).
-
-        Returns:
-            Stress along x and shear stress along the surface, counter-clockwise about x, (8,) [Pa].
-
-        Raises:
-            ModelError: The section has no shape.
-
-        Source:
-            :mod:`flexmb.elements.surface`.
-        """
-        raise ModelError(f"A section of kind {type(self).__name__} has no shape, and so no stress.")
-
-    @property
-    def has_shape(self) -> bool:
-        """Whether :meth:`stress` answers."""
-        return type(self).stress is not Section.stress
-
-    def faults(self) -> list[str]:
-        """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
-        return _faults(self, at_least_zero=("rho",))
-
-
-class Rigidity(Section):
-    """A section given by its numbers. What is not given is zero, a shear compliance of zero means rigid in shear.
-
-    Attributes:
-        EA: Axial rigidity [N].
-        EIy: Bending rigidity about local y [N m^2]; the bending rigidity of a planar beam.
-        EIz: Bending rigidity about local z [N m^2].
-        GIt: Torsional rigidity [N m^2].
-        shear_z: EIy/(GAk) for displacement along z [m^2].
-        shear_y: EIz/(GAk) for displacement along y [m^2].
-        mass: Mass per length [kg/m].
-        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
-    """
-
-    EA: Scalar = 0.0
-    EIy: Scalar = 0.0
-    EIz: Scalar = 0.0
-    GIt: Scalar = 0.0
-    shear_z: Scalar = 0.0
-    shear_y: Scalar = 0.0
-    mass: Scalar = 0.0
-    Jx: Scalar = 0.0
-    Jy: Scalar = 0.0
-    Jz: Scalar = 0.0
-    Jyz: Scalar = 0.0
-
-    def rigidity(self) -> "Rigidity":
-        """The numbers themselves."""
-        return self
-
-    def faults(self) -> list[str]:
-        """A rigidity or mass below zero; the product of inertia has either sign."""
-        return _faults(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
-
-
-def _faults(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
-    found = []
-    for field in dataclasses.fields(record):
-        value = getattr(record, field.name)
-        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu"):
-            continue
-        if isinstance(value, Record):
-            found += _faults(value, at_least_zero)
-            nu = value.nu if isinstance(value, Material) else None
-            if nu is not None and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)):
-                found.append(f"nu = {nu}, but it must be above -1 and at most 0.5")
-        elif field.name in at_least_zero:
-            found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
-        elif not np.all(np.asarray(value) > 0):
-            found.append(f"{field.name} = {value}, but it must be positive")
-    return found
-
-
-class Damping(Record):
-    """Damping rigidities of a beam or truss, in the same places as its stiffness.
-
-    Attributes:
-        EA: Axial [N s].
-        EIy: Bending about local y [N m^2 s]; the bending of a planar beam.
-        EIz: Bending about local z [N m^2 s].
-        GIt: Torsion [N m^2 s].
-    """
-
-    EA: Scalar = 0.0
-    EIy: Scalar = 0.0
-    EIz: Scalar = 0.0
-    GIt: Scalar = 0.0
-
-    def faults(self) -> list[str]:
-        """What is wrong with the numbers, all concrete: none is negative."""
-        return _faults(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self)))
+from .profile import Profile as Profile
+from .profile import stepped as stepped
+from .profile import taper as taper
+from .section import Damping as Damping
+from .section import Material as Material
+from .section import Rigidity as Rigidity
+from .section import Scalar
+from .section import Section as Section
 
 
 def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar) -> Damping:
@@ -465,3 +334,119 @@ def _from_geometry(section, area, iy, iz, it, k) -> Rigidity:
         Jy=rho * iy,
         Jz=rho * iz,
     )
+
+
+def notch_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material) -> Profile:
+    """Bar with a circular notch from both sides in its middle, the hinge of Paros and Weisbord.
+
+    Args:
+        width: Side of the bar along local y, () [m].
+        height: Side of the bar along local z, away from the notch, () [m].
+        neck: Height left in the middle, () [m].
+        radius: Of the notch, () [m]; at least half of height - neck.
+        material: Material.
+
+    Returns:
+        The section of the whole beam, whose length is at least that of the notch, 2 sqrt(d (2 radius - d)) with d =
+        (height - neck)/2.
+
+    Raises:
+        ValueError: A size that is not positive, a neck that is higher than the bar.
+
+    Source:
+        Paros and Weisbord (1965), Machine Design 37, 151: the shape.
+    """
+    return notch_elliptic(width, height, neck, radius, radius, material)
+
+
+def notch_elliptic(
+    width: Scalar, height: Scalar, neck: Scalar, along: Scalar, across: Scalar, material: Material
+) -> Profile:
+    """Bar with an elliptic notch from both sides in its middle.
+
+    Args:
+        width: Side of the bar along local y, () [m].
+        height: Side of the bar along local z, away from the notch, () [m].
+        neck: Height left in the middle, () [m].
+        along: Half axis of the ellipse along the bar, () [m].
+        across: Half axis across it, () [m]; at least half of height - neck.
+        material: Material.
+
+    Returns:
+        The section of the whole beam.
+
+    Raises:
+        ValueError: A size that is not positive, a neck that is higher than the bar.
+
+    Source:
+        Smith, Badami, Dale, Xu (1997), Review of Scientific Instruments 68, 1474: the shape.
+    """
+    _check_notch(width, height, neck, along=along, across=across)
+    depth = (height - neck) / 2
+    if is_concrete((depth, across)) and across < depth:
+        raise ValueError(
+            f"A notch with a depth of {depth:g} = (height - neck)/2 needs an ellipse as deep, not {across:g}."
+        )
+    # What cannot be is no number: it is refused by name where a beam takes the section.
+    cut = along * jnp.sqrt(jnp.where((depth > 0) & (depth <= across), depth * (2 * across - depth), jnp.nan)) / across
+
+    def section(place, length):
+        x = jnp.abs(place - 0.5) * length
+        inside = x < cut
+        x = jnp.where(inside, x, 0.0)
+        return Rectangle(width, jnp.where(inside, neck + 2 * across * _rise(x / along), height), material)
+
+    return Profile(section, lambda length: (0.5 - cut / length, 0.5, 0.5 + cut / length))
+
+
+def notch_filleted(
+    width: Scalar, height: Scalar, neck: Scalar, flat: Scalar, radius: Scalar, material: Material
+) -> Profile:
+    """Bar with a long notch from both sides in its middle, whose corners are rounded.
+
+    Args:
+        width: Side of the bar along local y, () [m].
+        height: Side of the bar along local z, away from the notch, () [m].
+        neck: Height left in the notch, () [m].
+        flat: Length of the neck between its roundings, () [m].
+        radius: Of the roundings, () [m]; at most half of height - neck.
+        material: Material.
+
+    Returns:
+        The section of the whole beam, whose length is at least flat + 2 radius.
+
+    Raises:
+        ValueError: A size that is not positive, a neck that is higher than the bar, a radius beyond its depth.
+
+    Source:
+        Lobontiu (2003), Compliant Mechanisms, section 2.3: the shape.
+    """
+    _check_notch(width, height, neck, flat=flat, radius=radius)
+    depth = (height - neck) / 2
+    if is_concrete((depth, radius)) and radius > depth:
+        raise ValueError(f"Argument `radius` must be at most (height - neck)/2 = {depth:g}, but is {radius:g}.")
+    radius = jnp.where(radius <= depth, radius, jnp.nan)
+
+    def section(place, length):
+        x = jnp.abs(place - 0.5) * length - flat / 2
+        inside = (x > 0) & (x < radius)
+        curved = neck + 2 * radius * _rise(jnp.where(inside, x, 0.0) / radius)
+        return Rectangle(width, jnp.where(x < radius, curved, height), material)
+
+    def breaks(length):
+        near, far = flat / 2 / length, (flat / 2 + radius) / length
+        return 0.5 - far, 0.5 - near, 0.5 + near, 0.5 + far
+
+    return Profile(section, breaks)
+
+
+def _check_notch(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> None:
+    for name, value in {"width": width, "height": height, "neck": neck, **others}.items():
+        check_number(name, value, above=0)
+    if is_concrete((height, neck)) and neck >= height:
+        raise ValueError(f"Argument `neck` must be smaller than the height {height:g} of the bar, but is {neck:g}.")
+
+
+def _rise(x: Scalar) -> Scalar:
+    """How far a unit circle rises from its lowest point."""
+    return 1 - jnp.sqrt(1 - x**2)

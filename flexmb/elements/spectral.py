@@ -11,14 +11,22 @@ Here is what the beam in the plane (``spectral_planar``) and that in space (``sp
 are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
 
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.quadrature import legendre_integrals_at
+from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
+from .profile import Profile
+from .section import Damping, Rigidity, Section
 
 # Coefficients of a strain field, at most: beyond it compiling takes minutes, and round-off is reached long before.
 LARGEST_ORDER = 40
+# Gauss nodes of each smooth piece of a section that varies.
+NODES = 24
 
 
 def fields_after(closure: int, count: int, order: int) -> tuple[tuple[int, ...], ...]:
@@ -38,24 +46,161 @@ def fields_after(closure: int, count: int, order: int) -> tuple[tuple[int, ...],
     return tuple(tuple(range(first, first + order)) for first in firsts)
 
 
-def series_diagonal(rigidities: list, length: Float[Array, ""], closure: int, order: int) -> Float[Array, "n_e n_e"]:
-    """Matrix of constant rigidities over length; the integral of a squared polynomial P_k is 1/(2k + 1).
+class Pieces(NamedTuple):
+    """Smooth pieces of a beam, from its first end to a place.
+
+    Attributes:
+        starts: Where each begins, (m,) [-].
+        sizes: How long each is, (m,) [-]; pieces beyond the place have none.
+    """
+
+    starts: Any
+    sizes: Any
+
+    def spread(self, nodes: np.ndarray) -> Float[Array, "m n"]:
+        """Places of nodes on [0, 1] in each piece, (m, n)."""
+        return self.starts[:, None] + self.sizes[:, None] * nodes
+
+    def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "m*n m*n"]:
+        """Integrals from 0 to each node of what is known at the nodes of all pieces, (m n, m n).
+
+        Args:
+            nodes: Gauss nodes on [0, 1], (n,).
+            weights: Their weights, (n,).
+        """
+        m, n = self.sizes.shape[0], len(nodes)
+        within = np.einsum("ij,ab->iajb", np.eye(m), integration_matrix(nodes))
+        before = np.einsum("ij,b->ijb", np.tri(m, k=-1), weights)[:, None]
+        return ((within + before) * self.sizes[:, None]).reshape(m * n, m * n)
+
+    def beyond(self, coefficients: np.ndarray, loads: Float[Array, "m n k"], place: Float[Array, ""]):
+        """Integral from a place to the end of loads at nodes, (k,).
+
+        Args:
+            coefficients: Legendre coefficients of values at the nodes, (n, n).
+            loads: At the nodes of each piece, over the length of the beam.
+            place: From 0 to 1.
+        """
+        reached = (place - self.starts) / jnp.where(self.sizes > 0, self.sizes, 1.0)
+        n = coefficients.shape[0]
+        left = np.eye(n)[0] - legendre_integrals_at(n, jnp.clip(reached, 0.0, 1.0))
+        return jnp.einsum("i,in,nm,imk->k", self.sizes, left, coefficients, loads)
+
+
+WHOLE = Pieces(np.zeros(1), np.ones(1))
+
+
+def pieces_of(section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None) -> Pieces:
+    """Smooth pieces of a beam; a power of two of them, so that poses multiply in pairs.
 
     Args:
-        rigidities: Of each strain field, () [N, N m^2].
+        section: Of the beam; one that does not vary makes one piece.
+        length: Of the beam [m].
+        end: Where to end, () [-]; the whole beam unless given.
+    """
+    breaks = section.breaks_at(length) if isinstance(section, Profile) else ()
+    if not breaks and end is None:
+        return WHOLE
+    count = 2 ** int(np.ceil(np.log2(len(breaks) + 1)))
+    ends = jnp.stack([jnp.clip(one, 0.0, 1.0) for one in breaks] + [jnp.ones(())] * (count - len(breaks)))
+    ends = ends if end is None else jnp.minimum(ends, end)
+    starts = jnp.concatenate([jnp.zeros(1), ends[:-1]])
+    return Pieces(starts, ends - starts)
+
+
+def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]):
+    """Rigidities and masses at places, (n, names); of a section that does not vary the same everywhere.
+
+    Args:
+        section: Of the beam.
+        places: From 0 to 1, (n,).
+        length: Of the beam [m].
+        names: Attributes of :class:`flexmb.Rigidity`; "GAy" and "GAz" are shear rigidities.
+    """
+
+    def numbers(place):
+        s = section.at(place, length).rigidity()
+        return jnp.stack([jnp.asarray(_of(s, name), float) for name in names])
+
+    if isinstance(section, Profile):
+        return jax.vmap(numbers)(places)
+    return jnp.broadcast_to(numbers(0.0), (places.shape[0], len(names)))
+
+
+def _of(s: Any, name: str):
+    """An attribute of rigidities or damping; zero where it has none."""
+    if isinstance(s, Rigidity) and name.startswith("GA"):
+        return s.EIz / s.shear_y if name == "GAy" else s.EIy / s.shear_z
+    return getattr(s, name, 0.0)
+
+
+def strains(order: int, section: Section | None, places: Any, length: Float[Array, ""], names: Sequence[str]) -> Any:
+    """Strains at places, over length, that belong to each coefficient of each field.
+
+    A polynomial where the section does not vary. Where it does, stress resultants are the polynomials, and strains
+    these times the local compliance over its mean.
+
+    Args:
+        order: Coefficients of each field.
+        section: Of the beam.
+        places: From 0 to 1, (n,).
+        length: Of the beam [m].
+        names: Rigidities of the fields, as :func:`rigidities` takes them.
+
+    Returns:
+        (n, fields, order) [-].
+
+    Source:
+        THEORY.md 2, eq. (2.11) and (2.21).
+    """
+    traced = isinstance(places, jax.Array)
+    polynomials = (legendre_values_at if traced else legendre_values)(order, places)
+    if not isinstance(section, Profile):
+        return (jnp if traced else np).broadcast_to(polynomials[:, None], (len(places), len(names), order))
+    nodes, weights = gauss(NODES)
+    whole = pieces_of(section, length)
+    mean = (whole.sizes[:, None] * weights).ravel() @ _compliance(section, whole.spread(nodes).ravel(), length, names)
+    return (_compliance(section, places, length, names) / mean)[:, :, None] * polynomials[:, None]
+
+
+def _compliance(section: Section, places, length, names) -> Float[Array, "n fields"]:
+    # What has no rigidity anywhere has strains all the same, without stress.
+    stiff = rigidities(section, places, length, names)
+    return 1.0 / jnp.where(stiff > 0, stiff, 1.0)
+
+
+def series_matrix(of: Section | Damping, section: Section | None, order: int, length, closure: int, names) -> Array:
+    """Matrix of rigidities over length between the coefficients.
+
+    Args:
+        of: What has the rigidities: the section itself, or damping, which is the same everywhere.
+        section: Of the beam.
+        order: Coefficients of each field.
         length: Of the beam, () [m].
         closure: Number of deformations before the fields, which have no stiffness.
-        order: Coefficients of each field.
+        names: Rigidities of the fields, as :func:`rigidities` takes them.
+
+    Returns:
+        (n_e, n_e). For a section that does not vary it is diagonal: the integral of a squared polynomial P_k is
+        1/(2k + 1).
     """
-    own = jnp.stack([jnp.asarray(r, float) for r in rigidities])[:, None] / length
-    own = own / (2.0 * np.arange(order) + 1)
-    return jnp.diag(jnp.concatenate([jnp.zeros(closure), own.ravel()]))
-
-
-def beyond(coefficients: np.ndarray, loads: Float[Array, "n k"], place: Float[Array, ""]) -> Float[Array, "k"]:
-    """Integral from a place to the end of loads at nodes, by the (n, n) Legendre coefficients of values there."""
-    n = coefficients.shape[0]
-    return (np.eye(n)[0] - legendre_integrals_at(n, place)) @ (coefficients @ loads)
+    if not isinstance(section, Profile):
+        constant = of.rigidity() if isinstance(of, Section) else of
+        own = jnp.stack([jnp.asarray(_of(constant, name), float) for name in names])[:, None] / length
+        own = own / (2.0 * np.arange(order) + 1)
+        return jnp.diag(jnp.concatenate([jnp.zeros(closure), own.ravel()]))
+    nodes, weights = gauss(NODES)
+    whole = pieces_of(section, length)
+    places = whole.spread(nodes).ravel()
+    if isinstance(of, Section):
+        stiff = rigidities(of, places, length, names)
+    else:
+        stiff = jnp.stack([jnp.asarray(_of(of, name), float) for name in names])
+    shapes = strains(order, section, places, length, names)
+    weighted = (whole.sizes[:, None] * weights).ravel()[:, None] * stiff / length
+    own = jnp.einsum("nf,nfj,nfk->fjk", weighted, shapes, shapes)
+    full = jnp.einsum("fjk,fg->fjgk", own, np.eye(len(names))).reshape(2 * (own.shape[0] * order,))
+    return jnp.pad(full, (closure, 0))
 
 
 def arc_length(chord: Float[Array, ""], half: Float[Array, ""]) -> Float[Array, ""]:
@@ -71,3 +216,33 @@ def check_curvature(ref, size: np.ndarray | None) -> list[str]:
     if not np.all((half > 0) & (half <= 1)):
         return ["has an initial curvature that no arc between its ends has: it must not be zero, nor above 2/chord"]
     return []
+
+
+def numbers_of(section: Section, ref, curvature: Any) -> Rigidity:
+    """Rigidities of a section, of one that varies at places along the beam, on concrete numbers.
+
+    Args:
+        section: Of the beam.
+        ref: Reference coordinates, of one beam or of many.
+        curvature: Initial, or None.
+    """
+    return section.along(_length(ref, curvature))[2] if isinstance(section, Profile) else section.rigidity()
+
+
+def check_section(section: Section | None, ref, curvature: Any) -> list[str]:
+    """Faults of a section that varies, along the beam.
+
+    Args:
+        section: Of the beam.
+        ref: Reference coordinates, of one beam or of many.
+        curvature: Initial, or None.
+    """
+    return section.faults_along(_length(ref, curvature)) if isinstance(section, Profile) else []
+
+
+def _length(ref, curvature: Any) -> np.ndarray:
+    chord = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
+    if curvature is None:
+        return chord
+    size = np.abs(curvature) if np.ndim(curvature) == chord.ndim else np.linalg.norm(curvature, axis=-1)
+    return np.asarray(arc_length(jnp.asarray(chord), jnp.asarray(size * chord / 2)))

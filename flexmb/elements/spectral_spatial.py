@@ -8,28 +8,76 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.linear import multiplied
-from ..math.quadrature import gauss, legendre_coefficients, legendre_values, legendre_values_at, lobatto
+from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
 from ..math.rigid import exponential, product, products, screws
 from ..math.rotation import CROSS, initial_frame, rotation_matrix
 from . import beams
 from .element import Element
 from .nodes import Point3, Rotation3, Series3, Static
+from .profile import Profile
 from .sections import Damping, Section
-from .spectral import arc_length, beyond, check_curvature, fields_after, series_diagonal
+from .spectral import (
+    WHOLE,
+    Pieces,
+    arc_length,
+    check_curvature,
+    check_section,
+    fields_after,
+    numbers_of,
+    pieces_of,
+    rigidities,
+    series_matrix,
+    strains,
+)
+
+# Rigidities of the fields, the last two with shear alone, and the places of their strains in a six-vector (twist,
+# curvatures, stretch, shears).
+FIELDS = ("EA", "GIt", "EIy", "EIz", "GAy", "GAz")
+PLACES = np.eye(6)[[3, 0, 1, 2, 4, 5]]
+# Gauss nodes of a step where strains are smooth but no polynomials.
+DENSE = 8
+
+
+def _rule(order: int, shear: bool, section: Section | None, length, end=None) -> SimpleNamespace:
+    """Quadrature along the beam, to a place or to its last end, in steps over which the pose goes by an exponential."""
+    if end is None and not isinstance(section, Profile):
+        return _constant_rule(order, shear)
+    return _rule_on(order, shear, section, length, pieces_of(section, length, end))
 
 
 @functools.cache
-def _rule(order: int, shear: bool) -> SimpleNamespace:
-    """Quadrature along the beam, in steps over each of which the pose goes by an exponential."""
-    steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
+def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
+    return _rule_on(order, shear, None, 1.0, WHOLE)
+
+
+def _rule_on(order: int, shear: bool, section: Section | None, length, pieces: Pieces) -> SimpleNamespace:
+    whole = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
+    steps = max(4, whole // pieces.sizes.shape[0])
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
-    # Three nodes within each step; the six-vector (twist, curvatures, stretch, shears) of each field; both together.
-    inner = (ends[:-1, None] + lengths[:, None] * gauss(3)[0]).ravel()
-    places = np.eye(6)[[3, 0, 1, 2, 4, 5][: _count(shear)]]
-    whole = np.einsum("pk,fs->psfk", legendre_values(order, inner), places)
-    own = {"lengths": lengths, "inner": inner, "places": places, "whole": whole}
-    return SimpleNamespace(weights=weights, coefficients=legendre_coefficients(ends), **own)
+    # Three nodes in each step, or more whose moments three nodes take over.
+    nodes, quadrature = gauss(DENSE if isinstance(section, Profile) else 3)
+    places = pieces.spread((ends[:-1, None] + lengths[:, None] * nodes).ravel()).ravel()
+    shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
+    shapes = shapes.reshape(-1, len(nodes), _count(shear), order)
+    if isinstance(section, Profile):
+        moments = (2.0 * np.arange(3) + 1)[:, None] * legendre_values(3, nodes).T * quadrature
+        shapes = jnp.einsum("gk,kn,snfo->sgfo", legendre_values(3, gauss(3)[0]), moments, shapes)
+    steps_of = (pieces.sizes[:, None] * lengths).ravel()
+    basis = np.einsum if isinstance(shapes, np.ndarray) else jnp.einsum
+    basis = basis("sgfo,fx->sgxfo", shapes, PLACES[: _count(shear)])
+    # Masses are taken just within the pieces, which share their ends.
+    masses = pieces.spread(np.clip(ends, 1e-9, 1 - 1e-9)).ravel()
+    return SimpleNamespace(
+        pieces=pieces,
+        lengths=steps_of,
+        basis=basis,
+        nodes=masses,
+        inner=ends,
+        weights=(pieces.sizes[:, None] * weights).ravel(),
+        # Number of the pose, among those at the ends of all steps, of each node.
+        poses=(np.arange(pieces.sizes.shape[0])[:, None] * steps + np.arange(steps + 1)).ravel(),
+    )
 
 
 def _count(shear: bool) -> int:
@@ -53,16 +101,12 @@ def _frames(rot_p, rot_q, ref, y, curvature, length):
     return at_p @ half.T, at_q @ half
 
 
-def _steps(c, length, order, shear, curvature, place=None):
-    """Screw motions of the steps from end p to a place, to end q unless given, (steps, 4, 4)."""
-    rule = _rule(order, shear)
-    basis = rule.whole
-    if place is not None:
-        basis = jnp.einsum("pk,fs->psfk", legendre_values_at(order, place * rule.inner), rule.places)
-    own = (basis.reshape(-1, c.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
+def _steps(c, length, rule, curvature):
+    """Screw motions of the steps along the beam, (steps, 4, 4)."""
+    own = (rule.basis.reshape(-1, c.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
     if curvature is not None:
         own = own + jnp.concatenate([curvature, jnp.zeros(3)])
-    return exponential(screws(own.reshape(-1, 3, 6) * (length * (1.0 if place is None else place)), rule.lengths))
+    return exponential(screws(own.reshape(-1, 3, 6) * length, rule.lengths))
 
 
 def _spectral_beam(
@@ -75,13 +119,14 @@ def _spectral_beam(
     ref,
     order: Static[int] = 5,
     shear: Static[bool] = False,
+    section: Section | None = None,
     y: Float[Array, "3"] | None = None,
     curvature: Float[Array, "3"] | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
     length = _length(ref, curvature)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length)
-    pose = product(_steps(c, length, order, shear, curvature))
+    pose = product(_steps(c, length, _rule(order, shear, section, length), curvature))
     displacement = jnp.sum(at_p * (q - p)[:, None], axis=0) - pose[:3, 3]
     between = multiplied(multiplied(at_p, pose[:3, :3]).T, at_q)
     tilt = 0.5 * jnp.sum(CROSS * between.T, axis=(1, 2))
@@ -93,56 +138,62 @@ def _fields(*, order, shear):
 
 
 def _stiffness(*, ref, section: Section, order, shear, curvature=None):
-    s = section.rigidity()
-    rigidities = [s.EA, s.GIt, s.EIy, s.EIz]
-    if shear:
-        rigidities += [s.EIz / s.shear_y, s.EIy / s.shear_z]
-    return series_diagonal(rigidities, _length(ref, curvature), 6, order)
+    return series_matrix(section, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
-def _damping(*, ref, damping: Damping, order, shear, curvature=None):
-    rigidities = [damping.EA, damping.GIt, damping.EIy, damping.EIz] + [0.0] * (_count(shear) - 4)
-    return series_diagonal(rigidities, _length(ref, curvature), 6, order)
+def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
+    return series_matrix(damping, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
+
+
+def _masses(section, rule, length):
+    """Mass and second moments of the section per place, at the nodes: (n,) [kg], (n, 3, 3) [kg m^2]."""
+    numbers = rigidities(section, rule.nodes, length, ("mass", "Jx", "Jy", "Jz", "Jyz")) * length
+    return numbers[:, 0], jnp.tensordot(numbers[:, 1:], beams.SECOND_MOMENTS, 1)
 
 
 def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, shear, y=None, curvature=None):
     """Positions and triads at the ends of the steps."""
-    s, length, weights = section.rigidity(), _length(ref, curvature), _rule(order, shear).weights
+    length = _length(ref, curvature)
+    rule = _rule(order, shear, section, length)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
-    poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, order, shear, curvature))])
-    turned = multiplied(at_p, poses[:, :3])
+    poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, rule, curvature))])
+    turned = multiplied(at_p, poses[rule.poses, :3])
     vectors = jnp.concatenate([p + turned[:, :, 3], jnp.swapaxes(turned[:, :, :3], 1, 2).reshape(-1, 3)])
-    moments = beams.combine([s.Jx, s.Jy, s.Jz, s.Jyz], beams.SECOND_MOMENTS)
-    n = weights.size
-    h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(s.mass * np.diag(weights))
-    return vectors, length * h.at[n:, n:].set(jnp.kron(np.diag(weights), moments))
+    mass, moments = _masses(section, rule, length)
+    n = rule.weights.size
+    h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(jnp.diag(mass * rule.weights))
+    spread = jnp.einsum("n,nij,nm->nimj", rule.weights, moments, np.eye(n))
+    return vectors, h.at[n:, n:].set(spread.reshape(3 * n, 3 * n))
 
 
 def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, shear, fall=None, y=None, curvature=None):
     """Statics of the part beyond the place."""
     length = _length(ref, curvature)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length)
-    pose = product(_steps(c, length, order, shear, curvature, place))
+    pose = product(_steps(c, length, _rule(order, shear, section, length, place), curvature))
     # Force, and moment about p, of all that is beyond the place, in axes of end p.
     force, moment = jnp.split(sigma[:6], 2)
     moment = at_p.T @ (at_q @ moment) + jnp.cross(at_p.T @ (q - p), force)
     if fall is not None:
-        rule, own = _rule(order, shear), {"order": order, "shear": shear, "y": y, "curvature": curvature}
-        vectors, h = _inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, **own)
-        pulls, n = h @ fall @ at_p, rule.weights.size
-        levers = jnp.concatenate([vectors[:n] - p, vectors[n:]]) @ at_p
-        moments = jnp.cross(levers, pulls)
-        moments = moments[:n] + jnp.sum(moments[n:].reshape(-1, 3, 3), axis=1)
-        loads = jnp.concatenate([pulls[:n], moments], axis=1) / rule.weights[:, None]
-        force, moment = jnp.stack([force, moment]) + beyond(rule.coefficients, loads, place).reshape(2, 3)
+        rule, own = _rule(order, shear, section, length), {"order": order, "shear": shear, "y": y}
+        vectors, _ = _inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, curvature=curvature, **own)
+        mass, second = _masses(section, rule, length)
+        n = rule.weights.size
+        pulls = mass[:, None] * (fall[:n] @ at_p)
+        turning = second @ (fall[n:].reshape(n, 3, 3) @ at_p)
+        moments = jnp.cross((vectors[:n] - p) @ at_p, pulls)
+        moments = moments + jnp.sum(jnp.cross((vectors[n:] @ at_p).reshape(n, 3, 3), turning), axis=1)
+        loads = jnp.concatenate([pulls, moments], axis=1).reshape(-1, len(rule.inner), 6)
+        acting = rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
+        force, moment = jnp.stack([force, moment]) + acting.reshape(2, 3)
     moment = moment - jnp.cross(pose[:3, 3], force)
     return (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
 
 
-def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, shear, y=None, curvature=None):
+def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, shear, section=None, y=None, curvature=None):
     length = _length(ref, curvature)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
-    return p + at_p @ product(_steps(c, length, order, shear, curvature, place))[:3, 3]
+    return p + at_p @ product(_steps(c, length, _rule(order, shear, section, length, place), curvature))[:3, 3]
 
 
 def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
@@ -150,9 +201,10 @@ def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)
     if not faults and curvature is not None and np.any(np.asarray(curvature)[..., 0] != 0):
         faults = ["has an initial twist, the first component of its curvature: only plane arcs are provided for"]
-    if section is None:
+    faults = faults or check_section(section, ref, curvature)
+    if section is None or faults:
         return faults
-    s = section.rigidity()
+    s = numbers_of(section, ref, curvature)
     compliant = [np.asarray(number) > 0 for number in (s.shear_y, s.shear_z)]
     if shear and not np.all(compliant):
         faults.append("counts shear, but its section has none: give the section shear=True")
@@ -177,8 +229,8 @@ Deformations: 1 to 6 the closure at q, FIXED: three displacements [m] and three 
 q; then ``order`` coefficients of each strain, times length: elongation [m], twist, curvature about local y, curvature
 about local z [rad], with ``shear`` also the shears along y and along z [m]. Stress resultants of the closure are the
 force and moment at q.
-Properties: section, damping, y (vector that fixes local y), curvature (initial, (0, about y, about z) in local axes, of
-an arc from p to q [1/m]).
+Properties: section (one that varies too, see :class:`flexmb.sections.Profile`), damping, y (vector that fixes local y),
+curvature (initial, (0, about y, about z) in local axes, of an arc from p to q [1/m]).
 Options: order, the number of coefficients of each strain, 5 unless given; shear, whether shear deformation is counted,
 False unless given: the section must then have a shear compliance.
 

@@ -12,12 +12,13 @@ from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, counted, span
+from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, von_mises
 from ..errors import ModelError
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Block, Topology
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .linearize import Linearization
@@ -191,6 +192,17 @@ def _count(stack) -> int:
     return jax.tree.leaves(stack)[0].shape[0]
 
 
+def _lengths(block: Block, properties, reference) -> Float[Array, "elements"]:
+    """Undeformed lengths [m]."""
+    parts = jnp.split(reference[block.x], block.splits, axis=1)
+    kinds = block.element.nodes.values()
+    ends = [part for kind, part in zip(kinds, parts, strict=True) if kind.part == "position"]
+    chords = jnp.linalg.norm(ends[-1] - ends[0], axis=1)
+    if (curvature := properties.get("curvature")) is None:
+        return chords
+    return arc_length(chords, jnp.linalg.norm(jnp.reshape(curvature, (len(chords), -1)), axis=1) * chords / 2)
+
+
 def without_shape(model: Model) -> list[str]:
     """Names of the flexible elements whose section is given by its rigidities and so has no stress.
 
@@ -213,15 +225,17 @@ def _resultants(topology: Topology, parameters: Parameters, x, sigma, felt, plac
 @jit
 def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
     found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
-    given = [p for b, p in zip(topology.blocks, parameters.properties, strict=True) if "resultants" in b.companions]
+    blocks = zip(topology.blocks, parameters.properties, strict=True)
+    given = [(b, p) for b, p in blocks if "resultants" in b.companions]
     pieces = []
-    for values, properties in zip(found, given, strict=True):
-        start = 0
+    for values, (block, properties) in zip(found, given, strict=True):
+        lengths, start = _lengths(block, properties, parameters.reference), 0
         for stack in _sections(properties):
-            own = values[start : start + _count(stack)]
+            own, length = (all_[start : start + _count(stack)] for all_ in (values, lengths))
             start += _count(stack)
             if stack.has_shape:
-                pieces.append(jax.vmap(jax.vmap(type(stack).stress, (None, 0)))(stack, own))
+                at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
+                pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, places, own))
             else:
                 # A rigid element in a block with flexible ones has no stress; ``rows`` leaves these zeros out.
                 pieces.append((jnp.zeros((*own.shape[:2], POINTS)),) * 2)

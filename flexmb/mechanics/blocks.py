@@ -14,6 +14,7 @@ from ..compilation.compile import as_primitives, traced_once
 from ..compilation.kept import described
 from ..compilation.program import Captured, Code, captured, digest
 from ..elements.element import NONLINEAR, Element
+from ..elements.profile import Profile
 from ..elements.sections import Rigidity, Section
 from ..errors import ModelError
 from ..math.indices import accumulate
@@ -76,7 +77,7 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
     """
     if companion not in block.companions:
         return None, properties
-    properties = with_rigidities(properties)
+    properties = with_rigidities(deforming(block, properties) if companion == "deformation" else properties)
     function = element_function(block, getattr(block.element, companion), properties)
     then = dict(block.meaning or ()).get(companion)
     if isinstance(then, Code):
@@ -87,6 +88,21 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
             " was built. Build the model again, or make the number a property of the element."
         )
     return function, properties
+
+
+def deforming(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
+    """Properties of a block that its deformations may depend on.
+
+    How strains are spread along a spectral beam its section says, but only one that varies: others are left out, so
+    that beams with all kinds of them are the same program.
+
+    Args:
+        block: Block.
+        properties: Its stacked properties.
+    """
+    if block.element.series is None or isinstance(properties.get("section"), Profile):
+        return properties
+    return {name: None if name == "section" else value for name, value in properties.items()}
 
 
 def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[str, Any]]:

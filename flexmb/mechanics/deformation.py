@@ -111,6 +111,19 @@ def _jacobians(block: Block, properties: dict[str, Any], ref: Float[Array, "elem
     return jax.vmap(jax.jacfwd(with_value, has_aux=True))(ref, ref, properties)
 
 
+def in_undeformed(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
+    """Properties of a block that deformations depend on in the undeformed mechanism.
+
+    How strains are spread along a spectral beam its section says, but not which motions they allow: it is left out.
+
+    Args:
+        block: Block.
+        properties: Its stacked properties.
+    """
+    found = block.element.of_deformation(properties)
+    return found | {"section": None} if block.element.series and "section" in found else found
+
+
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
@@ -122,7 +135,7 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
     alike: dict[Any, list[Any]] = {}
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         if "deformation" in block.companions and block.e.shape[1]:
-            chosen = with_rigidities(block.element.of_deformation(properties))
+            chosen = with_rigidities(in_undeformed(block, properties))
             fixed = tuple(block.element.of_deformation(dict(block.options)).items())
             told = block.element.alone(), dict(block.meaning or ()).get("deformation")
             key = (told, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])

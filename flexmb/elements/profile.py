@@ -1,0 +1,228 @@
+"""Sections that vary along a spectral beam: tapers, reinforced middles, holes, notches."""
+
+import inspect
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import shown
+from ..compilation.compile import jit
+from ..compilation.program import Captured, captured
+from ..errors import ModelError
+from .section import Rigidity, Scalar, Section
+
+# Where a profile is looked at for faults, in each of its pieces.
+PLACES = np.linspace(0.02, 0.98, 13)
+# Breaks that round-off puts before 0 or beyond 1 are at the ends.
+SMALL = 1e-9
+# What bends, stretches and twists without these does not exist; the other numbers may be zero.
+STIFF = ("EA", "EIy", "EIz", "GIt")
+
+
+class Profile(Section):
+    """A section that is a function of the place along a spectral beam.
+
+    The function is taken as it is when the profile is made. Numbers that it refers to may be traced: derivatives by
+    every dimension go through them.
+
+    Attributes:
+        function: ``f(place) -> Section`` or ``f(place, length) -> Section``, with the place from 0 at the first end to
+            1 at the last and the length of the beam [m]; the same kind of section everywhere.
+        breaks: Places, in order, where the section jumps or its slope does, or ``f(length)`` that gives them. Between
+            them it must be smooth.
+
+    Raises:
+        ModelError: The function does not take a place, or does not give a section; breaks that are no places.
+    """
+
+    function: Callable[..., Section]
+    breaks: Sequence[Scalar] | Callable[..., Sequence[Scalar]] = ()
+
+    def __post_init__(self):
+        # JAX makes records too, of what was taken before.
+        for name, taken in (("function", _function), ("breaks", _breaks)):
+            given = getattr(self, name)
+            if callable(given) and not isinstance(given, Captured):
+                object.__setattr__(self, name, taken(given))
+
+    def at(self, place: Scalar, length: Scalar) -> Section:
+        """The section at a place.
+
+        Args:
+            place: From 0 to 1, () [-].
+            length: Of the beam, () [m].
+        """
+        return self.function(jnp.asarray(place, float), jnp.asarray(length, float))
+
+    def breaks_at(self, length: Scalar) -> tuple[Float[Array, ""], ...]:
+        """Places of the breaks of a beam.
+
+        Args:
+            length: Of the beam, () [m].
+        """
+        found: Any = self.breaks
+        found = found(jnp.asarray(length, float)) if callable(found) else found
+        return tuple(jnp.asarray(one, float) for one in found)
+
+    def rigidity(self) -> Rigidity:
+        """There is none for the whole beam.
+
+        Raises:
+            ModelError: Always.
+        """
+        raise ModelError(
+            "A section that varies along the beam is for spectral beams (planar.spectral_beam, spatial.spectral_beam)."
+            " Divide another beam into pieces of constant section."
+        )
+
+    @property
+    def has_shape(self) -> bool:
+        """Whether the sections have a stress."""
+        code: Any = self.function
+        return jax.tree.unflatten(code.code.results, [0.0] * code.code.results.num_leaves).has_shape
+
+    def faults(self) -> list[str]:
+        """None that does not depend on the beam: see :meth:`faults_along`."""
+        return []
+
+    def along(self, length: Any) -> tuple[np.ndarray, np.ndarray, Rigidity]:
+        """Breaks, and rigidities at places between them, of a beam; of many at once where numbers are stacked.
+
+        Args:
+            length: Of the beam, or of each, () or (*n) [m].
+
+        Returns:
+            Breaks (n, breaks), places (n, places), and rigidities, each (n, places).
+        """
+        length = np.asarray(length, float)
+        count = max(length.size, 1)
+        stacked = jax.tree.map(lambda leaf: np.reshape(leaf, (count, *np.shape(leaf)[length.ndim :])), self)
+        return jax.tree.map(np.asarray, _sampled(stacked, length.reshape(count)))
+
+    def faults_along(self, length: Any) -> list[str]:
+        """What is wrong along a beam, on concrete numbers; of many beams at once where numbers are stacked.
+
+        Args:
+            length: Of the beam, or of each, () or (*n) [m].
+        """
+        breaks, places, rigidity = self.along(length)
+        if not (np.all((breaks > -SMALL) & (breaks < 1 + SMALL)) and np.all(np.diff(breaks, axis=1) > -SMALL)):
+            wrong = ", ".join(f"{b:.6g}" for b in breaks[0])
+            return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
+        for name in (*STIFF, "mass"):
+            values: Any = getattr(rigidity, name)
+            gaps = (values == 0) & np.any(values != 0) & (name in STIFF)
+            faulty = ~np.isfinite(values) | (values < 0) | gaps
+            if np.any(faulty):
+                at = tuple(np.argwhere(faulty)[0])
+                place, value = float(places[at]), float(values[at])
+                return [f"has a section with {name} = {value:.6g} at place {place:.4g}, but it must be positive"]
+        return []
+
+
+_SCALAR = jax.ShapeDtypeStruct((), np.float64)
+
+
+def _function(function: Callable[..., Any]) -> Captured:
+    """The function of place and length that a caller gives, of one or both."""
+    try:
+        takes = [p for p in inspect.signature(function).parameters.values() if p.default is p.empty]
+    except (TypeError, ValueError):
+        takes = []
+    if len(takes) not in (1, 2) or any(p.kind in (p.KEYWORD_ONLY, p.VAR_KEYWORD) for p in takes):
+        raise ModelError("The function of a Profile must take a place from 0 to 1, or a place and the length.")
+
+    def section(place, length):
+        found = function(place, length) if len(takes) == 2 else function(place)
+        if not isinstance(found, Section) or isinstance(found, Profile):
+            raise ModelError(
+                f"The function of a Profile must give a section such as Rectangle(..), not {shown(found)}."
+            )
+        for leaf in jax.tree.leaves(found):
+            if jnp.shape(leaf):
+                raise ModelError(
+                    f"The function of a Profile gives a section with an entry of shape {jnp.shape(leaf)}, but each must"
+                    " be one number at a place."
+                )
+        return found
+
+    return captured(section, _SCALAR, _SCALAR)
+
+
+def _breaks(function: Callable[..., Any]) -> Captured:
+    return captured(lambda length: tuple(jnp.asarray(one, float) for one in function(length)), _SCALAR)
+
+
+@jit
+def _sampled(stacked: Profile, lengths: Float[Array, "n"]):
+    """Breaks, and rigidities at places in each piece, of stacked beams."""
+
+    def one(profile: Profile, length):
+        breaks = jnp.stack([*profile.breaks_at(length), jnp.ones(())])
+        starts = jnp.concatenate([jnp.zeros(1), breaks[:-1]])
+        places = (starts[:, None] + (breaks - starts)[:, None] * PLACES).ravel()
+        return breaks[:-1], places, jax.vmap(lambda place: _numbers(profile.at(place, length)))(places)
+
+    return jax.vmap(one)(stacked, lengths)
+
+
+def _numbers(section: Section) -> Rigidity:
+    return jax.tree.map(lambda number: jnp.asarray(number, float), section.rigidity())
+
+
+def taper(first: Section, last: Section) -> Profile:
+    """A section whose sizes go linearly from one end of the beam to the other.
+
+    Args:
+        first: Section at the first end.
+        last: Section at the last end, of the same kind.
+
+    Returns:
+        The section of the whole beam.
+
+    Raises:
+        ModelError: The sections are of different kinds.
+    """
+    _check_alike(first, last)
+
+    def between(place: Scalar) -> Section:
+        return jax.tree.map(lambda a, b: a + place * (b - a), first, last)
+
+    return Profile(between)
+
+
+def stepped(sections: Sequence[Section], breaks: Sequence[Scalar]) -> Profile:
+    """A section that jumps: a leaf spring with a reinforced middle, or with a hole.
+
+    Args:
+        sections: Section of each piece, from the first end of the beam to the last, of one kind.
+        breaks: Places between them, from 0 to 1, one fewer.
+
+    Returns:
+        The section of the whole beam.
+
+    Raises:
+        ModelError: The sections are of different kinds, or there is not one break between each two.
+    """
+    if len(sections) != len(breaks) + 1:
+        raise ModelError(f"A stepped section of {len(sections)} pieces has one break fewer, not {len(breaks)}.")
+    _check_alike(*sections)
+
+    def piece(place: Scalar) -> Section:
+        number = sum((jnp.asarray(place > b, int) for b in breaks), jnp.zeros((), int))
+        return jax.tree.map(lambda *values: jnp.stack([jnp.asarray(v, float) for v in values])[number], *sections)
+
+    return Profile(piece, tuple(breaks))
+
+
+def _check_alike(*sections: Section) -> None:
+    for section in sections:
+        if not isinstance(section, Section) or isinstance(section, Profile):
+            raise ModelError(f"A piece of a section must be a section, such as Rectangle(..), not {shown(section)}.")
+    if len({jax.tree.structure(section) for section in sections}) > 1:
+        kinds = ", ".join(type(section).__name__ for section in sections)
+        raise ModelError(f"Sections along one beam must be of one kind with the same options, not {kinds}.")

@@ -1,0 +1,163 @@
+"""What every cross-section is: its material, its rigidities, and whether they vary along the beam.
+
+A section's local y and z axes are the element's. ``EIy`` resists bending that displaces along z (deformations 3
+and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that displaces along y.
+"""
+
+import abc
+import dataclasses
+from typing import Any
+
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.record import Record
+from ..errors import ModelError
+from . import surface
+
+Scalar = float | Float[Array, ""]
+
+
+class Material(Record):
+    """Isotropic linear material.
+
+    Attributes:
+        E: Young's modulus [Pa].
+        G: Shear modulus [Pa].
+        rho: Density [kg/m^3].
+        nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
+    """
+
+    E: Scalar
+    G: Scalar
+    rho: Scalar = 0.0
+    nu: Scalar | None = None
+
+    def poisson(self) -> Scalar:
+        """Poisson's ratio, () [-]."""
+        return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
+
+
+class Section(Record):
+    """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers.
+
+    A section with a shape also says what stress it has, by :meth:`stress`.
+    """
+
+    @abc.abstractmethod
+    def rigidity(self) -> "Rigidity":
+        """Rigidities and mass per length of the section."""
+
+    def at(self, place: Scalar, length: Scalar) -> "Section":
+        """The section at a place of a beam: itself, unless it varies (:class:`flexmb.sections.Profile`).
+
+        Args:
+            place: From 0 to 1, () [-].
+            length: Of the beam, () [m].
+        """
+        return self
+
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """Stress at eight points of the surface.
+
+        Args:
+            resultants: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], (6,).
+
+        Returns:
+            Stress along x and shear stress along the surface, counter-clockwise about x, (8,) [Pa].
+
+        Raises:
+            ModelError: The section has no shape.
+
+        Source:
+            :mod:`flexmb.elements.surface`.
+        """
+        raise ModelError(f"A section of kind {type(self).__name__} has no shape, and so no stress.")
+
+    @property
+    def has_shape(self) -> bool:
+        """Whether :meth:`stress` answers."""
+        return type(self).stress is not Section.stress
+
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
+        return faults_of(self, at_least_zero=("rho",))
+
+
+class Rigidity(Section):
+    """A section given by its numbers. What is not given is zero, a shear compliance of zero means rigid in shear.
+
+    Attributes:
+        EA: Axial rigidity [N].
+        EIy: Bending rigidity about local y [N m^2]; the bending rigidity of a planar beam.
+        EIz: Bending rigidity about local z [N m^2].
+        GIt: Torsional rigidity [N m^2].
+        shear_z: EIy/(GAk) for displacement along z [m^2].
+        shear_y: EIz/(GAk) for displacement along y [m^2].
+        mass: Mass per length [kg/m].
+        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
+    """
+
+    EA: Scalar = 0.0
+    EIy: Scalar = 0.0
+    EIz: Scalar = 0.0
+    GIt: Scalar = 0.0
+    shear_z: Scalar = 0.0
+    shear_y: Scalar = 0.0
+    mass: Scalar = 0.0
+    Jx: Scalar = 0.0
+    Jy: Scalar = 0.0
+    Jz: Scalar = 0.0
+    Jyz: Scalar = 0.0
+
+    def rigidity(self) -> "Rigidity":
+        """The numbers themselves."""
+        return self
+
+    def faults(self) -> list[str]:
+        """A rigidity or mass below zero; the product of inertia has either sign."""
+        return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
+
+
+def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
+    """What is wrong with the numbers of a record: all are positive, some may be zero.
+
+    Args:
+        record: Section, material or damping, of concrete numbers.
+        at_least_zero: Names of those that may be zero.
+    """
+    found = []
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu"):
+            continue
+        if isinstance(value, Record):
+            found += faults_of(value, at_least_zero)
+            nu = value.nu if isinstance(value, Material) else None
+            if nu is not None and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)):
+                found.append(f"nu = {nu}, but it must be above -1 and at most 0.5")
+        elif field.name in at_least_zero:
+            found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
+        elif not np.all(np.asarray(value) > 0):
+            found.append(f"{field.name} = {value}, but it must be positive")
+    return found
+
+
+class Damping(Record):
+    """Damping rigidities of a beam or truss, in the same places as its stiffness.
+
+    Attributes:
+        EA: Axial [N s].
+        EIy: Bending about local y [N m^2 s]; the bending of a planar beam.
+        EIz: Bending about local z [N m^2 s].
+        GIt: Torsion [N m^2 s].
+    """
+
+    EA: Scalar = 0.0
+    EIy: Scalar = 0.0
+    EIz: Scalar = 0.0
+    GIt: Scalar = 0.0
+
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers, all concrete: none is negative."""
+        return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self)))

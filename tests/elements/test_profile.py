@@ -1,0 +1,199 @@
+"""Sections that vary along a spectral beam, against shooting and closed forms."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from references.varying_rods import CASES, CUT, TIPS, WIDTH
+
+import flexmb as fm
+from flexmb import planar, sections, spatial
+
+STEEL = fm.Material(210e9, 80e9, 7850.0)
+
+
+def leaf(thickness):
+    return fm.Rectangle(WIDTH, thickness, STEEL)
+
+
+SECTIONS = {
+    "taper": sections.taper(leaf(5e-4), leaf(3e-4)),
+    "reinforced": sections.stepped([leaf(5e-4), leaf(5e-3), leaf(5e-4)], (0.2, 0.8)),
+    "notch": sections.notch_circular(WIDTH, 5e-3, 3e-4, 5e-3, STEEL),
+}
+
+
+def cantilever(element, section, end, force=None, **properties):
+    b = fm.Builder()
+    b.node("foot", (0.0,) * len(end))
+    b.node("tip", end)
+    b.fix("foot")
+    across = {"y": (0, 1, 0)} if len(end) == 3 else {}
+    b.add(element, "foot", "tip", name="leaf", section=section, **across, **properties)
+    if force is not None:
+        b.force("tip", force)
+    return b
+
+
+@pytest.mark.parametrize(
+    ("case", "plane", "order", "error"),
+    [
+        # Errors over the length at the first run, doubled; a series of strains alone has 1e-5, 0.2 and 8e-3.
+        ("taper", True, 4, 1.4e-5),
+        ("taper", True, 8, 3e-12),
+        ("reinforced", True, 4, 8e-7),
+        ("notch", True, 2, 1.2e-7),
+        ("taper", False, 4, 9e-6),
+        ("reinforced", False, 4, 5e-5),
+        ("notch", False, 4, 4e-6),
+    ],
+)
+def test_large_deflection_against_shooting(case, plane, order, error):
+    _, length, _, force = CASES[case]
+    end, force = (np.array([length, 0, 0]), np.array(force))
+    element, axes = (planar.spectral_beam, [0, 2]) if plane else (spatial.spectral_beam, [0, 1, 2])
+    found = fm.equilibrium(cantilever(element(order), SECTIONS[case], tuple(end[axes]), tuple(force[axes])).build())
+    np.testing.assert_allclose(found.at("tip"), np.array(TIPS[case, plane])[axes], rtol=0, atol=error * length)
+
+
+def test_natural_frequencies_of_a_wedge():
+    # Thickness halved towards the tip: omega sqrt(rho A L^4/(E I)) of the foot are 3.82378, 18.3173, 47.2648
+    # (Euler-Bernoulli; Downs 1977, and solve_ivp of the equation).
+    def thin(place):
+        return fm.Rectangle(0.01, 1e-3 * (1 - 0.5 * place), STEEL, rotary=False)
+
+    found = fm.frequencies(cantilever(planar.spectral_beam(8), sections.Profile(thin), (0.5, 0)).build())[:3]
+    foot = thin(0.0).rigidity()
+    unit = np.sqrt(foot.EIy / foot.mass) / 0.5**2 / (2 * np.pi)
+    np.testing.assert_allclose(found / unit, [3.823784847, 18.317260904, 47.264827010], rtol=1e-5)
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_compliance_of_a_circular_notch(space):
+    # A full half circle of radius R, a neck t, in a beam just as long: closed form of Wu and Zhou (2002), Review of
+    # Scientific Instruments 73, 3101, of the integral of Paros and Weisbord (1965). The vertical slope at its ends
+    # costs 5e-7.
+    width, t, r = 0.01, 5e-4, 3e-3
+    s = r / t
+    first = 2 * s**3 * (6 * s**2 + 4 * s + 1) / ((2 * s + 1) * (4 * s + 1) ** 2)
+    second = 12 * s**4 * (2 * s + 1) / (4 * s + 1) ** 2.5 * np.arctan(np.sqrt(4 * s + 1))
+    expected = 12 / (210e9 * width * r**2) * (first + second)
+
+    notch = section = sections.notch_circular(width, t + 2 * r, t, r, STEEL)
+    element, end, moment = planar.spectral_beam(3), (2 * r, 0), 1e-3
+    if space:
+        # With shear, which a moment does not feel.
+        element, end, moment = spatial.spectral_beam(3, shear=True), (2 * r, 0, 0), (0, 1e-3, 0)
+
+        def shearing(place, length):
+            at: Any = notch.at(place, length)
+            return fm.Rectangle(width, at.thickness, STEEL, shear=True)
+
+        section = sections.Profile(shearing, notch.breaks_at)
+    b = cantilever(element, section, end)
+    b.moment("tip", moment)
+    found = fm.equilibrium(b.build()).at("tip.rotation")
+    angle = 2 * found[2] if space else found[0]
+    assert angle / 1e-3 == pytest.approx(expected, rel=1e-6)
+
+
+def test_derivatives_by_every_dimension():
+    def height(d):
+        b = cantilever(
+            planar.spectral_beam(3), sections.notch_filleted(0.01, d[0], d[1], d[2], d[3], STEEL), (0.03, 0), (0.0, 3.0)
+        )
+        return fm.equilibrium(b.build()).at("tip")[1]
+
+    # Height of the bar, neck, flat length, radius of the roundings.
+    d = jnp.array([5e-3, 4e-4, 8e-3, 1e-3])
+    step = 1e-5 * d
+    differences = [
+        (height(d + step * e) - height(d - step * e)) / (2 * s) for e, s in zip(np.eye(4), step, strict=True)
+    ]
+    # Central differences of relative step 1e-5: their truncation is 1e-9, their round-off 1e-7 of the terms.
+    np.testing.assert_allclose(jax.grad(height)(d), differences, rtol=1e-6)
+    np.testing.assert_allclose(jax.jacfwd(height)(d), differences, rtol=1e-6)
+
+
+def test_stress_and_resultants_follow_the_section():
+    # A taper that hangs: at each place the weight beyond it, and the force at its end bends it.
+    section = sections.taper(fm.Rectangle(0.01, 2e-3, STEEL), fm.Rectangle(0.01, 1e-3, STEEL))
+    b = cantilever(planar.spectral_beam(3), section, (0.1, 0), (0.0, 0.02))
+    b.gravity((9.81, 0))
+    model = b.build()
+    found = fm.stress(model, points=5)
+    place = np.linspace(0, 1, 5)
+    thickness = 2e-3 - 1e-3 * place
+    mass = 7850 * 0.01 * 0.1 * (2e-3 * (1 - place) - 1e-3 * (1 - place**2) / 2)
+    moment = 0.02 * 0.1 * (1 - place)
+    # The deflection of 12 um turns the weight by 2e-4.
+    np.testing.assert_allclose(found.resultants.values[0, :, 0], 9.81 * mass, rtol=1e-3, atol=1e-5)
+    np.testing.assert_allclose(abs(found.resultants.values[0, :, 4]), moment, rtol=2e-3, atol=1e-9)
+    bending = 6 * moment / (0.01 * thickness**2) + 9.81 * mass / (0.01 * thickness)
+    np.testing.assert_allclose(np.max(abs(found.sigma_x[0]), axis=1), bending, rtol=2e-3, atol=1)
+    # All of it stands on the foot.
+    assert float(fm.mass(model)) == pytest.approx(7850 * 0.01 * 0.1 * 1.5e-3, rel=1e-12)
+
+
+def test_different_sections_stand_side_by_side():
+    # Between one foot and one tip stiffnesses add up, whatever is stacked with what.
+    def stiffness(*leaves):
+        b = fm.Builder()
+        b.node("foot", (0, 0))
+        b.node("tip", (0.1, 0))
+        b.fix("foot")
+        for i, section in enumerate(leaves):
+            b.add(planar.spectral_beam(2), "foot", "tip", name=f"leaf {i}", section=section)
+        return np.linalg.inv(fm.compliance(b.build(), "tip"))
+
+    leaves = [sections.taper(leaf(6e-4), leaf(5e-4)), leaf(5e-4), sections.taper(leaf(4e-4), leaf(3e-4))]
+    np.testing.assert_allclose(stiffness(*leaves), sum(stiffness(one) for one in leaves), rtol=1e-9)
+
+
+FAULTS = {
+    "zero": (lambda s: leaf(5e-4 * (1 - 2 * s)), (), "EA = 0 at place 0.5"),
+    "no number": (lambda s: leaf(jnp.sqrt(s - 0.5)), (), "EA = nan at place"),
+    "break": (lambda s: leaf(5e-4), (0.5, 1.5), "breaks at 0.5, 1.5.*between 0 and 1"),
+    "order": (lambda s: leaf(5e-4), (0.6, 0.4), "breaks at 0.6, 0.4.*in order"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("space", [False, True])
+def test_a_faulty_profile_is_refused_by_name(fault, space):
+    function, breaks, message = FAULTS[fault]
+    element, end = (spatial.spectral_beam, (0.1, 0, 0)) if space else (planar.spectral_beam, (0.1, 0))
+    with pytest.raises(fm.ModelError, match=f"'leaf'.*{message}"):
+        cantilever(element, sections.Profile(function, breaks), end).build()
+
+
+def test_what_is_no_profile_is_refused():
+    with pytest.raises(fm.ModelError, match="must take a place"):
+        sections.Profile(lambda: leaf(1e-3))
+    with pytest.raises(fm.ModelError, match="must give a section"):
+        sections.Profile(lambda s: 5e-4 * s)
+    with pytest.raises(fm.ModelError, match=r"entry of shape \(2,\)"):
+        sections.Profile(lambda s: leaf(jnp.stack([s, s])))
+    with pytest.raises(fm.ModelError, match="one kind"):
+        sections.taper(leaf(5e-4), fm.Circle(5e-4, STEEL))
+    with pytest.raises(fm.ModelError, match="3 pieces has one break fewer, not 1"):
+        sections.stepped([leaf(5e-4)] * 3, (0.5,))
+    with pytest.raises(ValueError, match=r"neck.*smaller than the height"):
+        sections.notch_circular(0.01, 1e-3, 2e-3, 5e-3, STEEL)
+    with pytest.raises(ValueError, match=r"radius.*at most"):
+        sections.notch_filleted(0.01, 2e-3, 1e-3, 5e-3, 5e-3, STEEL)
+    with pytest.raises(ValueError, match="ellipse as deep"):
+        sections.notch_elliptic(0.01, 2e-3, 1e-3, 5e-3, 1e-4, STEEL)
+
+
+@pytest.mark.parametrize("element", [planar.beam, planar.truss])
+def test_other_elements_refuse_a_profile(element):
+    with pytest.raises(fm.ModelError, match=r"'leaf'.*for spectral beams"):
+        cantilever(element, SECTIONS["taper"], (0.1, 0)).build()
+
+
+def test_a_notch_longer_than_its_beam_is_refused():
+    with pytest.raises(fm.ModelError, match="breaks at -"):
+        cantilever(planar.spectral_beam, SECTIONS["notch"], (0.5 * CUT * 0.03, 0)).build()
