@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases.motions import body, turned
+from cases.motions import turned
 from jax.tree_util import Partial
 from scipy.spatial.transform import Rotation
 
@@ -113,7 +113,7 @@ def test_derivative_by_a_dimension():
         return jnp.concatenate([jnp.ravel(part) for part in (a, b, c, d)])
 
     t, step = 0.5e-3, 1e-8
-    found = jax.jvp(rotations, (t,), (1.0,))[1]
+    found = fm.jit(lambda t: jax.jvp(rotations, (t,), (1.0,))[1])(t)
     difference = (rotations(t + step) - rotations(t - step)) / (2 * step)
     # Truncation (1e-8/5e-4)^2, round-off 1e-12 over 2e-5 of a change.
     np.testing.assert_allclose(found, difference, rtol=1e-5, atol=1e-6 * np.max(np.abs(difference)))
@@ -122,8 +122,8 @@ def test_derivative_by_a_dimension():
 # -- measured and driven in a simulation --------------------------------------------------------------------------
 
 
-def sensed(**options):
-    """A body held by three springs about axes, turned by a moment."""
+def sensed(stiffness=(1.0, 2.0, 3.0), moment=(0.3, 0.4, -0.5)):
+    """A body held by three springs about axes, turned by a moment; x is one of its principal axes."""
     b = fm.Builder()
     b.node("o", (0, 0, 0))
     b.node("rim", (0.1, 0.2, 0.3))
@@ -131,14 +131,33 @@ def sensed(**options):
     b.rotation("c")
     b.fix("o")
     b.fix("ground")
-    b.add(spatial.hinge, "ground", "c", name="springs", axis=(1, 2, 2), stiffness=(1.0, 2.0, 3.0), released="all")
+    b.add(spatial.hinge, "ground", "c", name="springs", axis=(1, 2, 2), stiffness=stiffness, released="all")
     b.add(spatial.rigid_beam, "o", "c", "rim", name="arm")
-    b.inertia("c", (2e-3, 1e-4, 0, 3e-3, 0, 4e-3))
-    b.moment("c", (0.3, 0.4, -0.5))
-    b.input("c", "rx", **options)
-    b.output("c", "rx", **options)
-    b.output("c", "rx", "velocity", **options)
+    b.inertia("c", (2e-3, 0, 0, 3e-3, 1e-4, 4e-3))
+    b.moment("c", moment)
+    b.dof("springs", 1, 2, 3)
+    for axis in AXES:
+        b.input("c", axis)
+    b.input("c", "rx", local=True, name="own")
+    for local in (False, True):
+        b.output("c", "rx", local=local, name=f"angle {local}")
+        b.output("c", "rx", "velocity", local=local, name=f"rate {local}")
     return b.build()
+
+
+FREE = dict(stiffness=np.zeros(3), moment=(0, 0, 0))  # that nothing holds
+
+
+def _torque(t, y, constant, swing, gains, offset):
+    return constant + swing * jnp.sin(10 * t) - gains @ (y - offset)
+
+
+def driven(model, times, initial, constant=(0, 0, 0, 0), swing=(0, 0, 0, 0), gains=None, offset=(0, 0, 0, 0)):
+    """Motion under moments about global axes and one about the body's own; compiled once for all tests."""
+    gains = np.zeros((4, 4)) if gains is None else gains
+    given = dict(constant=constant, swing=swing, gains=gains, offset=offset)
+    torque = Partial(_torque, **{name: jnp.asarray(value, float) for name, value in given.items()})
+    return fm.simulate(model, times, initial=initial, control=torque, rtol=1e-9)
 
 
 def since(rest, parameters, local):
@@ -148,30 +167,31 @@ def since(rest, parameters, local):
 
 
 def test_a_closed_loop_about_a_turned_state_agrees_with_the_linear_one_to_first_order():
-    model, local = sensed(), False
-    rest = fm.equilibrium(model)
+    model = sensed()
+    # As a configuration, as the other motions here start from one.
+    turned = [entry.of == "springs" for entry in model.labels.e]
+    rest = fm.configuration(model, q=fm.equilibrium(model).e[np.array(turned)])
     times = np.linspace(0, 0.2, 5)
-    gains = np.array([2.0, 0.05])
+    gains = np.zeros((4, 4))
+    gains[0, :2] = 2.0, 0.05
     # The rotation that is measured at the start is that from the undeformed mechanism.
-    offset = np.array([since([1, 0, 0, 0], rest.at("c"), local)[0], 0.0])
-    loop = control.feedback(fm.to_statespace(model), control.ss([], [], [], gains[None]))
+    offset = np.array([since([1, 0, 0, 0], rest.at("c"), False)[0], 0.0, 0.0, 0.0])
+    loop = control.feedback(fm.to_statespace(model), control.ss([], [], [], gains))
     errors = []
     for amplitude in (2e-2, 1e-2):
-        torque = Partial(_torque, amplitude=jnp.array(amplitude), gains=jnp.asarray(gains), offset=jnp.asarray(offset))
-        found = fm.simulate(model, times, initial=rest, control=torque, rtol=1e-9)
-        _, linear = control.forced_response(loop, times, np.full((1, len(times)), amplitude))
-        moved = since(rest.at("c"), found.at("c"), local)
+        found = driven(model, times, rest, (amplitude, 0, 0, 0), gains=gains, offset=offset)
+        held = np.array([amplitude, 0, 0, 0])[:, None] * np.ones(len(times))
+        _, linear = control.forced_response(loop, times, held)
+        moved = since(rest.at("c"), found.at("c"), False)
         errors.append(np.max(np.abs(moved[:, 0] - linear[0])) / np.max(np.abs(linear[0])))
     # Turned by some hundredths of a radian: what is left is of second order, so that half of it leaves half.
     assert errors[0] < 1e-2
     assert errors[1] == pytest.approx(errors[0] / 2, rel=0.1)
 
 
-@pytest.mark.parametrize("local", [False, True])
-def test_what_sensors_of_a_rotation_give(local):
+def test_what_sensors_of_a_rotation_give():
     """Rotation and angular velocity against SciPy, and their derivatives by the coordinates that move."""
-    model = sensed(local=local)
-    form = coordinates_form(model.topology, model.parameters)
+    model = sensed()
     rng = np.random.default_rng(5)
     start, now, rate = rng.standard_normal((3, 4))
     start, now = (q / np.linalg.norm(q) for q in (start * np.sign(start[0]), now * np.sign(start[0] * (start @ now))))
@@ -180,64 +200,67 @@ def test_what_sensors_of_a_rotation_give(local):
     x[0][own], x[1][own] = start, now
     v = np.zeros(len(x[0]))
     v[own] = rate - now * (now @ rate)
-    sensors = measuring(model, form, jnp.asarray(x[0]))
-    state = form.state_of(jnp.asarray(x[1]), jnp.asarray(v), None)
-    found = sensors.measured(0.0, state)
-    expected = since([1, 0, 0, 0], start, local)[0] + since(start, now, local)[0]
-    np.testing.assert_allclose(found[0], expected, rtol=1e-12)
+
+    @fm.jit
+    def sensors(model, whence, x, v):
+        form = coordinates_form(model.topology, model.parameters)
+        sensors = measuring(model, form, whence)
+        state = form.state_of(x, v, None)
+
+        def measured(u, w):
+            return sensors.measured(0.0, state._replace(u=u, w=w))
+
+        found = measured(state.u, state.w)
+        return found, sensors._measured_derivatives(0.0, state)[1], jax.jacfwd(measured, (0, 1))(state.u, state.w)
+
+    found, derivatives, jacobians = sensors(model, *x, v)
     # A step along the geodesic turns by the angular velocity times the time.
     step = 1e-6
     ahead, behind = (now + sign * step * v[own] for sign in (1, -1))
-    omega = since(behind, ahead, local) / (2 * step)
-    assert found[1] == pytest.approx(omega[0], rel=1e-8)
-    _, (by_u, by_w) = sensors._measured_derivatives(0.0, state)
-    jacobian = jax.jacfwd(lambda u, w: sensors.measured(0.0, state._replace(u=u, w=w)), (0, 1))(state.u, state.w)
-    np.testing.assert_allclose(by_u, jacobian[0], atol=1e-12)
-    np.testing.assert_allclose(by_w, jacobian[1], atol=1e-12)
+    for i, local in enumerate((False, True)):
+        expected = since([1, 0, 0, 0], start, local)[0] + since(start, now, local)[0]
+        np.testing.assert_allclose(found[2 * i], expected, rtol=1e-12)
+        omega = since(behind, ahead, local) / (2 * step)
+        assert found[2 * i + 1] == pytest.approx(omega[0], rel=1e-8)
+    for one, other in zip(derivatives, jacobians, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12)
 
 
-def _torque(t, y, amplitude, gains, offset):
-    return amplitude - gains @ (y - offset)
+@pytest.fixture(scope="module")
+def turned_by_moments():
+    """A free body from rest, its motion under moments that are inputs, and the moments."""
+    model = sensed(**FREE)
+    rest = fm.configuration(model, q=[0.0, 0.0, 0.0])
+    constant, swing = 0.1 * np.array([1.0, 0.0, -0.5, 0.0]), 0.1 * np.array([0.0, 1.0, 0.0, 0.0])
+    return model, rest, driven(model, np.linspace(0, 0.2, 5), rest, constant, swing)
 
 
-def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load():
-    b = body((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
-    for axis in AXES:
-        b.input("body", axis)
-    b.output("body", "rx")
-    model = b.build()
-    times = np.linspace(0, 2, 5)
-    load = fm.simulate(model, times, loads={"body": lambda t: jnp.array([1.0, jnp.sin(t), -0.5])}, rtol=1e-9)
-    driven = fm.simulate(model, times, control=lambda t, y: jnp.array([1.0, jnp.sin(t), -0.5]), rtol=1e-9)
-    # The body turns by more than a radian; the moments keep their axes.
-    assert np.linalg.norm(np.asarray(load.at("body"))[-1, 1:]) > 0.5
-    np.testing.assert_allclose(driven.at("body"), load.at("body"), atol=1e-8)
+def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load(turned_by_moments):
+    model, rest, found = turned_by_moments
+    times = np.asarray(found.t)
+    given = {"c": lambda t: 0.1 * jnp.array([1.0, jnp.sin(10 * t), -0.5])}
+    load = fm.simulate(model, times, initial=rest, loads=given, rtol=1e-9)
+    # The body turns by more than half a radian; the moments keep their axes.
+    assert np.linalg.norm(np.asarray(load.at("c"))[-1, 1:]) > 0.25
+    np.testing.assert_allclose(found.at("c"), load.at("c"), atol=1e-8)
+    fine = np.linspace(0, 0.2, 201)
+    inputs = 0.1 * np.stack([np.ones(201), np.sin(10 * fine), -0.5 * np.ones(201), np.zeros(201)])
     plant = fm.control.to_nonlinear_system(model)
-    states = control.input_output_response(
-        plant,
-        np.linspace(0, 2, 201),
-        np.stack([np.ones(201), np.sin(np.linspace(0, 2, 201)), -0.5 * np.ones(201)]),
-        solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10},
-    )
-    whole = Rotation.from_quat(np.asarray(load.at("body"))[-1], scalar_first=True).as_rotvec()
+    tolerances = {"rtol": 1e-9, "atol": 1e-10}
+    states = control.input_output_response(plant, fine, inputs, solve_ivp_kwargs=tolerances)
+    whole = Rotation.from_quat(np.asarray(load.at("c"))[-1], scalar_first=True).as_rotvec()
     # Straight lines between the inputs: 1e-4 squared over 8.
-    assert states.outputs[..., -1].item() == pytest.approx(whole[0], abs=1e-4)
+    assert states.outputs[0, -1] == pytest.approx(whole[0], abs=1e-4)
 
 
 def test_a_moment_about_axes_of_the_body():
     """About its own principal axis a body only spins: Euler's equations."""
-    b = body((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
-    b.input("body", "rz", local=True)
-    b.output("body", "rz", local=True)
-    b.output("body", "rz", "velocity", local=True)
-    b.node("rim", (0.1, 0.2, 0.3))
-    b.add(spatial.rigid_beam, "point", "body", "rim", name="to the rim")
-    model = b.build()
+    model = sensed(**FREE)
     start = fm.configuration(model, q=[0.3, -0.2, 0.1])
-    found = fm.simulate(model, np.linspace(0, 1, 3), initial=start, control=lambda t, y: jnp.array([0.6]), rtol=1e-9)
-    rest, end = (Rotation.from_quat(np.asarray(found.at("body"))[i], scalar_first=True) for i in (0, -1))
-    # Angle M t^2/(2 J) about the body's own z axis, which stays where it is.
-    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0, 0, 0.1], atol=1e-7)
+    found = driven(model, np.linspace(0, 0.2, 5), start, (0, 0, 0, 0.03))
+    rest, end = (Rotation.from_quat(np.asarray(found.at("c"))[i], scalar_first=True) for i in (0, -1))
+    # Angle M t^2/(2 J) about the body's own x axis, which stays where it is.
+    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3, 0, 0], atol=1e-7)
 
 
 def test_rotation_vector_is_that_of_scipy_and_has_a_derivative_at_zero():
@@ -406,23 +429,19 @@ def test_velocities_about_a_steady_motion_are_rates_of_positions():
         np.testing.assert_allclose(found, expected, atol=1e-6 * np.max(np.abs(found)))
 
 
-def test_matrices_along_a_motion():
-    b = body((1.0, 2.0, 3.0), (0.1, 0.2, 3.0))
-    b.input("body", "rx")
-    b.output("body", "rx")
-    b.output("body", "ry", "velocity")
-    found = fm.motion.linearize_motion(fm.simulate(b.build(), np.linspace(0, 1, 4)))
+def test_matrices_along_a_motion(turned_by_moments):
+    found = fm.motion.linearize_motion(turned_by_moments[2])
     every, names = fm.control.state_matrices(found)
-    assert [part.shape for part in every] == [(4, 6, 6), (4, 6, 1), (4, 2, 6), (4, 2, 1)]
+    assert [part.shape for part in every] == [(5, 6, 6), (5, 6, 4), (5, 4, 6), (5, 4, 4)]
     assert len(names) == 6
     for i in (2, -1):
         alone = fm.to_statespace(found.at_time(i))
         for part, name in zip(every, "ABCD", strict=True):
             np.testing.assert_allclose(part[i], getattr(alone, name), rtol=1e-12, atol=1e-12)
-    with pytest.raises(fm.ModelError, match=r"along a motion, at 4 times.*lin\.at_time\(0\).*state_matrices"):
+    with pytest.raises(fm.ModelError, match=r"along a motion, at 5 times.*lin\.at_time\(0\).*state_matrices"):
         fm.to_statespace(found)
-    with pytest.raises(IndexError, match="There are 4 times"):
-        found.at_time(4)
+    with pytest.raises(IndexError, match="There are 5 times"):
+        found.at_time(5)
     with pytest.raises(ValueError, match="no times"):
         found.at_time(0).at_time(0)
 
