@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases.motions import turned
+from cases.motions import body, turned
 from jax.tree_util import Partial
 from scipy.spatial.transform import Rotation
 
@@ -226,31 +226,28 @@ def test_what_sensors_of_a_rotation_give():
         np.testing.assert_allclose(one, other, atol=1e-12)
 
 
-@pytest.fixture(scope="module")
-def turned_by_moments():
-    """A free body from rest, its motion under moments that are inputs, and the moments."""
-    model = sensed(**FREE)
-    rest = fm.configuration(model, q=[0.0, 0.0, 0.0])
-    constant, swing = 0.1 * np.array([1.0, 0.0, -0.5, 0.0]), 0.1 * np.array([0.0, 1.0, 0.0, 0.0])
-    return model, rest, driven(model, np.linspace(0, 0.2, 5), rest, constant, swing)
-
-
-def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load(turned_by_moments):
-    model, rest, found = turned_by_moments
-    times = np.asarray(found.t)
-    given = {"c": lambda t: 0.1 * jnp.array([1.0, jnp.sin(10 * t), -0.5])}
-    load = fm.simulate(model, times, initial=rest, loads=given, rtol=1e-9)
-    # The body turns by more than half a radian; the moments keep their axes.
-    assert np.linalg.norm(np.asarray(load.at("c"))[-1, 1:]) > 0.25
-    np.testing.assert_allclose(found.at("c"), load.at("c"), atol=1e-8)
-    fine = np.linspace(0, 0.2, 201)
-    inputs = 0.1 * np.stack([np.ones(201), np.sin(10 * fine), -0.5 * np.ones(201), np.zeros(201)])
+def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load():
+    b = body((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
+    for axis in AXES:
+        b.input("body", axis)
+    b.output("body", "rx")
+    model = b.build()
+    times = np.linspace(0, 2, 5)
+    load = fm.simulate(model, times, loads={"body": lambda t: jnp.array([1.0, jnp.sin(t), -0.5])}, rtol=1e-9)
+    driven = fm.simulate(model, times, control=lambda t, y: jnp.array([1.0, jnp.sin(t), -0.5]), rtol=1e-9)
+    # The body turns by more than a radian; the moments keep their axes.
+    assert np.linalg.norm(np.asarray(load.at("body"))[-1, 1:]) > 0.5
+    np.testing.assert_allclose(driven.at("body"), load.at("body"), atol=1e-8)
     plant = fm.control.to_nonlinear_system(model)
-    tolerances = {"rtol": 1e-9, "atol": 1e-10}
-    states = control.input_output_response(plant, fine, inputs, solve_ivp_kwargs=tolerances)
-    whole = Rotation.from_quat(np.asarray(load.at("c"))[-1], scalar_first=True).as_rotvec()
+    states = control.input_output_response(
+        plant,
+        np.linspace(0, 2, 201),
+        np.stack([np.ones(201), np.sin(np.linspace(0, 2, 201)), -0.5 * np.ones(201)]),
+        solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10},
+    )
+    whole = Rotation.from_quat(np.asarray(load.at("body"))[-1], scalar_first=True).as_rotvec()
     # Straight lines between the inputs: 1e-4 squared over 8.
-    assert states.outputs[0, -1] == pytest.approx(whole[0], abs=1e-4)
+    assert states.outputs[..., -1].item() == pytest.approx(whole[0], abs=1e-4)
 
 
 def test_a_moment_about_axes_of_the_body():
@@ -429,19 +426,23 @@ def test_velocities_about_a_steady_motion_are_rates_of_positions():
         np.testing.assert_allclose(found, expected, atol=1e-6 * np.max(np.abs(found)))
 
 
-def test_matrices_along_a_motion(turned_by_moments):
-    found = fm.motion.linearize_motion(turned_by_moments[2])
+def test_matrices_along_a_motion():
+    b = body((1.0, 2.0, 3.0), (0.1, 0.2, 3.0))
+    b.input("body", "rx")
+    b.output("body", "rx")
+    b.output("body", "ry", "velocity")
+    found = fm.motion.linearize_motion(fm.simulate(b.build(), np.linspace(0, 1, 4)))
     every, names = fm.control.state_matrices(found)
-    assert [part.shape for part in every] == [(5, 6, 6), (5, 6, 4), (5, 4, 6), (5, 4, 4)]
+    assert [part.shape for part in every] == [(4, 6, 6), (4, 6, 1), (4, 2, 6), (4, 2, 1)]
     assert len(names) == 6
     for i in (2, -1):
         alone = fm.to_statespace(found.at_time(i))
         for part, name in zip(every, "ABCD", strict=True):
             np.testing.assert_allclose(part[i], getattr(alone, name), rtol=1e-12, atol=1e-12)
-    with pytest.raises(fm.ModelError, match=r"along a motion, at 5 times.*lin\.at_time\(0\).*state_matrices"):
+    with pytest.raises(fm.ModelError, match=r"along a motion, at 4 times.*lin\.at_time\(0\).*state_matrices"):
         fm.to_statespace(found)
-    with pytest.raises(IndexError, match="There are 5 times"):
-        found.at_time(5)
+    with pytest.raises(IndexError, match="There are 4 times"):
+        found.at_time(4)
     with pytest.raises(ValueError, match="no times"):
         found.at_time(0).at_time(0)
 

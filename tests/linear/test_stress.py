@@ -17,6 +17,7 @@ from flexmb.answers.answers import answer
 from flexmb.mechanics.inertia import Felt
 from flexmb.motion.coordinates_form import coordinates_form
 from flexmb.motion.moving_matrices import dynamic_balance
+from flexmb.statics.equilibrium import Equilibrium
 
 EPS = np.finfo(float).eps
 L, W, T = mechanisms.LENGTH, mechanisms.WIDTH, mechanisms.THICKNESS
@@ -473,7 +474,7 @@ def test_bar_that_falls_about_a_hinge_in_space(element, released, speed):
 
     sigma, felt = balance(model.topology, model.parameters, x, v, a, none)
     zero = jnp.zeros((), jnp.int32)
-    state = fm.statics.Equilibrium(x, none, sigma, felt, jnp.zeros_like(x), zero, zero, model.labels)
+    state = Equilibrium(x, none, sigma, felt, jnp.zeros_like(x), zero, zero, model.labels)
     found = fm.linear.section_resultants(model, at=state)
     s, scale = np.asarray(found.places), WEIGHT * L
     # Local z is the global y, and local y points into the plane.
