@@ -113,7 +113,7 @@ def test_derivative_by_a_dimension():
         return jnp.concatenate([jnp.ravel(part) for part in (a, b, c, d)])
 
     t, step = 0.5e-3, 1e-8
-    found = jax.jvp(rotations, (t,), (1.0,))[1]
+    found = fm.jit(lambda t: jax.jvp(rotations, (t,), (1.0,))[1])(t)
     difference = (rotations(t + step) - rotations(t - step)) / (2 * step)
     # Truncation (1e-8/5e-4)^2, round-off 1e-12 over 2e-5 of a change.
     np.testing.assert_allclose(found, difference, rtol=1e-5, atol=1e-6 * np.max(np.abs(difference)))
@@ -122,8 +122,8 @@ def test_derivative_by_a_dimension():
 # -- measured and driven in a simulation --------------------------------------------------------------------------
 
 
-def sensed(**options):
-    """A body held by three springs about axes, turned by a moment."""
+def sensed(stiffness=(1.0, 2.0, 3.0), moment=(0.3, 0.4, -0.5)):
+    """A body held by three springs about axes, turned by a moment; x is one of its principal axes."""
     b = fm.Builder()
     b.node("o", (0, 0, 0))
     b.node("rim", (0.1, 0.2, 0.3))
@@ -131,14 +131,33 @@ def sensed(**options):
     b.rotation("c")
     b.fix("o")
     b.fix("ground")
-    b.add(spatial.hinge, "ground", "c", name="springs", axis=(1, 2, 2), stiffness=(1.0, 2.0, 3.0), released="all")
+    b.add(spatial.hinge, "ground", "c", name="springs", axis=(1, 2, 2), stiffness=stiffness, released="all")
     b.add(spatial.rigid_beam, "o", "c", "rim", name="arm")
-    b.inertia("c", (2e-3, 1e-4, 0, 3e-3, 0, 4e-3))
-    b.moment("c", (0.3, 0.4, -0.5))
-    b.input("c", "rx", **options)
-    b.output("c", "rx", **options)
-    b.output("c", "rx", "velocity", **options)
+    b.inertia("c", (2e-3, 0, 0, 3e-3, 1e-4, 4e-3))
+    b.moment("c", moment)
+    b.dof("springs", 1, 2, 3)
+    for axis in AXES:
+        b.input("c", axis)
+    b.input("c", "rx", local=True, name="own")
+    for local in (False, True):
+        b.output("c", "rx", local=local, name=f"angle {local}")
+        b.output("c", "rx", "velocity", local=local, name=f"rate {local}")
     return b.build()
+
+
+FREE = dict(stiffness=np.zeros(3), moment=(0, 0, 0))  # that nothing holds
+
+
+def _torque(t, y, constant, swing, gains, offset):
+    return constant + swing * jnp.sin(10 * t) - gains @ (y - offset)
+
+
+def driven(model, times, initial, constant=(0, 0, 0, 0), swing=(0, 0, 0, 0), gains=None, offset=(0, 0, 0, 0)):
+    """Motion under moments about global axes and one about the body's own; compiled once for all tests."""
+    gains = np.zeros((4, 4)) if gains is None else gains
+    given = dict(constant=constant, swing=swing, gains=gains, offset=offset)
+    torque = Partial(_torque, **{name: jnp.asarray(value, float) for name, value in given.items()})
+    return fm.simulate(model, times, initial=initial, control=torque, rtol=1e-9)
 
 
 def since(rest, parameters, local):
@@ -148,30 +167,31 @@ def since(rest, parameters, local):
 
 
 def test_a_closed_loop_about_a_turned_state_agrees_with_the_linear_one_to_first_order():
-    model, local = sensed(), False
-    rest = fm.equilibrium(model)
+    model = sensed()
+    # As a configuration, as the other motions here start from one.
+    turned = [entry.of == "springs" for entry in model.labels.e]
+    rest = fm.configuration(model, q=fm.equilibrium(model).e[np.array(turned)])
     times = np.linspace(0, 0.2, 5)
-    gains = np.array([2.0, 0.05])
+    gains = np.zeros((4, 4))
+    gains[0, :2] = 2.0, 0.05
     # The rotation that is measured at the start is that from the undeformed mechanism.
-    offset = np.array([since([1, 0, 0, 0], rest.at("c"), local)[0], 0.0])
-    loop = control.feedback(fm.to_statespace(model), control.ss([], [], [], gains[None]))
+    offset = np.array([since([1, 0, 0, 0], rest.at("c"), False)[0], 0.0, 0.0, 0.0])
+    loop = control.feedback(fm.to_statespace(model), control.ss([], [], [], gains))
     errors = []
     for amplitude in (2e-2, 1e-2):
-        torque = Partial(_torque, amplitude=jnp.array(amplitude), gains=jnp.asarray(gains), offset=jnp.asarray(offset))
-        found = fm.simulate(model, times, initial=rest, control=torque, rtol=1e-9)
-        _, linear = control.forced_response(loop, times, np.full((1, len(times)), amplitude))
-        moved = since(rest.at("c"), found.at("c"), local)
+        found = driven(model, times, rest, (amplitude, 0, 0, 0), gains=gains, offset=offset)
+        held = np.array([amplitude, 0, 0, 0])[:, None] * np.ones(len(times))
+        _, linear = control.forced_response(loop, times, held)
+        moved = since(rest.at("c"), found.at("c"), False)
         errors.append(np.max(np.abs(moved[:, 0] - linear[0])) / np.max(np.abs(linear[0])))
     # Turned by some hundredths of a radian: what is left is of second order, so that half of it leaves half.
     assert errors[0] < 1e-2
     assert errors[1] == pytest.approx(errors[0] / 2, rel=0.1)
 
 
-@pytest.mark.parametrize("local", [False, True])
-def test_what_sensors_of_a_rotation_give(local):
+def test_what_sensors_of_a_rotation_give():
     """Rotation and angular velocity against SciPy, and their derivatives by the coordinates that move."""
-    model = sensed(local=local)
-    form = coordinates_form(model.topology, model.parameters)
+    model = sensed()
     rng = np.random.default_rng(5)
     start, now, rate = rng.standard_normal((3, 4))
     start, now = (q / np.linalg.norm(q) for q in (start * np.sign(start[0]), now * np.sign(start[0] * (start @ now))))
@@ -180,24 +200,30 @@ def test_what_sensors_of_a_rotation_give(local):
     x[0][own], x[1][own] = start, now
     v = np.zeros(len(x[0]))
     v[own] = rate - now * (now @ rate)
-    sensors = measuring(model, form, jnp.asarray(x[0]))
-    state = form.state_of(jnp.asarray(x[1]), jnp.asarray(v), None)
-    found = sensors.measured(0.0, state)
-    expected = since([1, 0, 0, 0], start, local)[0] + since(start, now, local)[0]
-    np.testing.assert_allclose(found[0], expected, rtol=1e-12)
+
+    @fm.jit
+    def sensors(model, whence, x, v):
+        form = coordinates_form(model.topology, model.parameters)
+        sensors = measuring(model, form, whence)
+        state = form.state_of(x, v, None)
+
+        def measured(u, w):
+            return sensors.measured(0.0, state._replace(u=u, w=w))
+
+        found = measured(state.u, state.w)
+        return found, sensors._measured_derivatives(0.0, state)[1], jax.jacfwd(measured, (0, 1))(state.u, state.w)
+
+    found, derivatives, jacobians = sensors(model, *x, v)
     # A step along the geodesic turns by the angular velocity times the time.
     step = 1e-6
     ahead, behind = (now + sign * step * v[own] for sign in (1, -1))
-    omega = since(behind, ahead, local) / (2 * step)
-    assert found[1] == pytest.approx(omega[0], rel=1e-8)
-    _, (by_u, by_w) = sensors._measured_derivatives(0.0, state)
-    jacobian = jax.jacfwd(lambda u, w: sensors.measured(0.0, state._replace(u=u, w=w)), (0, 1))(state.u, state.w)
-    np.testing.assert_allclose(by_u, jacobian[0], atol=1e-12)
-    np.testing.assert_allclose(by_w, jacobian[1], atol=1e-12)
-
-
-def _torque(t, y, amplitude, gains, offset):
-    return amplitude - gains @ (y - offset)
+    for i, local in enumerate((False, True)):
+        expected = since([1, 0, 0, 0], start, local)[0] + since(start, now, local)[0]
+        np.testing.assert_allclose(found[2 * i], expected, rtol=1e-12)
+        omega = since(behind, ahead, local) / (2 * step)
+        assert found[2 * i + 1] == pytest.approx(omega[0], rel=1e-8)
+    for one, other in zip(derivatives, jacobians, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12)
 
 
 def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load():
@@ -226,18 +252,12 @@ def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load():
 
 def test_a_moment_about_axes_of_the_body():
     """About its own principal axis a body only spins: Euler's equations."""
-    b = body((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
-    b.input("body", "rz", local=True)
-    b.output("body", "rz", local=True)
-    b.output("body", "rz", "velocity", local=True)
-    b.node("rim", (0.1, 0.2, 0.3))
-    b.add(spatial.rigid_beam, "point", "body", "rim", name="to the rim")
-    model = b.build()
+    model = sensed(**FREE)
     start = fm.configuration(model, q=[0.3, -0.2, 0.1])
-    found = fm.simulate(model, np.linspace(0, 1, 3), initial=start, control=lambda t, y: jnp.array([0.6]), rtol=1e-9)
-    rest, end = (Rotation.from_quat(np.asarray(found.at("body"))[i], scalar_first=True) for i in (0, -1))
-    # Angle M t^2/(2 J) about the body's own z axis, which stays where it is.
-    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0, 0, 0.1], atol=1e-7)
+    found = driven(model, np.linspace(0, 0.2, 5), start, (0, 0, 0, 0.03))
+    rest, end = (Rotation.from_quat(np.asarray(found.at("c"))[i], scalar_first=True) for i in (0, -1))
+    # Angle M t^2/(2 J) about the body's own x axis, which stays where it is.
+    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3, 0, 0], atol=1e-7)
 
 
 def test_rotation_vector_is_that_of_scipy_and_has_a_derivative_at_zero():

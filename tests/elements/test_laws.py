@@ -2,6 +2,8 @@
 
 What a law needs of an element (its deformations, the companions, and the derivatives of all of them by coordinates,
 reference coordinates and properties) is compiled once for each type, since that is most of the time these tests take.
+Derivatives are asked for in directions, a few at once: a whole Jacobian of some hundred answers by some sixty numbers
+takes as long as all else, and a direction that is drawn meets every entry of it.
 """
 
 import dataclasses
@@ -118,9 +120,9 @@ PROPERTIES = {
 }
 # Properties that an element may be without, which then has other code.
 OPTIONAL = ("y", "curvature")
-# Few options, since each is compiled; of spectral beams ``whole`` tells whether they have all that they may have.
+# Few options, since each is compiled; ``whole`` tells whether an element has all that it may have.
 OPTIONS = {
-    "second_order": lambda whole: st.booleans(),
+    "second_order": lambda whole: st.just(whole),
     "order": lambda whole: st.just(2),
     "shear": lambda whole: st.just(whole),
     "law": lambda whole: st.just(characteristic),
@@ -155,7 +157,8 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @st.composite
 def drawn(draw, element: Element) -> Drawn:
-    whole = element.series is not None and draw(st.booleans())
+    optional = {"second_order", "shear", *OPTIONAL} & {*element.option_names, *element.properties}
+    whole = bool(optional) and draw(st.booleans())
     for name in element.option_names:
         if name not in OPTIONS:
             pytest.fail(f"Option '{name}' of element '{element.name}' is new: add to OPTIONS how to draw it.")
@@ -185,7 +188,7 @@ def drawn(draw, element: Element) -> Drawn:
     for name in element.properties:
         if name not in PROPERTIES:
             pytest.fail(f"Property '{name}' of element '{element.name}' is new: add to PROPERTIES how to draw it.")
-        there = name not in OPTIONAL or (whole if element.fields else draw(st.booleans()))
+        there = name not in OPTIONAL or whole
         value = draw(PROPERTIES[name](hints.get(name))) if there else None
         if name == "section" and element.inertia is None:
             value = dataclasses.replace(value, mass=0.0)
@@ -253,6 +256,9 @@ def answers(element: Element, x, ref, properties) -> dict:
     return found
 
 
+DIRECTIONS = 4  # at once
+
+
 @functools.cache
 def _compiled(element, structure, shapes):
     """Functions of one flat vector of coordinates, reference coordinates and properties."""
@@ -266,44 +272,62 @@ def _compiled(element, structure, shapes):
     def flat(point):
         return ravel_pytree(whole(point))[0]
 
-    def with_jacobians(point):
-        return flat(point), jax.jacfwd(flat)(point), jax.jacrev(flat)(point)
+    def both(point):
+        """All answers, and the derivatives of their product with a vector."""
+        value, pull = jax.vjp(flat, point)
+        return value, pull(weights(value.size))[0]
 
-    def curvature(point):
-        return jax.jacfwd(jax.jacrev(lambda p: whole(p)["e"]))(point)
+    def slopes(points, directions):
+        """Both at each point, and their derivatives in its direction."""
+        return jax.vmap(lambda point, along: jax.jvp(both, (point,), (along,)))(points, directions)
 
-    shapes_out = jax.eval_shape(whole, ravel_pytree(example)[0])
-    return fm.jit(with_jacobians), fm.jit(jax.vmap(flat)), fm.jit(curvature), shapes_out
+    return fm.jit(slopes), jax.eval_shape(whole, ravel_pytree(example)[0])
+
+
+def weights(n: int) -> np.ndarray:
+    """Numbers of order one that no answer's symmetry matches."""
+    return np.cos(2.0 + 1.7 * np.arange(n))
 
 
 class Measured:
-    """Answers of an element and their derivatives, by name."""
+    """Answers of an element by name, and their derivatives in directions."""
 
     def __init__(self, sample: Drawn):
         tree = (sample.x, sample.ref, sample.properties)
         leaves, structure = jax.tree.flatten(tree)
-        functions = _compiled(sample.element, structure, tuple(np.shape(leaf) for leaf in leaves))
-        self.with_jacobians, self.batch, self.curvature, shapes = functions
+        self.slopes, shapes = _compiled(sample.element, structure, tuple(np.shape(leaf) for leaf in leaves))
         self.point = np.asarray(ravel_pytree(tree)[0])
         self.n_x = sum(part.size for part in sample.x)
-        self.value, self.forward, self.reverse = map(np.asarray, self.with_jacobians(self.point))
         self.slices, start = {}, 0
         for name in sorted(shapes):  # as ravel_pytree orders a dict
             size = int(np.prod(shapes[name].shape))
             self.slices[name] = slice(start, start + size), shapes[name].shape
             start += size
 
+    def along(self, directions: np.ndarray, away: float = 0.0):
+        """Values and gradients at the point, or away from it, and their derivatives in directions, row by row."""
+        found = self.slopes(self.point + away * directions, directions)
+        return jax.tree.map(np.asarray, found)
+
+    @functools.cached_property
+    def value(self) -> np.ndarray:
+        return self.along(np.zeros((DIRECTIONS, self.point.size)))[0][0][0]
+
     def __getitem__(self, name: str) -> np.ndarray:
         rows, shape = self.slices[name]
         return self.value[rows].reshape(shape)
 
-    def by_x(self, name: str) -> np.ndarray:
+    def rates(self, name: str, rates: np.ndarray) -> np.ndarray:
+        """Rates of an answer at rates of the coordinates, each row of them, (rows, ..)."""
         rows, shape = self.slices[name]
-        return self.forward[rows, : self.n_x].reshape(*shape, self.n_x)
+        directions = np.zeros((-(-len(rates) // DIRECTIONS) * DIRECTIONS, self.point.size))
+        directions[: len(rates), : self.n_x] = rates
+        found = [self.along(some)[1][0] for some in directions.reshape(-1, DIRECTIONS, self.point.size)]
+        return np.concatenate(found)[: len(rates), rows].reshape(-1, *shape)
 
     def mass(self) -> np.ndarray:
-        j = self.by_x("vectors")
-        return np.einsum("akc,ab,bkd->cd", j, self["H"], j)
+        j = self.rates("vectors", np.eye(self.n_x))
+        return np.einsum("cak,ab,dbk->cd", j, self["H"], j)
 
 
 def moved(sample: Drawn, turn: np.ndarray, shift: np.ndarray) -> Drawn:
@@ -356,7 +380,9 @@ def turned_rates(sample: Drawn, rates: np.ndarray, turn: np.ndarray) -> np.ndarr
 
 
 def energy(sample: Drawn, rates: np.ndarray) -> float:
-    return float(0.5 * rates @ Measured(sample).mass() @ rates)
+    measured = Measured(sample)
+    found = measured.rates("vectors", rates[None])[0]
+    return float(0.5 * np.einsum("ak,ab,bk->", found, measured["H"], found))
 
 
 def length(sample: Drawn) -> float:
@@ -460,7 +486,7 @@ def test_power_of_the_end_sections_is_that_of_the_stress(element, data):
         wrenches.append((axes @ section[:3], axes @ section[3:]))
     (n0, m0), (n1, m1) = wrenches
     power = n1 @ velocities[1] - n0 @ velocities[0] + m1 @ spins[1] - m0 @ spins[0]
-    expected = some_stress(measured["e"].size) @ measured.by_x("e") @ np.concatenate(rates)
+    expected = some_stress(measured["e"].size) @ measured.rates("e", np.concatenate(rates)[None])[0]
     assert power == pytest.approx(float(expected), rel=1e-12, abs=1e-12)
 
 
@@ -491,43 +517,44 @@ def test_rigid_motion_changes_no_kinetic_energy(element, data):
     )
 
 
+@st.composite
+def directions(draw, n: int) -> np.ndarray:
+    """Directions of unit length, every number in them."""
+    found = np.random.default_rng(draw(st.integers(0, 99))).standard_normal((DIRECTIONS, n))
+    return found / np.linalg.norm(found, axis=1, keepdims=True)
+
+
 @every_element
 @given(st.data())
 def test_forward_reverse_and_central_differences_agree(element, data):
     measured = Measured(data.draw(drawn(element)))
-    assert np.all(np.isfinite(measured.forward))
-    scale = 1 + np.abs(measured.value)[:, None] + np.abs(measured.forward)
+    along = data.draw(directions(measured.point.size))
+    (value, reverse), (forward, second) = measured.along(along)
+    for found in (reverse, forward, second):
+        assert np.all(np.isfinite(found))
+    scale = 1 + np.abs(value) + np.abs(forward)
     # The same numbers summed in another order.
-    assert np.max(np.abs(measured.reverse - measured.forward) / scale, initial=0) < 1000 * EPS
-    n, step = measured.point.size, EPS ** (1 / 3)
-    around = measured.point + step * np.concatenate([np.eye(n), -np.eye(n)])
-    plus, minus = np.split(np.asarray(measured.batch(around)), 2)
-    difference = (plus - minus).T / (2 * step)
+    size = np.max(np.sum(scale, axis=1)) + np.max(np.sum(np.abs(reverse), axis=1))
+    assert np.max(np.abs(forward @ weights(value.shape[1]) - along @ reverse[0])) < 1000 * EPS * size
+    step = EPS ** (1 / 3)
+    plus, minus = (measured.along(along, sign * step)[0][0] for sign in (1, -1))
     # Truncation step^2/6 times the third derivative, up to 60 value/l0^3; round-off eps/step = 4e-11.
-    assert np.max(np.abs(difference - measured.forward) / scale, initial=0) < 1e-8
+    assert np.max(np.abs((plus - minus) / (2 * step) - forward) / scale, initial=0) < 1e-8
+    # Second derivatives are symmetric.
+    product = second @ along.T
+    np.testing.assert_allclose(product, product.T, rtol=0, atol=1000 * EPS * (1 + np.max(np.abs(second), initial=0)))
 
 
 @every_element
 @given(st.data())
-def test_second_derivatives_are_finite_and_symmetric(element, data):
+def test_an_element_is_the_same_beside_others(element, data):
     measured = Measured(data.draw(drawn(element)))
-    curvature = np.asarray(measured.curvature(measured.point))
-    assert np.all(np.isfinite(curvature))
-    size = 1 + np.max(np.abs(curvature), initial=0)
-    np.testing.assert_allclose(curvature, np.swapaxes(curvature, 1, 2), rtol=0, atol=1000 * EPS * size)
-
-
-@every_element
-@given(st.data())
-def test_vmap_is_a_loop(element, data):
-    measured = Measured(data.draw(drawn(element)))
-    n = measured.point.size
-    points = measured.point + 0.01 * np.concatenate([np.eye(n), -np.eye(n)])
-    together = np.asarray(measured.batch(points))
-    for i in (0, n // 2, 2 * n - 1):
-        alone = np.asarray(measured.with_jacobians(points[i])[0])
+    along = 0.01 * data.draw(directions(measured.point.size))
+    together = measured.along(along, 1.0)[0][0]
+    for i in range(DIRECTIONS):
+        alone = measured.along(np.tile(along[i], (DIRECTIONS, 1)), 1.0)[0][0]
         # The compiler may contract and order differently.
-        np.testing.assert_allclose(together[i], alone, rtol=1000 * EPS, atol=1000 * EPS)
+        np.testing.assert_allclose(together[i], alone[0], rtol=1000 * EPS, atol=1000 * EPS)
 
 
 @every_element

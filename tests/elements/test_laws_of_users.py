@@ -77,7 +77,7 @@ def test_derivatives_of_the_equilibrium_by_properties():
     def place(parameters):
         return fm.equilibrium(fm.Model(model.topology, parameters, model.labels)).at("mass")[0]
 
-    found = jax.grad(place)(model.parameters).properties[0]
+    found = fm.jit(jax.grad(place))(model.parameters).properties[0]
     e = float(fm.equilibrium(model).e[0])
     # k e + k3 e^3 = F by implicit differentiation.
     tangent = K + 3 * K3 * e**2

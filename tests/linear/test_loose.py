@@ -6,7 +6,7 @@ import pytest
 from cases import mechanisms, motions
 
 import flexmb as fm
-from flexmb import planar, spatial
+from flexmb import planar
 from flexmb.answers.answers import answer
 
 LEAF = mechanisms.leaf()
@@ -96,15 +96,15 @@ def test_a_motion_without_mass_is_none_with_a_negative_one():
 def test_what_carries_no_mass_is_named_in_a_simulation():
     b = motions.pendulum()
     b.members = {name: member for name, member in b.members.items() if not member.hidden}
-    for form in ("coordinates", "reduced"):
-        with pytest.raises(fm.AnalysisError, match=r"without mass: .*mass\.(x|y)|rod\.phi") as fault:
-            fm.simulate(b.build(), [0, 1.0], form=form)
-        assert fault.value.code == "singular_mass"
+    with pytest.raises(fm.AnalysisError, match=r"without mass: .*mass\.(x|y)|rod\.phi") as fault:
+        fm.simulate(b.build(), [0, 1.0], form="reduced")
+    assert fault.value.code == "singular_mass"
     # One of two motions.
     b = motions.double_pendulum()
     b.members = {name: m for name, m in b.members.items() if not (m.hidden and "lower" in m.nodes)}
-    with pytest.raises(fm.AnalysisError, match=r"without mass: .*(lower\.x|second\.phi)"):
+    with pytest.raises(fm.AnalysisError, match=r"without mass: .*(lower\.x|second\.phi)") as fault:
         fm.simulate(b.build(), [0, 1.0])
+    assert fault.value.code == "singular_mass"
 
 
 def test_a_motion_with_neither_mass_nor_stiffness_is_named():
@@ -193,13 +193,14 @@ def test_compliance_of_slender_springs_is_not_called_free():
 def test_derivative_of_a_compliance_still_is():
     def flexibility(thickness):
         b = fm.Builder()
-        b.node("A", (0, 0, 0))
-        b.node("B", (0.1, 0, 0))
+        b.node("A", (0, 0))
+        b.node("B", (0.1, 0))
         section = fm.Rectangle(0.018, thickness, mechanisms.steel())
-        b.add(spatial.beam, "A", "B", name="leaf", section=section, y=(0, 1, 0))
+        b.add(planar.beam, "A", "B", name="leaf", section=section)
         b.fix("A")
-        b.dof("leaf", 1, 2, 3, 4, 5, 6)
-        return fm.compliance(b.build(), "B")[2, 2]
+        b.dof("leaf", 1, 2, 3)
+        return fm.compliance(b.build(), "B")[1, 1]
 
     # With the cube of the thickness.
-    assert jax.grad(flexibility)(5e-4) == pytest.approx(-3 * float(flexibility(5e-4)) / 5e-4, rel=1e-9)
+    value, slope = jax.value_and_grad(flexibility)(5e-4)
+    assert slope == pytest.approx(-3 * float(value) / 5e-4, rel=1e-9)

@@ -64,26 +64,34 @@ def test_near_a_repeated_pair_each_eigenvalue_has_its_own_derivative():
 
 
 def test_vectors_and_second_derivatives_at_a_repeated_pair():
-    a, b = jnp.diag(jnp.array([1.0, 1.0, 3.0])), jnp.diag(jnp.array([1.0, 2.0, 1.0]))
-    turn = jnp.array([[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]])
-    shift = jnp.array([[0.3, 0.1, 0.0], [0.1, 0.2, 0.1], [0.0, 0.1, 0.1]])
-    for at in (a, a.at[1, 1].set(2.0)):  # the second is repeated: 2/2 = 1/1
+    a, b = np.diag([1.0, 1.0, 3.0]), np.diag([1.0, 2.0, 1.0])
+    turn = np.array([[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]])
+    shift = np.array([[0.3, 0.1, 0.0], [0.1, 0.2, 0.1], [0.0, 0.1, 0.1]])
 
-        def by_modes(t, at=at):
-            mu, w = pencil(at + t * turn, b + t * shift)
-            return jnp.stack([jnp.sum(mu), jnp.sum((w @ w.T) * turn)])
+    def by_modes(t, at):
+        mu, w = pencil(at + t * turn, b + t * shift)
+        return jnp.stack([jnp.sum(mu), jnp.sum((w @ w.T) * turn)])
 
-        def exact(t, at=at):
-            # The sum of the eigenvalues is the trace of B^-1 A, and W W^T is B^-1, whatever the vectors of the pair.
-            inverse = jnp.linalg.inv(b + t * shift)
-            return jnp.stack([jnp.trace(inverse @ (at + t * turn)), jnp.sum(inverse * turn)])
+    def exact(t, at):
+        # The sum of the eigenvalues is the trace of B^-1 A, and W W^T is B^-1, whatever the vectors of the pair.
+        inverse = jnp.linalg.inv(b + t * shift)
+        return jnp.stack([jnp.trace(inverse @ (at + t * turn)), jnp.sum(inverse * turn)])
 
-        for first in (jax.jacfwd, jax.jacrev):
-            np.testing.assert_allclose(first(by_modes)(0.0), first(exact)(0.0), rtol=1e-12, atol=1e-12)
+    @fm.jit
+    def derivatives(at):
+        """Forward, reverse, and twice, of both."""
+        ways = (jax.jacfwd, jax.jacrev, lambda f: jax.jacfwd(jax.jacrev(f)))
+        return [[way(function)(0.0, at) for function in (by_modes, exact)] for way in ways]
+
+    other = np.array(a)
+    other[1, 1] = 2.0  # the second is repeated: 2/2 = 1/1
+    for at in (a, other):
+        *first, (twice, expected) = derivatives(at)
+        for found, same in first:
+            np.testing.assert_allclose(found, same, rtol=1e-12, atol=1e-12)
         # Of second order only finite: that of the sum misses what the pair's own rotation adds where B changes.
-        twice = jax.jacfwd(jax.jacrev(by_modes))(0.0)
         assert np.all(np.isfinite(twice))
-        assert twice[1] == pytest.approx(float(jax.jacfwd(jax.jacrev(exact))(0.0)[1]), rel=1e-11)
+        assert twice[1] == pytest.approx(float(expected[1]), rel=1e-11)
 
 
 def test_smooth_minimum_is_near_the_minimum():
