@@ -25,12 +25,7 @@ class Once(TyperCommand):
     """A command that refuses an option given twice instead of taking the last."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse, as the base class does.
-
-        Args:
-            ctx: Call.
-            args: What stands behind the name of the command.
-        """
+        """Parse, as the base class does."""
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for param in order:
             if order.count(param) > 1 and not getattr(param, "multiple", False) and param.param_type_name == "option":
@@ -42,23 +37,13 @@ class Program(TyperGroup):
     """The program: every fault of the call is one line on standard error and exit status 2."""
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Command of a name.
-
-        Args:
-            ctx: Call.
-            cmd_name: Name.
-        """
+        """Command of a name."""
         if cmd_name in LATER:
             _refuse(f"flexmb {cmd_name} ({LATER[cmd_name]}) is not available yet.")
         return super().get_command(ctx, cmd_name)
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
-        """Run, and end the process with the exit status.
-
-        Args:
-            args: As of the base class.
-            options: As of the base class.
-        """
+        """Run, and end the process with the exit status."""
         from .errors import shown
 
         _prepare_streams()

@@ -101,11 +101,7 @@ class Result:
 
 
 def is_single(found: Result) -> bool:
-    """Whether the numbers of a result are concrete, and of one mechanism.
-
-    Args:
-        found: Result.
-    """
+    """Whether the numbers of a result are concrete, and of one mechanism."""
     leaves = jax.tree.leaves(found)
     if not (len(leaves) == 1 and leaves[0] is found):
         kinds = (np.ndarray, np.generic, jax.Array, int, float)
@@ -134,11 +130,7 @@ def _shapes(found: Any) -> Iterator[str]:
 
 
 def short(value: Any) -> str:
-    """A number as a summary shows it.
-
-    Args:
-        value: The number.
-    """
+    """A number as a summary shows it."""
     return f"{float(value):.5g}"
 
 
@@ -185,30 +177,17 @@ def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at")
 
 
 def counted(count: int, thing: str) -> str:
-    """How many things there are, as "1 element" or "3 elements".
-
-    Args:
-        count: How many.
-        thing: One of them.
-    """
+    """How many things there are, as "1 element" or "3 elements"."""
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def unit_of(entry: Any) -> str:
-    """Unit of a coordinate.
-
-    Args:
-        entry: Its name.
-    """
+    """Unit of a coordinate."""
     return "m" if entry.kind == "position" else "rad" if entry.symbol == "phi" else "-"
 
 
 def course(states: States) -> str:
-    """Shape of several states, which coordinate moves most along them, and between which values.
-
-    Args:
-        states: The states.
-    """
+    """Shape of several states, which coordinate moves most along them, and between which values."""
     x, names = np.asarray(states.x), states.model.labels.x
     if not len(x) or len(names) != x.shape[1] or not np.any(np.ptp(x, axis=0)):
         return f"x {x.shape}"

@@ -47,9 +47,6 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
 def check_writable(path: str | os.PathLike) -> None:
     """Try whether a file can be written, and leave nothing behind.
 
-    Args:
-        path: Where.
-
     Raises:
         OSError: The folder is missing or not writable, the path is that of a folder, or the file is write-protected.
     """

@@ -40,11 +40,7 @@ def listed(what: str, values: Any) -> list:
 
 
 def number_in(component: Any) -> int | None:
-    """Number of a coordinate or deformation, None where it is none.
-
-    Args:
-        component: As given.
-    """
+    """Number of a coordinate or deformation, None where it is none."""
     if isinstance(component, str):
         return int(component) if component.isascii() and component.isdecimal() else None
     return as_whole(component)

@@ -28,9 +28,6 @@ SURE = ("inertia", "force", "resultants")
 def element_type(given: Any) -> Element:
     """An element type, of a bare deformation function one without companions.
 
-    Args:
-        given: Element, or deformation function.
-
     Raises:
         ModelError: It is something else, or its signature does not say which nodes it joins.
     """

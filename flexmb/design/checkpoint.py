@@ -93,11 +93,7 @@ class Checkpoint:
         self.close()
 
     def refusal(self, why: str) -> ValueError:
-        """What to raise where the file is not what is needed; it is left as it is.
-
-        Args:
-            why: What it is instead.
-        """
+        """What to raise where the file is not what is needed; it is left as it is."""
         return ValueError(f"Checkpoint '{shown(self.path)}' {why}. Delete it or name another file.")
 
     def _lock(self) -> None:

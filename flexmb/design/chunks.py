@@ -77,11 +77,7 @@ class Worker:
         self.work: Any = kernel_of(task, threads=cores()) if executor is None else _packed(task)
 
     def results(self, parts: list[Chunk]) -> Iterator[tuple[int, Values]]:
-        """Number and answers of each part, as they are done.
-
-        Args:
-            parts: Designs.
-        """
+        """Number and answers of each part, as they are done."""
         if self.executor is None:
             for index, part in enumerate(parts):
                 yield index, self.work(part)

@@ -187,9 +187,5 @@ def _largest(difference: np.ndarray, size: np.ndarray) -> float:
 
 
 def largest_of(deviations: list[Deviation]) -> Deviation:
-    """The worst of several, each number by itself.
-
-    Args:
-        deviations: At several states.
-    """
+    """The worst of several, each number by itself."""
     return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))

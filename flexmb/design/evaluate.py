@@ -72,10 +72,6 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
 def check_dimensions(build: Build, names: Sequence[str]) -> None:
     """Refuse dimensions that a function does not take, and those that it lacks.
 
-    Args:
-        build: Function of named dimensions.
-        names: Their names.
-
     Raises:
         ValueError: Names the dimension.
     """
@@ -150,9 +146,6 @@ class Layout(NamedTuple):
 
     def join(self, values: Mapping[str, Any]) -> np.ndarray:
         """One vector from named arrays of these shapes or scalars.
-
-        Args:
-            values: By name.
 
         Raises:
             ValueError: An array has another shape.
@@ -242,10 +235,6 @@ def _real(name: str, value: Any) -> Float[Array, "..."]:
 
 def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
     """Build on concrete numbers, where everything is checked and degrees of freedom are found.
-
-    Args:
-        build: Function of named dimensions.
-        dimensions: By name.
 
     Returns:
         The models that are built on the way.

@@ -139,13 +139,7 @@ def _first_line(fault: Exception) -> str:
 
 
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
-    """Keys and values of a sweep for JSON.
-
-    Args:
-        study: The study.
-        found: Its sweep.
-        version: Of the program.
-    """
+    """Keys and values of a sweep for JSON."""
     from ..results import RESULTS
 
     failed = sum(found.failures().values())
@@ -163,13 +157,7 @@ def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
 
 
 def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
-    """Keys and values of a tuned design for JSON.
-
-    Args:
-        study: The study.
-        found: Its design.
-        version: Of the program.
-    """
+    """Keys and values of a tuned design for JSON."""
     good = found.result.name == "successful"
     return {
         "study": study.name,

@@ -80,11 +80,7 @@ class FromFile:
 
 
 def content_of(source: Path) -> str:
-    """Content of a file, as a SHA-256.
-
-    Args:
-        source: The file.
-    """
+    """Content of a file, as a SHA-256."""
     return hashlib.sha256(source.read_bytes()).hexdigest()
 
 
@@ -132,11 +128,7 @@ class Called:
 
 
 def said(fault: BaseException) -> str:
-    """What an exception says, in one line.
-
-    Args:
-        fault: The exception.
-    """
+    """What an exception says, in one line."""
     text = (str(fault).splitlines() or [""])[0]
     return f"{type(fault).__name__}: {shown(text)}" if text else type(fault).__name__
 
@@ -202,11 +194,7 @@ class Asked:
     more: Any = None
 
     def __call__(self, model: Any) -> Any:
-        """The answer of a model.
-
-        Args:
-            model: The model.
-        """
+        """The answer of a model."""
         if not isinstance(model, Model):
             kind = type(model).__name__
             raise StudyError(f"{self.about}: {self.kind} is asked of a Model, but `model` returns of type {kind}.")

@@ -77,9 +77,6 @@ def _frequencies_at(found: Matrices, *, count: int | None):
 def refuse_unsymmetric(symmetric: bool) -> None:
     """Refuse to ask for frequencies where the stiffness has no potential.
 
-    Args:
-        symmetric: Whether it has one.
-
     Raises:
         NotImplementedError: It has none.
     """
@@ -133,13 +130,7 @@ def frequencies(
 
 
 def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
-    """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault.
-
-    Args:
-        result: Code of a spectrum.
-        throw: Whether to raise.
-        model: What was asked about.
-    """
+    """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
     about = ""
     if throw and not isinstance(result, jax.core.Tracer):
         code = int(result)

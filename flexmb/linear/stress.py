@@ -192,11 +192,7 @@ def _count(stack) -> int:
 
 
 def without_shape(model: Model) -> list[str]:
-    """Names of the flexible elements whose section is given by its rigidities and so has no stress.
-
-    Args:
-        model: Mechanism.
-    """
+    """Names of the flexible elements whose section is given by its rigidities and so has no stress."""
     found = []
     for names, properties in zip(model.labels.stressed, model.parameters.properties, strict=True):
         if any(names):

@@ -155,11 +155,7 @@ def _taken(block: Block, companion: str, function, properties: dict[str, Any]) -
 
 
 def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:
-    """Stacked properties with one stack of sections, where they are of several kinds.
-
-    Args:
-        properties: Of a block.
-    """
+    """Stacked properties with one stack of sections, where they are of several kinds."""
     sections = properties.get("section")
     return {**properties, "section": _rigidities(sections)} if isinstance(sections, tuple) else properties
 

@@ -41,9 +41,6 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
     Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the
     undeformed mechanism, which the caller supplies by scaling differences (see statics).
 
-    Args:
-        factors: Factors.
-
     Returns:
         Loads; None stays None where neither set has the load.
     """

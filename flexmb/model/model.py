@@ -80,18 +80,11 @@ class Labels:
     stressed: tuple[tuple[str | None, ...], ...]
 
     def coordinates(self, node: str) -> list[int]:
-        """Indices in x of a node, or of the rotation of a node as "name.rotation".
-
-        Args:
-            node: Name of the node.
-        """
+        """Indices in x of a node, or of the rotation of a node as "name.rotation"."""
         return [i for i, entry in enumerate(self.x) if entry.of == node]
 
     def known(self, node: str) -> np.ndarray:
         """As :meth:`coordinates`, for a node that must exist.
-
-        Args:
-            node: Name of the node.
 
         Raises:
             KeyError: No such node.

@@ -390,11 +390,6 @@ class CoordinatesForm(Record):
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
     """Equations of motion of a model in all its coordinates.
 
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        driven: What depends on time.
-
     Returns:
         CoordinatesForm.
     """

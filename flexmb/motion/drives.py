@@ -57,10 +57,6 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
 def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     """Functions of time with the indices of what they drive.
 
-    Args:
-        model: Mechanism.
-        drives: What was given.
-
     Raises:
         ModelError: Unknown name, or what cannot be driven.
     """

@@ -58,12 +58,7 @@ class PreparedBlock(Record):
 
 
 def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
-    """All elements that deform or carry mass, with what does not change in a motion worked out.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-    """
+    """All elements that deform or carry mass, with what does not change in a motion worked out."""
     found = []
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         deformation, known = companion_of(block, properties, "deformation")

@@ -64,9 +64,6 @@ def extent_of(points: Float[np.ndarray, "n d"]) -> float:
 def places_of_rotations(model: Model) -> dict[str, list[str]]:
     """Points that each rotation belongs to: in an element's signature it follows the point whose rotation it is.
 
-    Args:
-        model: Mechanism.
-
     Returns:
         Names of points by name of the rotation.
     """
@@ -150,11 +147,7 @@ def scaled_lines(
 
 
 def masses(model: Model) -> list[np.ndarray]:
-    """Indices in x of every point that carries a lumped mass.
-
-    Args:
-        model: Mechanism.
-    """
+    """Indices in x of every point that carries a lumped mass."""
     found = []
     for block in model.topology.blocks:
         kinds = list(block.element.nodes.values())
@@ -196,12 +189,7 @@ def places_of_zigzag(teeth: int = 5) -> Float[np.ndarray, "n"]:
 
 
 def names_of(model: Model, block: Block) -> list[str]:
-    """Names of a block's elements; none for what has no deformations or is a unit norm.
-
-    Args:
-        model: Mechanism.
-        block: One of its blocks.
-    """
+    """Names of a block's elements; none for what has no deformations or is a unit norm."""
     if block.e.shape[1] == 0:
         return []
     entries = [model.labels.e[k] for k in np.asarray(block.e)[:, 0].tolist()]

@@ -31,9 +31,6 @@ class Shape(NamedTuple):
 def shapes_of(model: Model) -> dict[str, Shape]:
     """Outlines of the elements whose section has one.
 
-    Args:
-        model: Mechanism.
-
     Returns:
         By name of the element.
     """

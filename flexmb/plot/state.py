@@ -86,9 +86,6 @@ def _kind(value: Any) -> str:
 def checked(scale: float) -> float:
     """A factor of displacements.
 
-    Args:
-        scale: The factor.
-
     Raises:
         ValueError: It is not finite.
     """

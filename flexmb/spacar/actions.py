@@ -364,13 +364,7 @@ def signal(r: Reading, s: Statement, p: Values) -> None:
 
 
 def number_signal(r: Reading, s: Statement, number: int) -> None:
-    """Take a number of an input or output, of which each is used once.
-
-    Args:
-        r: State.
-        s: The line.
-        number: Its number.
-    """
+    """Take a number of an input or output, of which each is used once."""
     side = "input" if s.keyword.startswith("IN") else "output"
     first = r.signals[side].get(number)
     if first is not None:

@@ -191,11 +191,7 @@ def _section(script: Script, number: int) -> Iterator[str]:
 
 
 def rotations(own: dict[str, Any]) -> dict[str, tuple[str, Any]]:
-    """Prescribed rotations of a node: for each field its axis ("x", "y", "z" or "free") and its value.
-
-    Args:
-        own: Fields of the node.
-    """
+    """Prescribed rotations of a node: for each field its axis ("x", "y", "z" or "free") and its value."""
     single = {f"rot{when}_{axis}": axis for when in ("", "_initial") for axis in AXES}
     named = {**single, "rot": "free", "rot_initial": "free"}
     return {name: (axis, own[name]) for name, axis in named.items() if name in own}

@@ -116,44 +116,24 @@ class Script:
     warnings: list[str]
 
     def properties(self, element: int) -> dict[str, Any]:
-        """Fields of an element's set; none for an element that is in no set.
-
-        Args:
-            element: Number.
-        """
+        """Fields of an element's set; none for an element that is in no set."""
         return self.eprops.get(self.sets.get(element, 0), {})
 
     def is_hinge(self, element: int) -> bool:
-        """Whether an element is a hinge.
-
-        Args:
-            element: Number.
-        """
+        """Whether an element is a hinge."""
         return self.properties(element).get("type") == "hinge"
 
     def flexible(self, element: int) -> tuple[int, ...]:
-        """Deformations that may change, numbers from 1; none for a rigid element.
-
-        Args:
-            element: Number.
-        """
+        """Deformations that may change, numbers from 1; none for a rigid element."""
         return (1,) if self.is_hinge(element) else tuple(self.properties(element).get("flex", ()))
 
     def ends(self, element: int) -> tuple[int, int]:
-        """Numbers of an element's nodes.
-
-        Args:
-            element: Number.
-        """
+        """Numbers of an element's nodes."""
         p, q = self.elements[element - 1].tolist()
         return p, q
 
     def at(self, node: int) -> list[int]:
-        """Elements at a node.
-
-        Args:
-            node: Number.
-        """
+        """Elements at a node."""
         return [k for k in self.numbers() if node in self.ends(k)]
 
     def numbers(self) -> range:
@@ -328,10 +308,6 @@ class OutOfRange(ValueError):
 
 def in_form(value: Any, form: Form) -> Any:
     """A field's value as it is used.
-
-    Args:
-        value: As given.
-        form: What it must be.
 
     Returns:
         A bool for a flag, an int, a tuple of ints, a scalar, an array, a string or a tuple of strings.

@@ -44,11 +44,7 @@ class Fault(Exception):
 
 
 def within(value: Any) -> Any:
-    """Whether numbers are zero or between the smallest and the largest that are taken.
-
-    Args:
-        value: Number or array.
-    """
+    """Whether numbers are zero or between the smallest and the largest that are taken."""
     size = np.abs(value)
     return (size == 0) | ((size >= SMALLEST) & (size <= LARGEST))
 
@@ -74,11 +70,7 @@ class Placeholder(str):
 
 
 def known(value: Any) -> bool:
-    """Whether a number can be compared: whether it is not traced.
-
-    Args:
-        value: A number.
-    """
+    """Whether a number can be compared: whether it is not traced."""
     return not isinstance(value, jax.core.Tracer)
 
 
@@ -105,29 +97,18 @@ class Statement:
 
 
 def whole_number(word: str) -> int | None:
-    """A whole number from 1, or None.
-
-    Args:
-        word: As the file has it.
-    """
+    """A whole number from 1, or None."""
     return int(word) if _WHOLE.fullmatch(word) and int(word) > 0 else None
 
 
 def placeholders(found: list[Statement]) -> tuple[str, ...]:
-    """Names of the parameters that placeholders name, each once.
-
-    Args:
-        found: Lines of a file.
-    """
+    """Names of the parameters that placeholders name, each once."""
     words = [w for s in found for w in s.words if isinstance(w, Placeholder)]
     return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w)))
 
 
 def read_text(path: str | os.PathLike) -> str:
     """Text of a file: UTF-8, with or without its mark, or else Latin-1; what counts is ASCII in both.
-
-    Args:
-        path: Where.
 
     Raises:
         SpacarError: It is UTF-16, no text at all, or too large.

@@ -24,11 +24,7 @@ _BENDINGS = {2: ((1, 2, -1.0),), 3: ((2, 3, 1.0), (3, 5, 1.0))}
 
 
 def closure(element: Element) -> int:
-    """Number of deformations that close a spectral beam; none for any other element.
-
-    Args:
-        element: Element type.
-    """
+    """Number of deformations that close a spectral beam; none for any other element."""
     return element.fields[0][0] - 1 if element.fields else 0
 
 
@@ -134,11 +130,7 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
 
 
 def described(element: Element) -> str:
-    """Which deformations belong to what, for the log.
-
-    Args:
-        element: Type of a spectral beam.
-    """
+    """Which deformations belong to what, for the log."""
     names = FIELDS[_dimension(element)]
     parts = [f"{name} {own[0]} to {own[-1]}" for name, own in zip(names, element.fields, strict=False)]
     return ", ".join([f"closure 1 to {closure(element)}", *parts])

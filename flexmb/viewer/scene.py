@@ -157,11 +157,7 @@ def in_space(points: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n 3"]:
 
 
 def most_states(found: Lines) -> int:
-    """How many states of a path or motion are shown.
-
-    Args:
-        found: Its lines.
-    """
+    """How many states of a path or motion are shown."""
     return max(2, min(MOST_STATES, MOST_NUMBERS // max(found.base.size, 1)))
 
 
