@@ -139,7 +139,6 @@ def listed(values: Any, unit: str = "") -> str:
 
     Args:
         values: Numbers, (n,), or names.
-        unit: Of all of them.
     """
     found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
     more = ", …" if len(values) > AT_MOST else ""
@@ -147,12 +146,7 @@ def listed(values: Any, unit: str = "") -> str:
 
 
 def span(values: Any, unit: str = "") -> str:
-    """From the smallest to the largest of some numbers, of the finite ones among them.
-
-    Args:
-        values: Numbers, any shape.
-        unit: Of all of them.
-    """
+    """From the smallest to the largest of some numbers, of the finite ones among them."""
     values = np.asarray(values, float)
     finite = values[np.isfinite(values)]
     return f"{short(finite.min())} to {short(finite.max())} {unit}".strip() if finite.size else "none"
@@ -163,8 +157,6 @@ def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at")
 
     Args:
         values: Numbers, (n,), of which those that are not finite do not count.
-        names: Whose each of them is.
-        unit: Of all of them.
         word: What stands before the name.
     """
     values = np.asarray(values)
@@ -196,13 +188,7 @@ def course(states: States) -> str:
 
 
 def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
-    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
-
-    Args:
-        what: Their kind.
-        found: The modes about their state.
-        rows: What is to be known about them.
-    """
+    """Summary of modes, of whichever kind, which the first of them stand for in a small picture."""
     moves, names = np.asarray(found.moves), found.model.labels.x
     count = moves.shape[1]
     moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""

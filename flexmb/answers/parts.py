@@ -87,7 +87,6 @@ def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
     """Poles, real and imaginary parts.
 
     Args:
-        lin: Linearisation.
         always: Also where frequencies say the same.
     """
     damped = np.any(np.asarray(lin.matrices.C0 + lin.matrices.D0))
@@ -107,7 +106,6 @@ def shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
 
     Args:
         columns: One motion a column, (n_x, motions).
-        labels: Names.
     """
     return [by_owner(column, labels.x) for column in np.asarray(columns).T]
 

@@ -17,11 +17,7 @@ CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "
 
 
 def table(data: dict[str, Any]) -> str:
-    """Short table of an answer for the terminal.
-
-    Args:
-        data: Keys and values of an answer.
-    """
+    """Short table of an answer for the terminal."""
     lines = [f"{shown(data['model'])}  mode {data['mode']}  status {data['status']}"]
     lines.append("NDOF = NX - NXO - NEO = {nx} - {nxo} - {neo} = {ndof}".format(**data))
     names = ", ".join(f"{d['kind']} {d['of']}.{d['component']}" for d in data["dofs"])
@@ -58,7 +54,6 @@ def log(found: Answer, source: str) -> str:
     """Log of a run: input, structure, numbers, transfer functions and results.
 
     Args:
-        found: Answer of the analysis.
         source: Text of the input file, echoed without its comments.
     """
     data, model, lin = found.data, found.model, found.lin

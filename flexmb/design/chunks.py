@@ -70,7 +70,6 @@ class Worker:
         """Begin.
 
         Args:
-            task: What is to be computed of every design.
             executor: Where; None for the cores of this machine.
         """
         self.executor = executor
@@ -129,7 +128,6 @@ def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
     """What computes a part.
 
     Args:
-        task: What is to be computed of every design.
         threads: How many designs at a time.
     """
     if not task.compiled or task.example is None:

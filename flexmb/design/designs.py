@@ -84,7 +84,6 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of a dimension.
 
     Args:
-        name: Of the dimension, for the message.
         bounds: Two numbers, or two arrays for a dimension with several entries.
 
     Raises:
@@ -176,10 +175,6 @@ def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[st
 
 def numbers(what: str, value: Any) -> np.ndarray:
     """A number or an array of numbers, double precision.
-
-    Args:
-        what: What they are, for the message.
-        value: What is given.
 
     Raises:
         ValueError: It is something else.

@@ -51,8 +51,6 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
     """Refuse names that would meet in a table or a file.
 
     Args:
-        dimensions: Names of dimensions.
-        answers: Names of answers.
         reserved: Names of what else stands there.
 
     Raises:
@@ -174,11 +172,6 @@ def evaluate(
 ) -> tuple[dict[str, Float[Array, "..."]], Int[Array, ""]]:
     """Answers and a code of RESULTS, for use under a trace.
 
-    Args:
-        build: Function of named dimensions.
-        answers: Functions of what it returns, by name.
-        dimensions: By name.
-
     Returns:
         Answers by name; the first failure of their analyses, or not_finite where an answer is NaN.
     """
@@ -198,11 +191,6 @@ def evaluate_concretely(
     build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
 ) -> tuple[dict[str, np.ndarray] | None, int]:
     """Answers and a code of RESULTS of one design, for analyses that cannot be traced.
-
-    Args:
-        build: Function of named dimensions.
-        answers: Functions of what it returns, by name.
-        dimensions: By name.
 
     Returns:
         Answers by name, None where there are none; code.
@@ -251,7 +239,6 @@ def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[s
     """The first design that can be built, and its models.
 
     Args:
-        build: Function of named dimensions.
         designs: Dimensions with the designs first, (designs, ...), by name.
 
     Raises:
@@ -271,8 +258,6 @@ def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], lay
     """A function from one vector of dimensions to one vector of answers, and their code.
 
     Args:
-        build: Function of named dimensions.
-        answers: Functions of what it returns, by name.
         layout: Of the dimensions.
         models: See :func:`build_once`.
 

@@ -35,6 +35,8 @@ class Rows:
 class Problem:
     """Minimise weights . a + |targets(a)|^2/2 with equal(a) = 0 and limits(a) <= 0.
 
+    In its methods answers are (m,), multipliers those of equal and of limits, the weight that of the penalty, () [-].
+
     Attributes:
         weights: Of the objective, (m,).
         targets: Residuals, relative to the target.
@@ -53,20 +55,12 @@ class Problem:
         return not (np.any(self.weights) or self.equal.names or self.limits.names)
 
     def objective(self, answers: Any) -> Any:
-        """What is minimised, () [-].
-
-        Args:
-            answers: (m,).
-        """
+        """What is minimised, () [-]."""
         residual = self.targets(answers)
         return self.weights @ answers + 0.5 * residual @ residual
 
     def violation(self, answers: Any) -> float:
-        """Largest violation of a constraint, relative to its value, () [-].
-
-        Args:
-            answers: (m,).
-        """
+        """Largest violation of a constraint, relative to its value, () [-]."""
         parts = (np.abs(self.equal(answers)), self.limits(answers))
         return float(max(np.max(part, initial=0.0) for part in parts))
 
@@ -74,7 +68,6 @@ class Problem:
         """Constraints that are violated, and by how much.
 
         Args:
-            answers: (m,).
             tolerance: Relative violation that is none.
         """
         found = []
@@ -84,11 +77,6 @@ class Problem:
 
     def lagrangian(self, answers: Any, multipliers: tuple[Any, Any], weight: Any) -> Any:
         """Augmented Lagrangian, () [-].
-
-        Args:
-            answers: (m,).
-            multipliers: Of equal and of limits.
-            weight: Of the penalty, () [-].
 
         Source:
             Rockafellar 1974; Nocedal, Wright 2006, eq. (17.65) with the slacks eliminated.
@@ -100,13 +88,7 @@ class Problem:
         return self.objective(answers) + penalty
 
     def slope(self, answers: np.ndarray, multipliers: tuple[np.ndarray, np.ndarray], weight: float) -> np.ndarray:
-        """Derivative of the augmented Lagrangian by the answers, (m,).
-
-        Args:
-            answers: (m,).
-            multipliers: Of equal and of limits.
-            weight: Of the penalty, () [-].
-        """
+        """Derivative of the augmented Lagrangian by the answers, (m,)."""
         updated = self.updated(answers, multipliers, weight)
         slope = self.weights + self.targets.matrix.T @ self.targets(answers)
         return slope + self.equal.matrix.T @ updated[0] + self.limits.matrix.T @ updated[1]
@@ -114,13 +96,7 @@ class Problem:
     def updated(
         self, answers: np.ndarray, multipliers: tuple[np.ndarray, np.ndarray], weight: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """First-order estimate of the multipliers.
-
-        Args:
-            answers: (m,).
-            multipliers: Of equal and of limits.
-            weight: Of the penalty, () [-].
-        """
+        """First-order estimate of the multipliers."""
         of_equal, of_limits = multipliers
         return (
             of_equal + weight * self.equal(answers),

@@ -48,9 +48,6 @@ class Study:
     def tune(self, **options: Any) -> Tuned:
         """Run :func:`flexmb.tune` on it.
 
-        Args:
-            options: Further arguments.
-
         Raises:
             StudyError: The file asks for what cannot be, with file and key.
             ModelError, AnalysisError: As :func:`flexmb.tune` raises.
@@ -65,9 +62,6 @@ class Study:
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep` on it, compiled where the model and the answers allow it.
-
-        Args:
-            options: Further arguments.
 
         Raises:
             StudyError: The file asks for what cannot be, with file and key.
@@ -178,12 +172,7 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
 
 
 def sweep_table(found: Sweep, rows: int = 20) -> str:
-    """Table of a sweep for the terminal.
-
-    Args:
-        found: The sweep.
-        rows: At most.
-    """
+    """Table of a sweep for the terminal, of so many rows at most."""
     from ..results import RESULTS
 
     names = [*found.designs, *(name for name, v in found.answers.items() if v.ndim == 1)]

@@ -99,7 +99,6 @@ class Scaling:
         """Check and keep the bounds.
 
         Args:
-            layout: Of the dimensions.
             bounds: Lower and upper value by name.
             scales: "log" or "linear" by name.
 
@@ -131,9 +130,6 @@ class Scaling:
     def check_inside(self, flat: np.ndarray) -> None:
         """Refuse a start outside the bounds.
 
-        Args:
-            flat: Dimensions, (n,).
-
         Raises:
             ValueError: Names the dimension.
         """
@@ -142,22 +138,14 @@ class Scaling:
                 raise ValueError(f"Start {value:g} of '{name}' is outside its bounds, {lower:g} to {upper:g}.")
 
     def to_unit(self, flat: np.ndarray) -> np.ndarray:
-        """Numbers from 0 to 1.
-
-        Args:
-            flat: Dimensions, (n,).
-        """
+        """Numbers from 0 to 1, (n,), for dimensions, (n,)."""
         linear = (flat - self.lower) / (self.upper - self.lower)
         safe = (np.where(self.log, a, e) for a, e in ((flat, 1.0), (self.lower, 1.0), (self.upper, np.e)))
         value, lower, upper = safe
         return np.clip(np.where(self.log, np.log(value / lower) / np.log(upper / lower), linear), 0.0, 1.0)
 
     def to_dimensions(self, unit: Any) -> Any:
-        """Dimensions, also under a trace.
-
-        Args:
-            unit: Numbers from 0 to 1, (n,).
-        """
+        """Dimensions, (n,), for numbers from 0 to 1, (n,); also under a trace."""
         ratio = np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0)
         linear = self.lower + unit * (self.upper - self.lower)
         found = jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)

@@ -23,7 +23,6 @@ def named(model: Model, motions: np.ndarray) -> str:
     """What moves most in each motion.
 
     Args:
-        model: Mechanism.
         motions: One a column, (n_x, k).
     """
     found = []

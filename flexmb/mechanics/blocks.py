@@ -70,7 +70,6 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
     """Function of one element of a block, or None if it has none, and the stacked properties to map it over.
 
     Args:
-        block: Block.
         properties: Its stacked properties.
         companion: Field of Element, such as "stiffness".
     """
@@ -95,7 +94,6 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
     Traced numbers that such a function refers to become properties, so that derivatives and batches go through them.
 
     Args:
-        block: Block.
         properties: Its stacked properties.
 
     Returns:

@@ -200,7 +200,6 @@ def as_model(given: Any, function: str) -> Model:
     """A model, which is refused by what to do where it is none.
 
     Args:
-        given: What is given as model.
         function: Name of the public function that it is given to.
 
     Raises:
@@ -215,10 +214,6 @@ def as_model(given: Any, function: str) -> Model:
 
 def as_determined(given: Any, function: str) -> Model:
     """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it.
-
-    Args:
-        given: What is given as model.
-        function: Name of the public function that it is given to.
 
     Raises:
         TypeError: It is no Model.

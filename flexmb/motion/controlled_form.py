@@ -42,11 +42,7 @@ class Constant(Record):
     value: Any
 
     def __call__(self, t):
-        """The number.
-
-        Args:
-            t: Not used.
-        """
+        """The number, whatever the time."""
         return self.value
 
 
@@ -82,8 +78,6 @@ def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesFor
     """Equations of a mechanism under given inputs.
 
     Args:
-        form: Equations of the mechanism.
-        places: What the inputs act on.
         u: Inputs, (n_u,).
     """
     own = (places.forces, places.stresses, places.moments, places.local_moments)

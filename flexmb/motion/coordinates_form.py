@@ -124,7 +124,6 @@ class CoordinatesForm(Record):
         """All coordinates from those that move.
 
         Args:
-            t: Time [s].
             u: Displacements over their sizes, (n,) [-].
             w: Their rates, (n,) [1/s].
             a: Their second rates, (n,) [1/s^2].

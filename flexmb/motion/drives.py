@@ -39,7 +39,6 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
     """Times at which loads jump or bend, ascending; None where there are none.
 
     Args:
-        drives: What was given.
         driven: The same as :func:`driven_by` has it.
 
     Raises:

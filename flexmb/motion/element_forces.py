@@ -168,7 +168,6 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
     """Deformations and their derivatives by the nodal coordinates.
 
     Args:
-        elements: Elements.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
 
@@ -242,7 +241,6 @@ def acting_forces(
     """Deformations, stress resultants and nodal forces of elements in motion.
 
     Args:
-        elements: Elements.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         v: Their velocities, (n_x,) [1/s].
         a: Their accelerations, (n_x,) [1/s^2].

@@ -69,8 +69,6 @@ def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]
     """Changes of the DEPENDENT coordinates that cancel changes of the held deformations and keep q.
 
     Args:
-        form: Equations of motion.
-        tangent: Transfer functions.
         rows: Changes of all deformations, (n_e, k).
     """
     top = form.topology
@@ -113,7 +111,6 @@ def dynamic_balance(form: CoordinatesForm, t, x, v, a, near) -> DynamicBalance:
     """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
 
     Args:
-        form: Equations of motion.
         t: Time [s].
         x: Nodal coordinates, (n_x,) [m, rad, -].
         v: Their velocities, (n_x,) [1/s].
@@ -134,15 +131,7 @@ def dynamic_balance(form: CoordinatesForm, t, x, v, a, near) -> DynamicBalance:
 
 
 def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
-    """Linearised equations about a state of motion.
-
-    Args:
-        form: Equations of motion.
-        t: Time [s].
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
+    """Linearised equations about a state of motion; arguments as for :func:`dynamic_balance`.
 
     Returns:
         MovingMatrices.
@@ -201,7 +190,6 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
     """Velocities and accelerations of all coordinates at given rates of the degrees of freedom.
 
     Args:
-        form: Equations of motion.
         t: Time [s].
         x: Nodal coordinates, (n_x,) [m, rad, -].
         qd: Rates of the degrees of freedom, (n_q,) [1/s].

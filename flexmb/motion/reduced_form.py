@@ -54,7 +54,6 @@ class ReducedForm(Record):
         """All coordinates at given degrees of freedom, and deformations, from a guess.
 
         Args:
-            t: Time [s].
             u: Degrees of freedom over their sizes, (n_q,) [-].
             memory: Coordinates and deformations to start from, (n_x + n_e,).
         """
@@ -66,8 +65,6 @@ class ReducedForm(Record):
         """Coordinates, velocities, accelerations and deformations.
 
         Args:
-            t: Time [s].
-            state: State.
             z: Second rates of the degrees of freedom over their sizes, (n_q,).
         """
         x, near = self.placed(t, state.u, state.memory)

@@ -39,7 +39,6 @@ def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
     """Indices in x of every node of one kind.
 
     Args:
-        model: Mechanism.
         part: "position" or "rotation".
 
     Returns:
@@ -91,7 +90,6 @@ def lines(
     the cubic along the axis that the undeformed element had, and other points by straight lines.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         places: From 0 to 1, (places,) [-].
         straight: Springs as straight lines rather than zigzags.
@@ -129,10 +127,8 @@ def scaled_lines(
     beside the nodes that it joins.
 
     Args:
-        model: Mechanism.
         base: Nodal coordinates of the one state, (n_x,) [m, rad, -].
         x: Those of the other, (n_x,) [m, rad, -].
-        factor: Of the displacement.
 
     Returns:
         Lines in the order of the model.

@@ -70,7 +70,6 @@ def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
     """Nodal forces and moments of all loads but gravity, incremental ones added.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,) [m, rad, -].
     """
     forces, places = _forces(model, x), _Places(model)

@@ -65,10 +65,8 @@ def across_of(
     left between the ends is spread evenly.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,).
         drawn: Its lines at these coordinates.
-        shapes: Outlines of sections.
 
     Returns:
         Unit vectors, by name of the element, each (places, 3) [-].
@@ -152,7 +150,6 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> list[Float[np.ndar
     """What is seen of the sections: in space their widths, in the plane their thicknesses or diameters.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,).
         drawn: Its lines at these coordinates.
 

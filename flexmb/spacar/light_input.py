@@ -232,7 +232,6 @@ def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
     """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1.
 
     Args:
-        given: The structures.
         what: Name of them all, for the faults.
         faults: What is wrong is added here.
     """

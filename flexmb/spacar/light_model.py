@@ -119,7 +119,6 @@ def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
     """Builder of a script. DOFs are the deformations in flex, but for those released.
 
     Args:
-        script: Checked script.
         releases: Released deformations of the last beam of each element.
         bare: Geometry and supports only, without any number that may be traced.
 

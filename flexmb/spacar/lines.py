@@ -148,7 +148,6 @@ def statements(text: str, numbers: Mapping[str, Any] | None = None) -> list[Stat
     """Lines of a file that say something.
 
     Args:
-        text: Contents of the file.
         numbers: What placeholders "{name}" stand for; without, a brace is a letter like others.
     """
     found = []

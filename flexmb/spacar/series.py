@@ -36,7 +36,6 @@ def meant(element: Element, number: int) -> tuple[int, ...]:
     """Deformations that a number in a file stands for.
 
     Args:
-        element: Element type.
         number: As the file gives it, from 1.
     """
     if number > closure(element):
@@ -49,7 +48,6 @@ def shortened(element: Element, numbers: list[int]) -> list[int]:
     """Numbers for a file that stand for the given deformations, in their order, whole fields by the beam's.
 
     Args:
-        element: Element type.
         numbers: Deformations, each once, from 1.
     """
     found, left = [], list(numbers)
@@ -65,7 +63,6 @@ def arranged(element: Element, numbers: list[int]) -> list[int]:
     """Deformations in an order in which :func:`shortened` finds the whole fields.
 
     Args:
-        element: Element type.
         numbers: Deformations, each once, from 1.
     """
     order = [n for k in range(1, closure(element) + 1) for n in meant(element, k)]
@@ -76,7 +73,6 @@ def resultants(element: Element, length: float, values: list[float]) -> dict[int
     """Stress resultants of the coefficients that do the same work as those of a beam.
 
     Args:
-        element: Element type.
         length: Of the beam [m].
         values: As ESIG gives them: of the beam's deformations, then of the coefficients.
 
@@ -94,7 +90,6 @@ def strains(element: Element, length: float, values: list[float]) -> dict[int, f
     """Coefficients of the strains that a beam has with given deformations.
 
     Args:
-        element: Element type.
         length: Of the beam [m].
         values: As EINIT gives them: deformations of the beam, then coefficients.
 

@@ -74,10 +74,7 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
     """Load factors that a public function is asked for; it is said where incremental loads are left out unasked.
 
     Args:
-        model: Mechanism.
-        load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; None: zero, with a warning where there are any.
-        function: Name of the public function.
 
     Raises:
         TypeError, ValueError: A factor is no finite number, or there are no incremental loads to scale.
@@ -93,12 +90,7 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
 
 
 def warn_of_increment(model: Model, function: str) -> None:
-    """Say that incremental loads are left out, but for models under a trace.
-
-    Args:
-        model: Mechanism.
-        function: Name of the public function that is asked for.
-    """
+    """Say that incremental loads are left out, but for models under a trace."""
     if model.parameters.increment is not None and is_concrete(model):
         warn(
             f"fm.{function} leaves out the incremental loads of the model: it is asked about the state without them."
