@@ -534,8 +534,8 @@ FAULTS = [
     ),
     Fault(
         "motion/moving_matrices.py",
-        "G0=z.T @ (curvature - loads) @ z",
-        "G0=z.T @ (curvature + loads) @ z",
+        "g0 = z.T @ (curvature - loads) @ z",
+        "g0 = z.T @ (curvature + loads) @ z",
         "motion/test_linearized.py",
     ),
     Fault("motion/moving_matrices.py", "by_x.by_x - curvature) @ z", "by_x.by_x) @ z", "motion/test_linearized.py"),

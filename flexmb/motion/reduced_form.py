@@ -84,7 +84,7 @@ class ReducedForm(Record):
         Source:
             THEORY.md 6, eq. (6.1).
         """
-        at = moving_matrices(self.form, t, *self.everything(t, state, z))
+        at, _ = moving_matrices(self.form, t, *self.everything(t, state, z))
         by_u, by_w, by_z = (self.sizes[:, None] * m * self.sizes for m in (at.K, at.C0 + at.D0, at.M0))
         by_t = None
         if self.form.driven:
