@@ -7,6 +7,7 @@ import os
 from typing import Any
 
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
@@ -93,6 +94,21 @@ class Labels:
         if not indices:
             raise KeyError(f"no node '{node}' in this model")
         return np.array(indices)
+
+
+class AtNodes:
+    """Base class of results with nodal coordinates ``x`` and ``labels``, of one state or of several in front."""
+
+    def at(self: Any, node: str) -> Float[Array, "*states n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation".
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.x[..., self.labels.known(node)]
 
 
 class Model(Result, Record):

@@ -11,13 +11,13 @@ from ..display import Result, Summary, largest
 from ..errors import ModelError, warn
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
-from ..model.model import Labels, Model, as_determined, as_model
+from ..model.model import AtNodes, Labels, Model, as_determined, as_model
 from ..results import RESULTS, check
 from .solve import reactions_of, solve_state
 from .sparse import sparse_equilibrium
 
 
-class Equilibrium(Result, Record):
+class Equilibrium(AtNodes, Result, Record):
     """Static equilibrium under constant loads.
 
     Attributes:
@@ -51,17 +51,6 @@ class Equilibrium(Result, Record):
             "largest reaction": largest(self.reactions, self.labels.x, "[N, N m]"),
         }
         return Summary(f"Equilibrium: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
-
-    def at(self, node: str) -> Float[Array, "n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation".
-
-        Args:
-            node: Name of the node.
-
-        Raises:
-            KeyError: No such node.
-        """
-        return self.x[self.labels.known(node)]
 
 
 @jit
