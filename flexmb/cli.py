@@ -44,7 +44,7 @@ class Program(TyperGroup):
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and end the process with the exit status."""
-        from .errors import shown
+        from .errors import clean
 
         _prepare_streams()
         try:
@@ -55,7 +55,7 @@ class Program(TyperGroup):
             context: Any = getattr(fault, "ctx", None)
             where = context.command_path if context else "flexmb"
             words = " ".join(fault.format_message().split()) or "Give a command"
-            what = "".join(map(shown, words[:LONGEST_MESSAGE]))
+            what = "".join(map(clean, words[:LONGEST_MESSAGE]))
             _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
             code = EXIT_WRONG_CALL
         if code == EXIT_INTERRUPTED:
@@ -131,17 +131,17 @@ def _tell(text: str) -> None:
 @contextlib.contextmanager
 def _writing(path: Any) -> Iterator[None]:
     """Refuse a path that cannot be written to."""
-    from .errors import shown
+    from .errors import clean
 
     try:
         yield
     except OSError as fault:
-        _refuse(f"flexmb: cannot write '{shown(path)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot write '{clean(path)}': {fault.strerror or fault}.")
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
     from .answers.answers import RESERVED, modes
-    from .errors import shown
+    from .errors import clean
 
     names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
@@ -157,7 +157,7 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
     if number in RESERVED or text in RESERVED.values():
         _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
-    _refuse(f"flexmb run: there is no mode '{shown(text)}'. Available: {known}.")
+    _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
 
 
 def _check_call(
@@ -169,52 +169,52 @@ def _check_call(
     source: Path | None = None,
 ) -> None:
     """Refuse wrong options, and files that cannot be written, before anything is computed."""
-    from .errors import shown
+    from .errors import clean
     from .files import check_writable
 
     if release not in ("none", "auto"):
-        _refuse(f"flexmb: --release takes auto or none, not '{shown(release)}'.")
+        _refuse(f"flexmb: --release takes auto or none, not '{clean(release)}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
-        _refuse(f"flexmb: --save writes .npz or .mat, not '{shown(save)}'.")
+        _refuse(f"flexmb: --save writes .npz or .mat, not '{clean(save)}'.")
     if plot is not None and plot.suffix not in (".png", ".svg", ".html"):
-        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{shown(plot)}'.")
+        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{clean(plot)}'.")
     given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
     taken = {} if source is None else {os.path.realpath(source): "the input file"}
     for option, path in given.items():
         if path is None:
             continue
         if not Path(path).absolute().parent.is_dir():
-            _refuse(f"flexmb: the folder of '{shown(path)}' does not exist.")
+            _refuse(f"flexmb: the folder of '{clean(path)}' does not exist.")
         first = taken.setdefault(os.path.realpath(path), option)
         if first is not option and (Path(path).is_file() or not Path(path).exists()):
-            _refuse(f"flexmb: {option} would write over {first}: '{shown(path)}'.")
+            _refuse(f"flexmb: {option} would write over {first}: '{clean(path)}'.")
         with _writing(path):
             check_writable(path)
 
 
 def _numbers(given: list[str] | None) -> dict[str, float]:
     """Values of parameters by name, of texts such as "t=0.5e-3"."""
-    from .errors import shown
+    from .errors import clean
     from .spacar.lines import Fault, parse
 
     found: dict[str, float] = {}
     for text in given or ():
         name, equals, word = (part.strip() for part in text.partition("="))
         if not equals or not name.isidentifier():
-            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{shown(text)}'.")
+            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{clean(text)}'.")
         if name in found:
-            _refuse(f"flexmb: --set gives '{shown(name)}' twice; give it once.")
+            _refuse(f"flexmb: --set gives '{clean(name)}' twice; give it once.")
         try:
             found[name] = parse("--set", "value", (word,))["value"]
         except Fault as fault:
-            _refuse(f"flexmb: --set {shown(name)}: {str(fault).partition(';')[0]}.")
+            _refuse(f"flexmb: --set {clean(name)}: {str(fault).partition(';')[0]}.")
     return found
 
 
 def _read(model: Path, given: list[str] | None) -> Any:
     """What the input file says."""
     from . import SpacarError, read_spacar
-    from .errors import shown
+    from .errors import clean
 
     numbers = _numbers(given)
     try:
@@ -222,11 +222,11 @@ def _read(model: Path, given: list[str] | None) -> Any:
     except SpacarError as fault:
         _refuse(str(fault))
     except OSError as fault:
-        _refuse(f"flexmb: cannot read '{shown(model)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot read '{clean(model)}': {fault.strerror or fault}.")
     for name in numbers:
         if name not in read.parameters:
             known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
-            _refuse(f"flexmb: --set {shown(name)}: {read.name} has no {{{shown(name)}}}; it has: {shown(known)}.")
+            _refuse(f"flexmb: --set {clean(name)}: {read.name} has no {{{clean(name)}}}; it has: {clean(known)}.")
     return read
 
 
@@ -314,9 +314,9 @@ def _foreseen(debug: bool) -> Iterator[None]:
     except Exception as fault:
         if debug:
             raise
-        from .errors import shown
+        from .errors import clean
 
-        first = shown((str(fault).splitlines() or [""])[0])
+        first = clean((str(fault).splitlines() or [""])[0])
         _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
         raise typer.Exit(EXIT_FAILED) from None
 
@@ -380,7 +380,7 @@ def demo(
     debug: Debug = False,
 ) -> None:
     """Run the main job on a mechanism that ships with the package, or copy it out."""
-    from .errors import shown
+    from .errors import clean
     from .mechanisms import mechanism_path, mechanisms
 
     if listing:
@@ -390,7 +390,7 @@ def demo(
         return
     name = name or "pf3d"
     if name not in mechanisms():
-        _refuse(f"flexmb demo: no mechanism '{shown(name)}'. Shipped: {', '.join(mechanisms())}.")
+        _refuse(f"flexmb demo: no mechanism '{clean(name)}'. Shipped: {', '.join(mechanisms())}.")
     path = mechanism_path(name)
     if to is not None:
         _copy(path, to)
@@ -405,15 +405,15 @@ def demo(
 
 def _copy(path: Path, to: Path) -> None:
     """Copy a shipped mechanism to a folder, but over no file that is another."""
-    from .errors import shown
+    from .errors import clean
     from .files import write_whole
 
     if not to.is_dir():
-        _refuse(f"flexmb demo: the folder '{shown(to)}' does not exist.")
+        _refuse(f"flexmb demo: the folder '{clean(to)}' does not exist.")
     target, content = to / path.name, path.read_bytes()
     with _writing(target):
         if target.exists() and target.read_bytes() != content:
-            _refuse(f"flexmb demo: '{shown(target)}' is there already and differs; move it away first.")
+            _refuse(f"flexmb demo: '{clean(target)}' is there already and differs; move it away first.")
         write_whole(target, content)
     _tell(str(target))
 
@@ -441,16 +441,16 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
     from . import __version__, enable_cache, enable_x64
     from .answers.files import to_json
     from .design.study_file import read_study
-    from .errors import AnalysisError, ModelError, SpacarError, StudyError, shown
+    from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean
     from .files import write_whole
 
     if plot is not None and plot.suffix not in (".png", ".svg"):
-        _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{shown(plot)}'.")
+        _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{clean(plot)}'.")
     _check_call("none", json_path, save, None, plot, path)
     enable_x64()
     with contextlib.suppress(OSError):
         enable_cache()
-    name, found, saved = shown(path.name), None, None
+    name, found, saved = clean(path.name), None, None
     try:
         data, text, saved, found = work(read_study(path))
     except StudyError as fault:
@@ -458,7 +458,7 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
     except SpacarError as fault:
         _refuse(str(fault))
     except OSError as fault:
-        _refuse(f"flexmb: cannot read or write '{shown(fault.filename or path)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot read or write '{clean(fault.filename or path)}': {fault.strerror or fault}.")
     except (AnalysisError, ModelError) as fault:
         # What was asked of it has no answer: the JSON says so too.
         text = (str(fault).splitlines() or [""])[0]
@@ -493,11 +493,11 @@ def sweep(
     debug: Debug = False,
 ) -> None:
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
-    from .errors import shown
+    from .errors import clean
 
     others = {os.path.realpath(other) for other in (study, json_path, save, plot) if other not in (None, "-")}
     if checkpoint is not None and os.path.realpath(checkpoint) in others:
-        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{shown(checkpoint)}'.")
+        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{clean(checkpoint)}'.")
 
     def work(read):
         from . import __version__

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..build.carry import carried, recorded
-from ..errors import AnalysisError, ModelError, SpacarError, shown
+from ..errors import AnalysisError, ModelError, SpacarError, clean
 from ..model.model import Model
 from ..results import RESULTS, collected
 
@@ -41,7 +41,7 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
     for name, function in found.items():
         if not callable(function):
-            raise TypeError(f"Answer '{shown(name)}' must be a function of the model, but is {shown(repr(function))}.")
+            raise TypeError(f"Answer '{clean(name)}' must be a function of the model, but is {clean(repr(function))}.")
     if not found:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
     return found
@@ -59,7 +59,7 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
     for kind, names in (("Dimension", dimensions), ("Answer", answers)):
         for name in names:
             if not isinstance(name, str) or not name or not name.isprintable() or name.endswith(".npy"):
-                raise ValueError(f"{kind} '{shown(name)}' must have a name of printable letters, not ending in .npy.")
+                raise ValueError(f"{kind} '{clean(name)}' must have a name of printable letters, not ending in .npy.")
             if name in reserved:
                 raise ValueError(f"{kind} '{name}' must have another name: that one is used beside it in the result.")
     for name in answers:
@@ -75,7 +75,7 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
     """
     if not callable(build):
         raise TypeError(
-            f"Argument `build` must be a function of dimensions that returns a model, but is {shown(repr(build))}."
+            f"Argument `build` must be a function of dimensions that returns a model, but is {clean(repr(build))}."
         )
     try:
         parameters = inspect.signature(build).parameters
@@ -91,10 +91,10 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
             if name not in known:
                 near = difflib.get_close_matches(name, known, 1)
                 hint = f" Did you mean '{near[0]}'?" if near else ""
-                raise ValueError(f"Dimension '{shown(name)}' is not one of {shown(listed)}.{hint}")
+                raise ValueError(f"Dimension '{clean(name)}' is not one of {clean(listed)}.{hint}")
     missing = [p.name for p in taken if p.default is p.empty and p.name not in names]
     if missing:
-        raise ValueError(f"Dimension '{missing[0]}' of {shown(listed)} is not given.")
+        raise ValueError(f"Dimension '{missing[0]}' of {clean(listed)} is not given.")
 
 
 class Layout(NamedTuple):

@@ -7,7 +7,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..errors import shown
+from ..errors import clean
 from .designs import numbers
 from .evaluate import Layout
 
@@ -135,7 +135,7 @@ def make_problem(
     given = [n for n in (minimize, maximize) if n is not None]
     for name in (*given, *targets, *equal, *limits):
         if not isinstance(name, str) or name not in places:
-            raise ValueError(f"There is no answer '{shown(name)}'. Answers are: {', '.join(places)}.")
+            raise ValueError(f"There is no answer '{clean(name)}'. Answers are: {', '.join(places)}.")
     if len(given) > 1:
         raise ValueError("Give either `minimize` or `maximize`, not both; weigh the two in an answer of your own.")
     if not (given or targets):
@@ -155,7 +155,7 @@ def make_problem(
             return np.broadcast_to(numbers(what, value), shapes[name]).ravel()
         except (TypeError, ValueError):
             raise ValueError(
-                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {shown(repr(value))}."
+                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {clean(repr(value))}."
             ) from None
 
     def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
@@ -190,7 +190,7 @@ def _limits(name: str, pair: Any, entries: Any) -> tuple[Any, Any]:
         lower, upper = pair
     except (TypeError, ValueError):
         raise ValueError(
-            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {shown(repr(pair))}."
+            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {clean(repr(pair))}."
         ) from None
     if lower is None and upper is None:
         raise ValueError(f"Limits of '{name}' are both None: leave it out.")

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..display import Result, Summary, counted, largest, short
-from ..errors import shown
+from ..errors import clean
 from ..results import RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
@@ -114,7 +114,7 @@ def sensitivities(
     if mode is None:
         mode = "forward" if len(point) <= REVERSE_COST * m else "reverse"
     if mode not in ("forward", "reverse"):
-        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {shown(repr(mode))}.")
+        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {clean(repr(mode))}.")
     values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
     result = RESULTS(int(code))
     if result is RESULTS.successful and not np.all(np.isfinite(slopes)):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError, SpacarError, StudyError, shown
+from ..errors import ModelError, SpacarError, StudyError, clean
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import build_once, flat_function, layout_of
 from .study_parts import UNTRACEABLE, RaisedError
@@ -176,7 +176,7 @@ def sweep_table(found: Sweep, rows: int = 20) -> str:
     from ..results import RESULTS
 
     names = [*found.designs, *(name for name, v in found.answers.items() if v.ndim == 1)]
-    lines = ["".join(f"{shown(name):>16}" for name in names) + "  result"]
+    lines = ["".join(f"{clean(name):>16}" for name in names) + "  result"]
     columns = [{**found.designs, **found.answers}[name] for name in names]
     for i, code in enumerate(found.codes[:rows]):
         lines.append("".join(f"{column[i]:>16.7g}" for column in columns) + f"  {RESULTS(int(code)).name}")

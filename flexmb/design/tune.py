@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import check_number, check_whole
 from ..compilation.compile import jit
 from ..display import Result, Summary
-from ..errors import AnalysisError, shown
+from ..errors import AnalysisError, clean
 from ..progress import reporting
 from ..results import RESULTS
 from .designs import checked_bounds, numbers
@@ -109,7 +109,7 @@ class Scaling:
             for name in given:
                 if name not in layout.names:
                     listed = ", ".join(layout.names)
-                    raise ValueError(f"{what} of '{shown(name)}': there is no such dimension ({listed}).")
+                    raise ValueError(f"{what} of '{clean(name)}': there is no such dimension ({listed}).")
         for name in layout.names:
             if name not in bounds:
                 raise ValueError(f"Dimension '{name}' has no bounds: give lower and upper, or fix it in `build`.")
@@ -118,7 +118,7 @@ class Scaling:
         for name, (lower, _) in pairs.items():
             scale = scales.get(name, "log" if np.all(lower > 0) else "linear")
             if scale not in ("log", "linear"):
-                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {shown(repr(scale))}.")
+                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {clean(repr(scale))}.")
             if scale == "log" and not np.all(lower > 0):
                 raise ValueError(f"Scale of '{name}' cannot be 'log', since its lower bound {lower} is not positive.")
             logarithmic[name] = scale == "log"
@@ -233,7 +233,7 @@ def tune(
 
     for name in (minimize, maximize):
         if name is not None and not isinstance(name, str):
-            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {shown(repr(name))}.")
+            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {clean(repr(name))}.")
     named = {name for name in (minimize, maximize, *(targets or {}), *(limits or {}), *(equal or {})) if name}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
     unit = scaling.to_unit(first)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..build.assemble import stack
-from ..errors import ModelError, shown
+from ..errors import ModelError, clean
 from .lines import LARGEST, MOST, SMALLEST, within
 
 AXES = ("x", "y", "z")
@@ -225,7 +225,7 @@ def _are_counts(numbers: np.ndarray) -> bool:
 
 
 def _seen(given: Any, rows: Any) -> str:
-    return shown(repr(given)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"
+    return clean(repr(given)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"
 
 
 def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
@@ -240,11 +240,11 @@ def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
     elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
         pairs = list(enumerate(given or (), 1))
     else:
-        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {shown(repr(given))}.")
+        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {clean(repr(given))}.")
         return []
     for number, _ in pairs:
         if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= MOST:
-            faults.append(f"{what}: structures are numbered from 1, but one is {shown(repr(number))}.")
+            faults.append(f"{what}: structures are numbered from 1, but one is {clean(repr(number))}.")
             return []
     return [(int(number), struct) for number, struct in pairs]
 
@@ -253,14 +253,14 @@ def _fields(struct: Any, known: dict[str, Form], where: str, faults: list[str], 
     """Fields that are given, in the form they should have."""
     found: dict[str, Any] = {}
     if not isinstance(struct, Mapping) and not hasattr(struct, "__dict__"):
-        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {shown(repr(struct))}.")
+        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {clean(repr(struct))}.")
         return found
     for key, value in (struct if isinstance(struct, Mapping) else vars(struct)).items():
         name = str(key).rstrip("_")
         if name not in known:
             near = difflib.get_close_matches(name[:40], known, 1)
             hint = f" Did you mean {near[0]}?" if near else f" It takes: {', '.join(known)}."
-            faults.append(f"{where}.{shown(name)}: there is no such field.{hint}")
+            faults.append(f"{where}.{clean(name)}: there is no such field.{hint}")
         elif value is None or (known[name] is not ANYTHING and _is_empty(value)):
             continue
         elif name in WITHOUT_EFFECT:
@@ -275,7 +275,7 @@ def _fields(struct: Any, known: dict[str, Form], where: str, faults: list[str], 
                 read_value = in_form(value, known[name])
             except (ValueError, TypeError, OverflowError) as fault:
                 wanted = f"0 or from {SMALLEST:g} to {LARGEST:g} in size" if isinstance(fault, OutOfRange) else None
-                faults.append(f"{where}.{name}: must be {wanted or _wanted(known[name])}, but is {shown(repr(value))}.")
+                faults.append(f"{where}.{name}: must be {wanted or _wanted(known[name])}, but is {clean(repr(value))}.")
             else:
                 # "fix = false" says nothing, but an option may be on unless it is said to be off.
                 if read_value is not False or known is OPTIONS:

@@ -12,7 +12,7 @@ from typing import Any
 import jax.core
 import numpy as np
 
-from ..errors import SpacarError, shown
+from ..errors import SpacarError, clean
 from .arithmetic import value_of
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
@@ -66,7 +66,7 @@ class Placeholder(str):
         try:
             return value_of(self[1:-1], self.numbers)
         except ValueError as fault:
-            raise Fault(f"'{shown(self)}' {fault}") from None
+            raise Fault(f"'{clean(self)}' {fault}") from None
 
 
 def known(value: Any) -> bool:
@@ -114,7 +114,7 @@ def read_text(path: str | os.PathLike) -> str:
         SpacarError: It is UTF-16, no text at all, or too large.
         OSError: It cannot be read.
     """
-    path, name = Path(path), shown(Path(path).name)
+    path, name = Path(path), clean(Path(path).name)
     with path.open("rb") as file:
         content = file.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
@@ -231,25 +231,25 @@ def _value(name: str, given: Any, expected: str) -> Any:
     if name in WHOLE:
         if not _WHOLE.fullmatch(given) or int(given) < WHOLE[name]:
             to = f" to {MOST}" if _WHOLE.match(given) and len(given) > 9 else ""
-            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{shown(given)}'; {expected}")
+            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{clean(given)}'; {expected}")
         return int(given)
     if isinstance(given, Placeholder):
         value = given.value()
         if isinstance(value, complex):
-            raise Fault(f"{name} must be a real number, but '{shown(given)}' is {value}; {expected}")
+            raise Fault(f"{name} must be a real number, but '{clean(given)}' is {value}; {expected}")
         if not known(value):
             return value
     elif _NOT_FINITE.fullmatch(given):
         raise Fault(f"{name} must be a finite number, but is '{given}'; {expected}")
     elif not _REAL.fullmatch(given):
-        raise Fault(f"{name} must be a number, but is '{shown(given)}'; {expected}")
+        raise Fault(f"{name} must be a number, but is '{clean(given)}'; {expected}")
     else:
         value = float(given.lower().replace("d", "e"))
     if math.isnan(value) or abs(value) > LARGEST:
         too = "no number" if math.isnan(value) else f"too large: at most {LARGEST:g} is taken"
-        raise Fault(f"{name} must be a finite number, but '{shown(given)}' is {too}; {expected}")
+        raise Fault(f"{name} must be a finite number, but '{clean(given)}' is {too}; {expected}")
     if abs(value) < SMALLEST and not _is_zero(given, value):
-        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{shown(given)}'; {expected}")
+        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{clean(given)}'; {expected}")
     return value
 
 
