@@ -16,7 +16,7 @@ from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from .coordinates_form import coordinates_form
-from .drives import Drives, driven_by
+from .drives_by_name import Drives, driven_by
 from .motion import Motion
 from .moving_matrices import carried, moving_matrices
 
