@@ -5,13 +5,15 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
+
+from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
@@ -44,8 +46,6 @@ class Program(TyperGroup):
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and end the process with the exit status."""
-        from .errors import clean
-
         _prepare_streams()
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
@@ -131,17 +131,31 @@ def _tell(text: str) -> None:
 @contextlib.contextmanager
 def _writing(path: Any) -> Iterator[None]:
     """Refuse a path that cannot be written to."""
-    from .errors import clean
-
     try:
         yield
     except OSError as fault:
         _refuse(f"flexmb: cannot write '{clean(path)}': {fault.strerror or fault}.")
 
 
+def _store(path: Any, write: Callable[[Any], None]) -> None:
+    """Write a file, where one is asked for."""
+    if path not in (None, "-"):
+        with _writing(path):
+            write(path)
+
+
+def _prepare_jax() -> None:
+    """Double precision, and the cache of compiled code."""
+    from . import enable_cache, enable_x64
+
+    enable_x64()
+    with contextlib.suppress(OSError):
+        # Without a writable cache folder the program is slower and otherwise the same.
+        enable_cache()
+
+
 def _mode_number(mode: str | None, analysis: str | None) -> int:
     from .answers.answers import RESERVED, modes
-    from .errors import clean
 
     names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
@@ -169,7 +183,6 @@ def _check_call(
     source: Path | None = None,
 ) -> None:
     """Refuse wrong options, and files that cannot be written, before anything is computed."""
-    from .errors import clean
     from .files import check_writable
 
     if release not in ("none", "auto"):
@@ -194,7 +207,6 @@ def _check_call(
 
 def _numbers(given: list[str] | None) -> dict[str, float]:
     """Values of parameters by name, of texts such as "t=0.5e-3"."""
-    from .errors import clean
     from .spacar.lines import Fault, parse
 
     found: dict[str, float] = {}
@@ -213,8 +225,7 @@ def _numbers(given: list[str] | None) -> dict[str, float]:
 
 def _read(model: Path, given: list[str] | None) -> Any:
     """What the input file says."""
-    from . import SpacarError, read_spacar
-    from .errors import clean
+    from . import read_spacar
 
     numbers = _numbers(given)
     try:
@@ -241,7 +252,6 @@ def _run(
     plot: Path | None = None,
     given: list[str] | None = None,
 ) -> None:
-    from . import ModelError, SpacarError, enable_cache, enable_x64
     from .answers.answers import answer
     from .answers.files import save as save_answer
     from .answers.files import to_json
@@ -250,10 +260,7 @@ def _run(
     from .files import write_whole
 
     _check_call(release, json_path, save, log, plot, model)
-    enable_x64()
-    with contextlib.suppress(OSError):
-        # Without a writable cache folder the program is slower and otherwise the same.
-        enable_cache()
+    _prepare_jax()
     read = _read(model, given)
     try:
         found = answer(
@@ -271,18 +278,10 @@ def _run(
     except ModelError as fault:
         # Not even a description of a mechanism.
         _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
-    if json_path not in (None, "-"):
-        with _writing(json_path):
-            write_whole(json_path, to_json(found.data).encode())
-    if save is not None:
-        with _writing(save):
-            save_answer(found.data, save)
-    if log is not None:
-        with _writing(log):
-            write_whole(log, log_text(found, read.text).encode(errors="backslashreplace"))
-    if plot is not None:
-        with _writing(plot):
-            _draw(found, plot)
+    _store(json_path, lambda path: write_whole(path, to_json(found.data).encode()))
+    _store(save, lambda path: save_answer(found.data, path))
+    _store(log, lambda path: write_whole(path, log_text(found, read.text).encode(errors="backslashreplace")))
+    _store(plot, lambda path: _draw(found, path))
     _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
         first = (found.data["message"].splitlines() or [""])[0]
@@ -314,8 +313,6 @@ def _foreseen(debug: bool) -> Iterator[None]:
     except Exception as fault:
         if debug:
             raise
-        from .errors import clean
-
         first = clean((str(fault).splitlines() or [""])[0])
         _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
         raise typer.Exit(EXIT_FAILED) from None
@@ -380,7 +377,6 @@ def demo(
     debug: Debug = False,
 ) -> None:
     """Run the main job on a mechanism that ships with the package, or copy it out."""
-    from .errors import clean
     from .mechanisms import mechanism_path, mechanisms
 
     if listing:
@@ -405,7 +401,6 @@ def demo(
 
 def _copy(path: Path, to: Path) -> None:
     """Copy a shipped mechanism to a folder, but over no file that is another."""
-    from .errors import clean
     from .files import write_whole
 
     if not to.is_dir():
@@ -438,18 +433,15 @@ StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer 
 
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
     """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
-    from . import __version__, enable_cache, enable_x64
+    from . import __version__
     from .answers.files import to_json
     from .design.study_file import read_study
-    from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean
     from .files import write_whole
 
     if plot is not None and plot.suffix not in (".png", ".svg"):
         _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{clean(plot)}'.")
     _check_call("none", json_path, save, None, plot, path)
-    enable_x64()
-    with contextlib.suppress(OSError):
-        enable_cache()
+    _prepare_jax()
     name, found, saved = clean(path.name), None, None
     try:
         data, text, saved, found = work(read_study(path))
@@ -463,17 +455,13 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
         # What was asked of it has no answer: the JSON says so too.
         text = (str(fault).splitlines() or [""])[0]
         data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": text}
-    if json_path not in (None, "-"):
-        with _writing(json_path):
-            write_whole(json_path, to_json(data).encode())
-    if save is not None and saved is not None:
-        with _writing(save):
-            saved(save)
+    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
+    if saved is not None:
+        _store(save, saved)
     if plot is not None and found is not None:
         from .plot.answer import study_image
 
-        with _writing(plot):
-            write_whole(plot, study_image(found, plot.suffix[1:]))
+        _store(plot, lambda path: write_whole(path, study_image(found, path.suffix[1:])))
     if json_path == "-" or found is not None:
         _tell(to_json(data) if json_path == "-" else text)
     if data["status"] != "ok":
@@ -493,8 +481,6 @@ def sweep(
     debug: Debug = False,
 ) -> None:
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
-    from .errors import clean
-
     others = {os.path.realpath(other) for other in (study, json_path, save, plot) if other not in (None, "-")}
     if checkpoint is not None and os.path.realpath(checkpoint) in others:
         _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{clean(checkpoint)}'.")
