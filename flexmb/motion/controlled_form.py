@@ -14,7 +14,7 @@ from ..mechanics.deformation import deformations
 from ..mechanics.signals import rotation_measured, rotation_row
 from .coordinates_form import CoordinatesForm
 from .drive import MOMENTS, Driven
-from .element_forces import force_derivatives
+from .element_forces import Moving, force_derivatives
 from .protocol import MotionState, Tangent, WholeMotion
 
 
@@ -246,8 +246,8 @@ class ControlledForm(Record):
         rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
         by_x = None
         if any("deformation" in quantity for quantity in self.places.quantities):
-            near, still = form.near(own.memory), jnp.zeros(top.n_x)
-            by_x = force_derivatives(form.elements, at.x, at.v, still, None, near, lambda e, ed: e)
+            moving = Moving(at.x, at.v, jnp.zeros(top.n_x), form.near(own.memory))
+            by_x = force_derivatives(form.elements, moving, None, lambda e, ed: e)
         found: tuple[list, list] = ([], [])
         for i, quantity in enumerate(self.places.quantities):
             j = self.places.outputs[i]

@@ -17,6 +17,7 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from .coordinates_form import coordinates_form
 from .drives_by_name import Drives, driven_by
+from .element_forces import Moving
 from .motion import Motion
 from .moving_matrices import carried, moving_matrices
 
@@ -35,7 +36,7 @@ def _along(topology, parameters, driven, t, x, xd, near):
         state = form.state_of(x, xd, near)
         z, _ = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
-        return moving_matrices(form, t, whole.x, whole.v, whole.a, near)[0]
+        return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
 
     return jax.lax.map(one, (t, x, xd, near))
 
@@ -75,8 +76,7 @@ def _steady(topology, parameters, driven, time) -> Matrices:
     scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
 
     def linear(speed, x, near):
-        v, a = carried(form, time, x, none, none, near, speed)
-        return moving_matrices(form, time, x, v, a, near)
+        return moving_matrices(form, time, carried(form, time, x, none, none, near, speed))
 
     def iterate(i, walk):
         q, x, near, _, _ = walk

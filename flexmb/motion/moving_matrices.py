@@ -13,7 +13,7 @@ from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.transfer import Transfer, correction, multipliers, transfer
 from ..results import RESULTS
 from .coordinates_form import CoordinatesForm
-from .element_forces import acting_forces, deformed, force_derivatives
+from .element_forces import Moving, acting_forces, deformed, force_derivatives
 
 
 def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]) -> Float[Array, "n_x k"]:
@@ -58,31 +58,24 @@ class DynamicBalance(NamedTuple):
         return self.tangent.regular
 
 
-def dynamic_balance(form: CoordinatesForm, t, x, v, a, near) -> DynamicBalance:
+def dynamic_balance(form: CoordinatesForm, t, moving: Moving) -> DynamicBalance:
     """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
-
-    Args:
-        t: Time [s].
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
 
     Source:
         THEORY.md 5, eq. (5.2) and (5.5).
     """
     top = form.topology
-    _, jacobian = deformed(form.elements, x, near)
+    _, jacobian = deformed(form.elements, moving.x, moving.near)
     tangent = transfer(top, jacobian)
     nothing = jnp.zeros(form.held.shape[0])
-    acting = acting_forces(form.elements, x, v, a, form.falling, near, form.stress_of(t, nothing))
+    acting = acting_forces(form.elements, moving, form.falling, form.stress_of(t, nothing))
     # The forces of inertia and the loads, without those of stress.
-    force = form.applied(t, x) - acting.force + jacobian.T @ acting.sigma
+    force = form.applied(t, moving.x) - acting.force + jacobian.T @ acting.sigma
     return DynamicBalance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
 
 
-def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> tuple[Matrices, Float[Array, "n_q"]]:
-    """Linearised equations about a state of motion; arguments as for :func:`dynamic_balance`.
+def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices, Float[Array, "n_q"]]:
+    """Linearised equations about a state of motion.
 
     Returns:
         Matrices, and the force out of balance along each degree of freedom, (n_q,).
@@ -93,11 +86,12 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> tuple[Matrices, 
         with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
-    at = dynamic_balance(form, t, x, v, a, near)
+    x, v, a, near = moving
+    at = dynamic_balance(form, t, moving)
     tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
-    by_x = force_derivatives(form.elements, x, v, a, None, near, lambda e, ed: sigma)
+    by_x = force_derivatives(form.elements, moving, None, lambda e, ed: sigma)
     curvature = deformation_curvature(top, parameters, x, near, sigma)
     rates = by_x.ed @ z
     turning = solved(form, tangent, rates)
@@ -142,8 +136,8 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> tuple[Matrices, 
     return found, at.residual
 
 
-def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
-    """Velocities and accelerations of all coordinates at given rates of the degrees of freedom.
+def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0) -> Moving:
+    """State of motion at given rates of the degrees of freedom.
 
     Args:
         t: Time [s].
@@ -152,9 +146,6 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
         qdd: Their second rates, (n_q,) [1/s^2].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         speed: Factor of the rates of what is prescribed, () [-].
-
-    Returns:
-        v and a, (n_x,) [1/s, 1/s^2].
     """
     top = form.topology
     none = jnp.zeros(form.size)
@@ -169,6 +160,6 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
 
     v = tangent.DFx @ qd + speed * answer(given.v, given.ed, jnp.zeros(top.n_e))
     still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
-    kin = acting_forces(form.elements, x, v, still, None, near, form.stress_of(t, nothing)).kinematics
+    kin = acting_forces(form.elements, Moving(x, v, still, near), None, form.stress_of(t, nothing)).kinematics
     a = tangent.DFx @ qdd + answer(speed**2 * given.a, speed**2 * given.edd, kin.edd)
-    return v, a
+    return Moving(x, v, a, near)
