@@ -459,9 +459,9 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
     if saved is not None:
         _store(save, saved)
     if plot is not None and found is not None:
-        from .plot.answer import study_image
+        from .plot.answer import image_of
 
-        _store(plot, lambda path: write_whole(path, study_image(found, path.suffix[1:])))
+        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:])))
     if json_path == "-" or found is not None:
         _tell(to_json(data) if json_path == "-" else text)
     if data["status"] != "ok":

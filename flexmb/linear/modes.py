@@ -59,19 +59,15 @@ class Modes(Result, Record):
         return modal_summary("Modes", self.states(), rows)
 
 
-def _of_matrices(found: Matrices, count: int | None):
+@jit
+def _frequencies_at(found: Matrices, *, count: int | None):
     values, _, _, result = spectrum(found.K, found.M0, count)
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
 
 @jit
 def _frequencies(topology: Topology, parameters: Parameters, *, count: int | None):
-    return _of_matrices(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count)
-
-
-@jit
-def _frequencies_at(found: Matrices, *, count: int | None):
-    return _of_matrices(found, count)
+    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count=count)
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:

@@ -17,7 +17,7 @@ from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
-from ..mechanics.residual import State, state
+from ..mechanics.residual import state
 from ..model.model import AtNodes, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -113,17 +113,12 @@ def _with_complex(found: _Found, step: Step) -> _Found:
     return found._replace(eigenvalues=values.real, stable=np.all(steady) & np.all(step.values > 0))
 
 
-def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
-    """Multipliers by magnitude; infinite where the loads do not act or only in complex pairs."""
-    return multipliers_of(*scaled_stiffness(topology, parameters, at, near))
-
-
 @jit
 def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
     point = step.point
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
-    multipliers = _multipliers(topology, parameters, at, point.near)
+    multipliers = multipliers_of(*scaled_stiffness(topology, parameters, at, point.near))
     if not matrices.symmetric:
         return _Found(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
