@@ -133,6 +133,13 @@ def row(values, digits: int = 6) -> str:
     return "  ".join(f"{v:.{digits}g}" for v in np.ravel(np.asarray(values, float)).tolist())
 
 
+def numbered(texts: list[str]) -> list[str]:
+    """Lines of the terminal with their numbers, the first of many."""
+    more = len(texts) - SHOWN_VALUES
+    lines = [f"  {i + 1:3d}  {text}" for i, text in enumerate(texts[:SHOWN_VALUES])]
+    return [*lines, f"  ... {more} more"] if more > 0 else lines
+
+
 def matrix(name: str, values) -> list[str]:
     """A matrix in lines of the terminal; a large one by its size."""
     values = np.atleast_2d(np.asarray(values, float))

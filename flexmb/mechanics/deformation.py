@@ -63,7 +63,7 @@ def jacobian_pieces(
 ) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array, Array]]]:
     """Deformations of each block's elements with their indices, and their derivatives with row and column indices.
 
-    Arguments as for :func:`deformation_jacobian`.
+    Arguments as for :func:`deformations`.
     """
     values, matrices = [], []
     for block, function, arguments in deformation_functions(topology, parameters, near):

@@ -219,7 +219,7 @@ def weight_pieces(
 ) -> list[tuple[Array, Array, Array]]:
     """Derivatives of the weight of each block's elements, with row and column indices.
 
-    Arguments as for :func:`weight_stiffness`.
+    Arguments as for :func:`weight`.
     """
     pieces = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
