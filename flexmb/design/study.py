@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ModelError, SpacarError, StudyError, clean
+from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import build_once, flat_function, layout_of
 from .study_parts import UNTRACEABLE, RaisedError
@@ -134,8 +135,6 @@ def _first_line(fault: Exception) -> str:
 
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
     """Keys and values of a sweep for JSON."""
-    from ..results import RESULTS
-
     failed = sum(found.failures().values())
     return {
         "study": study.name,
@@ -173,8 +172,6 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
 
 def sweep_table(found: Sweep, rows: int = 20) -> str:
     """Table of a sweep for the terminal, of so many rows at most."""
-    from ..results import RESULTS
-
     names = [*found.designs, *(name for name, v in found.answers.items() if v.ndim == 1)]
     lines = ["".join(f"{clean(name):>16}" for name in names) + "  result"]
     columns = [{**found.designs, **found.answers}[name] for name in names]
