@@ -13,11 +13,7 @@ LARGEST = 1e100
 
 
 def is_concrete(tree: Any) -> bool:
-    """Whether no leaf of a pytree is traced.
-
-    Args:
-        tree: Any pytree.
-    """
+    """Whether no leaf of a pytree is traced."""
     return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
 
 
@@ -136,11 +132,7 @@ def check_whole(name: str, value: Any, least: int | None = None, most: int | Non
 
 
 def as_whole(value: Any) -> int | None:
-    """A whole number as an int; None where a value is something else, truth values among them.
-
-    Args:
-        value: Anything.
-    """
+    """A whole number as an int; None where a value is something else, truth values among them."""
     if isinstance(value, bool | np.bool_):
         return None
     try:
@@ -152,11 +144,6 @@ def as_whole(value: Any) -> int | None:
 def check_flag(name: str, value: Any, fault: type = TypeError) -> None:
     """Refuse an argument that is neither True nor False.
 
-    Args:
-        name: Name of the argument.
-        value: What is given.
-        fault: What to raise.
-
     Raises:
         TypeError: Or what is given as ``fault``.
     """
@@ -166,12 +153,6 @@ def check_flag(name: str, value: Any, fault: type = TypeError) -> None:
 
 def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> None:
     """Refuse an argument that is none of a few values.
-
-    Args:
-        name: Name of the argument.
-        value: What is given.
-        allowed: What it may be.
-        fault: What to raise.
 
     Raises:
         ValueError: Or what is given as ``fault``.

@@ -5,13 +5,15 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
+
+from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
@@ -25,12 +27,7 @@ class Once(TyperCommand):
     """A command that refuses an option given twice instead of taking the last."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse, as the base class does.
-
-        Args:
-            ctx: Call.
-            args: What stands behind the name of the command.
-        """
+        """Parse, as the base class does."""
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for param in order:
             if order.count(param) > 1 and not getattr(param, "multiple", False) and param.param_type_name == "option":
@@ -42,25 +39,13 @@ class Program(TyperGroup):
     """The program: every fault of the call is one line on standard error and exit status 2."""
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Command of a name.
-
-        Args:
-            ctx: Call.
-            cmd_name: Name.
-        """
+        """Command of a name."""
         if cmd_name in LATER:
             _refuse(f"flexmb {cmd_name} ({LATER[cmd_name]}) is not available yet.")
         return super().get_command(ctx, cmd_name)
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
-        """Run, and end the process with the exit status.
-
-        Args:
-            args: As of the base class.
-            options: As of the base class.
-        """
-        from .errors import shown
-
+        """Run, and end the process with the exit status."""
         _prepare_streams()
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
@@ -70,7 +55,7 @@ class Program(TyperGroup):
             context: Any = getattr(fault, "ctx", None)
             where = context.command_path if context else "flexmb"
             words = " ".join(fault.format_message().split()) or "Give a command"
-            what = "".join(map(shown, words[:LONGEST_MESSAGE]))
+            what = "".join(map(clean, words[:LONGEST_MESSAGE]))
             _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
             code = EXIT_WRONG_CALL
         if code == EXIT_INTERRUPTED:
@@ -146,17 +131,31 @@ def _tell(text: str) -> None:
 @contextlib.contextmanager
 def _writing(path: Any) -> Iterator[None]:
     """Refuse a path that cannot be written to."""
-    from .errors import shown
-
     try:
         yield
     except OSError as fault:
-        _refuse(f"flexmb: cannot write '{shown(path)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot write '{clean(path)}': {fault.strerror or fault}.")
+
+
+def _store(path: Any, write: Callable[[Any], None]) -> None:
+    """Write a file, where one is asked for."""
+    if path not in (None, "-"):
+        with _writing(path):
+            write(path)
+
+
+def _prepare_jax() -> None:
+    """Double precision, and the cache of compiled code."""
+    from . import enable_cache, enable_x64
+
+    enable_x64()
+    with contextlib.suppress(OSError):
+        # Without a writable cache folder the program is slower and otherwise the same.
+        enable_cache()
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
     from .answers.answers import RESERVED, modes
-    from .errors import shown
 
     names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
@@ -172,7 +171,7 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
     if number in RESERVED or text in RESERVED.values():
         _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
-    _refuse(f"flexmb run: there is no mode '{shown(text)}'. Available: {known}.")
+    _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
 
 
 def _check_call(
@@ -184,52 +183,49 @@ def _check_call(
     source: Path | None = None,
 ) -> None:
     """Refuse wrong options, and files that cannot be written, before anything is computed."""
-    from .errors import shown
     from .files import check_writable
 
     if release not in ("none", "auto"):
-        _refuse(f"flexmb: --release takes auto or none, not '{shown(release)}'.")
+        _refuse(f"flexmb: --release takes auto or none, not '{clean(release)}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
-        _refuse(f"flexmb: --save writes .npz or .mat, not '{shown(save)}'.")
+        _refuse(f"flexmb: --save writes .npz or .mat, not '{clean(save)}'.")
     if plot is not None and plot.suffix not in (".png", ".svg", ".html"):
-        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{shown(plot)}'.")
+        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{clean(plot)}'.")
     given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
     taken = {} if source is None else {os.path.realpath(source): "the input file"}
     for option, path in given.items():
         if path is None:
             continue
         if not Path(path).absolute().parent.is_dir():
-            _refuse(f"flexmb: the folder of '{shown(path)}' does not exist.")
+            _refuse(f"flexmb: the folder of '{clean(path)}' does not exist.")
         first = taken.setdefault(os.path.realpath(path), option)
         if first is not option and (Path(path).is_file() or not Path(path).exists()):
-            _refuse(f"flexmb: {option} would write over {first}: '{shown(path)}'.")
+            _refuse(f"flexmb: {option} would write over {first}: '{clean(path)}'.")
         with _writing(path):
             check_writable(path)
 
 
 def _numbers(given: list[str] | None) -> dict[str, float]:
     """Values of parameters by name, of texts such as "t=0.5e-3"."""
-    from .errors import shown
     from .spacar.lines import Fault, parse
 
     found: dict[str, float] = {}
     for text in given or ():
         name, equals, word = (part.strip() for part in text.partition("="))
         if not equals or not name.isidentifier():
-            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{shown(text)}'.")
+            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{clean(text)}'.")
         if name in found:
-            _refuse(f"flexmb: --set gives '{shown(name)}' twice; give it once.")
+            _refuse(f"flexmb: --set gives '{clean(name)}' twice; give it once.")
         try:
             found[name] = parse("--set", "value", (word,))["value"]
         except Fault as fault:
-            _refuse(f"flexmb: --set {shown(name)}: {str(fault).partition(';')[0]}.")
+            _refuse(f"flexmb: --set {clean(name)}: {str(fault).partition(';')[0]}.")
     return found
 
 
 def _read(model: Path, given: list[str] | None) -> Any:
     """What the input file says."""
-    from . import SpacarError, read_spacar
-    from .errors import shown
+    from . import read_spacar
 
     numbers = _numbers(given)
     try:
@@ -237,11 +233,11 @@ def _read(model: Path, given: list[str] | None) -> Any:
     except SpacarError as fault:
         _refuse(str(fault))
     except OSError as fault:
-        _refuse(f"flexmb: cannot read '{shown(model)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot read '{clean(model)}': {fault.strerror or fault}.")
     for name in numbers:
         if name not in read.parameters:
             known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
-            _refuse(f"flexmb: --set {shown(name)}: {read.name} has no {{{shown(name)}}}; it has: {shown(known)}.")
+            _refuse(f"flexmb: --set {clean(name)}: {read.name} has no {{{clean(name)}}}; it has: {clean(known)}.")
     return read
 
 
@@ -256,7 +252,6 @@ def _run(
     plot: Path | None = None,
     given: list[str] | None = None,
 ) -> None:
-    from . import ModelError, SpacarError, enable_cache, enable_x64
     from .answers.answers import answer
     from .answers.files import save as save_answer
     from .answers.files import to_json
@@ -265,10 +260,7 @@ def _run(
     from .files import write_whole
 
     _check_call(release, json_path, save, log, plot, model)
-    enable_x64()
-    with contextlib.suppress(OSError):
-        # Without a writable cache folder the program is slower and otherwise the same.
-        enable_cache()
+    _prepare_jax()
     read = _read(model, given)
     try:
         found = answer(
@@ -286,18 +278,10 @@ def _run(
     except ModelError as fault:
         # Not even a description of a mechanism.
         _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
-    if json_path not in (None, "-"):
-        with _writing(json_path):
-            write_whole(json_path, to_json(found.data).encode())
-    if save is not None:
-        with _writing(save):
-            save_answer(found.data, save)
-    if log is not None:
-        with _writing(log):
-            write_whole(log, log_text(found, read.text).encode(errors="backslashreplace"))
-    if plot is not None:
-        with _writing(plot):
-            _draw(found, plot)
+    _store(json_path, lambda path: write_whole(path, to_json(found.data).encode()))
+    _store(save, lambda path: save_answer(found.data, path))
+    _store(log, lambda path: write_whole(path, log_text(found, read.text).encode(errors="backslashreplace")))
+    _store(plot, lambda path: _draw(found, path))
     _tell(to_json(found.data) if json_path == "-" else table(found.data))
     if found.exit_status:
         first = (found.data["message"].splitlines() or [""])[0]
@@ -329,9 +313,7 @@ def _foreseen(debug: bool) -> Iterator[None]:
     except Exception as fault:
         if debug:
             raise
-        from .errors import shown
-
-        first = shown((str(fault).splitlines() or [""])[0])
+        first = clean((str(fault).splitlines() or [""])[0])
         _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
         raise typer.Exit(EXIT_FAILED) from None
 
@@ -395,7 +377,6 @@ def demo(
     debug: Debug = False,
 ) -> None:
     """Run the main job on a mechanism that ships with the package, or copy it out."""
-    from .errors import shown
     from .mechanisms import mechanism_path, mechanisms
 
     if listing:
@@ -405,7 +386,7 @@ def demo(
         return
     name = name or "pf3d"
     if name not in mechanisms():
-        _refuse(f"flexmb demo: no mechanism '{shown(name)}'. Shipped: {', '.join(mechanisms())}.")
+        _refuse(f"flexmb demo: no mechanism '{clean(name)}'. Shipped: {', '.join(mechanisms())}.")
     path = mechanism_path(name)
     if to is not None:
         _copy(path, to)
@@ -420,15 +401,14 @@ def demo(
 
 def _copy(path: Path, to: Path) -> None:
     """Copy a shipped mechanism to a folder, but over no file that is another."""
-    from .errors import shown
     from .files import write_whole
 
     if not to.is_dir():
-        _refuse(f"flexmb demo: the folder '{shown(to)}' does not exist.")
+        _refuse(f"flexmb demo: the folder '{clean(to)}' does not exist.")
     target, content = to / path.name, path.read_bytes()
     with _writing(target):
         if target.exists() and target.read_bytes() != content:
-            _refuse(f"flexmb demo: '{shown(target)}' is there already and differs; move it away first.")
+            _refuse(f"flexmb demo: '{clean(target)}' is there already and differs; move it away first.")
         write_whole(target, content)
     _tell(str(target))
 
@@ -453,19 +433,16 @@ StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer 
 
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
     """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
-    from . import __version__, enable_cache, enable_x64
+    from . import __version__
     from .answers.files import to_json
     from .design.study_file import read_study
-    from .errors import AnalysisError, ModelError, SpacarError, StudyError, shown
     from .files import write_whole
 
     if plot is not None and plot.suffix not in (".png", ".svg"):
-        _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{shown(plot)}'.")
+        _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{clean(plot)}'.")
     _check_call("none", json_path, save, None, plot, path)
-    enable_x64()
-    with contextlib.suppress(OSError):
-        enable_cache()
-    name, found, saved = shown(path.name), None, None
+    _prepare_jax()
+    name, found, saved = clean(path.name), None, None
     try:
         data, text, saved, found = work(read_study(path))
     except StudyError as fault:
@@ -473,22 +450,18 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
     except SpacarError as fault:
         _refuse(str(fault))
     except OSError as fault:
-        _refuse(f"flexmb: cannot read or write '{shown(fault.filename or path)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot read or write '{clean(fault.filename or path)}': {fault.strerror or fault}.")
     except (AnalysisError, ModelError) as fault:
         # What was asked of it has no answer: the JSON says so too.
         text = (str(fault).splitlines() or [""])[0]
         data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": text}
-    if json_path not in (None, "-"):
-        with _writing(json_path):
-            write_whole(json_path, to_json(data).encode())
-    if save is not None and saved is not None:
-        with _writing(save):
-            saved(save)
+    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
+    if saved is not None:
+        _store(save, saved)
     if plot is not None and found is not None:
-        from .plot.answer import study_image
+        from .plot.answer import image_of
 
-        with _writing(plot):
-            write_whole(plot, study_image(found, plot.suffix[1:]))
+        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:])))
     if json_path == "-" or found is not None:
         _tell(to_json(data) if json_path == "-" else text)
     if data["status"] != "ok":
@@ -508,11 +481,9 @@ def sweep(
     debug: Debug = False,
 ) -> None:
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
-    from .errors import shown
-
     others = {os.path.realpath(other) for other in (study, json_path, save, plot) if other not in (None, "-")}
     if checkpoint is not None and os.path.realpath(checkpoint) in others:
-        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{shown(checkpoint)}'.")
+        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{clean(checkpoint)}'.")
 
     def work(read):
         from . import __version__

@@ -101,11 +101,7 @@ class Result:
 
 
 def is_single(found: Result) -> bool:
-    """Whether the numbers of a result are concrete, and of one mechanism.
-
-    Args:
-        found: Result.
-    """
+    """Whether the numbers of a result are concrete, and of one mechanism."""
     leaves = jax.tree.leaves(found)
     if not (len(leaves) == 1 and leaves[0] is found):
         kinds = (np.ndarray, np.generic, jax.Array, int, float)
@@ -134,11 +130,7 @@ def _shapes(found: Any) -> Iterator[str]:
 
 
 def short(value: Any) -> str:
-    """A number as a summary shows it.
-
-    Args:
-        value: The number.
-    """
+    """A number as a summary shows it."""
     return f"{float(value):.5g}"
 
 
@@ -147,7 +139,6 @@ def listed(values: Any, unit: str = "") -> str:
 
     Args:
         values: Numbers, (n,), or names.
-        unit: Of all of them.
     """
     found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
     more = ", …" if len(values) > AT_MOST else ""
@@ -155,12 +146,7 @@ def listed(values: Any, unit: str = "") -> str:
 
 
 def span(values: Any, unit: str = "") -> str:
-    """From the smallest to the largest of some numbers, of the finite ones among them.
-
-    Args:
-        values: Numbers, any shape.
-        unit: Of all of them.
-    """
+    """From the smallest to the largest of some numbers, of the finite ones among them."""
     values = np.asarray(values, float)
     finite = values[np.isfinite(values)]
     return f"{short(finite.min())} to {short(finite.max())} {unit}".strip() if finite.size else "none"
@@ -171,8 +157,6 @@ def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at")
 
     Args:
         values: Numbers, (n,), of which those that are not finite do not count.
-        names: Whose each of them is.
-        unit: Of all of them.
         word: What stands before the name.
     """
     values = np.asarray(values)
@@ -185,30 +169,17 @@ def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at")
 
 
 def counted(count: int, thing: str) -> str:
-    """How many things there are, as "1 element" or "3 elements".
-
-    Args:
-        count: How many.
-        thing: One of them.
-    """
+    """How many things there are, as "1 element" or "3 elements"."""
     return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def unit_of(entry: Any) -> str:
-    """Unit of a coordinate.
-
-    Args:
-        entry: Its name.
-    """
+    """Unit of a coordinate."""
     return "m" if entry.kind == "position" else "rad" if entry.symbol == "phi" else "-"
 
 
 def course(states: States) -> str:
-    """Shape of several states, which coordinate moves most along them, and between which values.
-
-    Args:
-        states: The states.
-    """
+    """Shape of several states, which coordinate moves most along them, and between which values."""
     x, names = np.asarray(states.x), states.model.labels.x
     if not len(x) or len(names) != x.shape[1] or not np.any(np.ptp(x, axis=0)):
         return f"x {x.shape}"
@@ -217,13 +188,7 @@ def course(states: States) -> str:
 
 
 def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
-    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
-
-    Args:
-        what: Their kind.
-        found: The modes about their state.
-        rows: What is to be known about them.
-    """
+    """Summary of modes, of whichever kind, which the first of them stand for in a small picture."""
     moves, names = np.asarray(found.moves), found.model.labels.x
     count = moves.shape[1]
     moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""

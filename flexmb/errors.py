@@ -13,7 +13,7 @@ _OWN = str(Path(__file__).parent)
 LONGEST = 80
 
 
-def shown(text: Any) -> str:
+def clean(text: Any) -> str:
     """A user's text as a message may show it: one line, printable, and no longer than a reader needs.
 
     Args:

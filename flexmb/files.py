@@ -19,10 +19,6 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
 
     What is no file on a disk, such as /dev/stdout or a pipe, is written to as it is; a link stays one.
 
-    Args:
-        path: Where.
-        content: What.
-
     Raises:
         OSError: The folder is missing, not writable or full, or the path is that of a folder.
     """
@@ -46,9 +42,6 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
 
 def check_writable(path: str | os.PathLike) -> None:
     """Try whether a file can be written, and leave nothing behind.
-
-    Args:
-        path: Where.
 
     Raises:
         OSError: The folder is missing or not writable, the path is that of a folder, or the file is write-protected.
@@ -100,7 +93,6 @@ def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str
 
     Args:
         path: Where; its ending says how.
-        arrays: By name.
         about: Texts and units, kept as JSON under "about".
 
     Raises:

@@ -147,7 +147,6 @@ def check(result, throw: bool, about: str = "") -> None:
 
     Args:
         result: Integer code, () or a batch of them.
-        throw: Whether to raise.
         about: What to add to the message, such as the names of nodes.
 
     Raises:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexmb.errors import LONGEST, shown
+from flexmb.errors import LONGEST, clean
 
 
 class Unwilling:
@@ -28,5 +28,5 @@ class Unwilling:
     ids=lambda value: type(value).__name__,
 )
 def test_a_users_text_is_one_printable_line(text, expected):
-    assert shown(text) == expected
-    assert shown(text).isprintable()
+    assert clean(text) == expected
+    assert clean(text).isprintable()

@@ -163,11 +163,7 @@ def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
 
 
 def plain(value: Any) -> Any:
-    """Value with numpy arrays as lists and numbers that are not finite as None, for JSON.
-
-    Args:
-        value: Any value of an answer.
-    """
+    """Value with numpy arrays as lists and numbers that are not finite as None, for JSON."""
     if isinstance(value, dict):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):

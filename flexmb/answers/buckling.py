@@ -7,7 +7,7 @@ import numpy as np
 from ..linear.buckling import buckling
 from ..linear.loose import refuse_negative_mass
 from .mode import Found, Mode, Question
-from .parts import SHOWN_VALUES, compliances, shapes, state_of
+from .parts import compliances, numbered, shapes, state_of
 
 
 def _run(asked: Question) -> Found:
@@ -28,8 +28,7 @@ def _run(asked: Question) -> Found:
 def _table(data: dict[str, Any]) -> list[str]:
     if "load_multipliers" not in data:
         return []
-    found = data["load_multipliers"][:SHOWN_VALUES]
-    return ["load multipliers:", *(f"  {i + 1:3d}  {v:.7g}" for i, v in enumerate(found))]
+    return ["load multipliers:", *numbered([f"{v:.7g}" for v in data["load_multipliers"]])]
 
 
 MODES = (Mode(8, "buckling", _run, _table, increments=True),)

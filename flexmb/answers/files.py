@@ -12,11 +12,7 @@ from .answers import plain
 
 
 def to_json(data: dict[str, Any]) -> str:
-    """One JSON object, numbers that are not finite as null.
-
-    Args:
-        data: Keys and values of an answer.
-    """
+    """One JSON object, numbers that are not finite as null."""
     return json.dumps(plain(data), allow_nan=False, indent=1)
 
 

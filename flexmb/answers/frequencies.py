@@ -6,7 +6,7 @@ import numpy as np
 
 from ..linear.modes import modes
 from .mode import Found, Mode, Question
-from .parts import SHOWN_VALUES, hertz_of, poles_of, shapes, state_of
+from .parts import hertz_of, numbered, poles_of, shapes, state_of
 
 
 def _run(asked: Question) -> Found:
@@ -35,12 +35,9 @@ def _table(data: dict[str, Any]) -> list[str]:
         pairs = list(zip(data["eigenvalues"], data["frequencies_hz"], strict=True))
         lines.append(f"natural frequencies [Hz] ({len(pairs)}, {data['massless']} motions without mass left out):")
         texts = [f"unstable, omega^2 = {v:.6g}" if f is None else f"{f:.7g}" for v, f in pairs]
-        lines += [f"  {i + 1:3d}  {text}" for i, text in enumerate(texts[:SHOWN_VALUES])]
-        lines += [f"  ... {len(texts) - SHOWN_VALUES} more"] if len(texts) > SHOWN_VALUES else []
+        lines += numbered(texts)
     elif "poles" in data:
-        lines.append("poles [1/s]:")
-        lines += [f"  {i + 1:3d}  {re:.7g} {im:+.7g}j" for i, (re, im) in enumerate(data["poles"][:SHOWN_VALUES])]
-        lines += [f"  ... {len(data['poles']) - SHOWN_VALUES} more"] * (len(data["poles"]) > SHOWN_VALUES)
+        lines += ["poles [1/s]:", *numbered([f"{re:.7g} {im:+.7g}j" for re, im in data["poles"]])]
     return lines
 
 

@@ -45,11 +45,7 @@ class Question:
         return self.model
 
     def about(self, lin: Linearization) -> Linearization:
-        """Note the linearisation that is answered about, and warn of what nothing holds there.
-
-        Args:
-            lin: Linearisation of the mechanism.
-        """
+        """Note the linearisation that is answered about, and warn of what nothing holds there."""
         self.lin = lin
         self.warnings += loose_warnings(lin)
         return lin

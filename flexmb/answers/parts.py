@@ -58,11 +58,7 @@ def state_of(lin: Linearization) -> dict[str, Any]:
 
 
 def configuration(lin: Linearization) -> dict[str, Any]:
-    """Where the mechanism is and what it carries.
-
-    Args:
-        lin: Linearisation.
-    """
+    """Where the mechanism is and what it carries."""
     labels, m = lin.labels, lin.matrices
     return {
         "x": by_owner(m.x, labels.x),
@@ -83,11 +79,7 @@ def _stress(lin: Linearization) -> dict[str, Any]:
 
 
 def matrices(lin: Linearization) -> dict[str, Any]:
-    """The matrices of the linearised equations.
-
-    Args:
-        lin: Linearisation.
-    """
+    """The matrices of the linearised equations."""
     return {name.lower(): np.asarray(getattr(lin.matrices, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
 
 
@@ -95,7 +87,6 @@ def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
     """Poles, real and imaginary parts.
 
     Args:
-        lin: Linearisation.
         always: Also where frequencies say the same.
     """
     damped = np.any(np.asarray(lin.matrices.C0 + lin.matrices.D0))
@@ -115,7 +106,6 @@ def shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
 
     Args:
         columns: One motion a column, (n_x, motions).
-        labels: Names.
     """
     return [by_owner(column, labels.x) for column in np.asarray(columns).T]
 
@@ -139,22 +129,19 @@ def loose_warnings(lin: Linearization) -> list[str]:
 
 
 def row(values, digits: int = 6) -> str:
-    """Numbers in a line.
-
-    Args:
-        values: Numbers.
-        digits: Of each.
-    """
+    """Numbers in a line."""
     return "  ".join(f"{v:.{digits}g}" for v in np.ravel(np.asarray(values, float)).tolist())
 
 
-def matrix(name: str, values) -> list[str]:
-    """A matrix in lines of the terminal; a large one by its size.
+def numbered(texts: list[str]) -> list[str]:
+    """Lines of the terminal with their numbers, the first of many."""
+    more = len(texts) - SHOWN_VALUES
+    lines = [f"  {i + 1:3d}  {text}" for i, text in enumerate(texts[:SHOWN_VALUES])]
+    return [*lines, f"  ... {more} more"] if more > 0 else lines
 
-    Args:
-        name: Its name.
-        values: Its entries.
-    """
+
+def matrix(name: str, values) -> list[str]:
+    """A matrix in lines of the terminal; a large one by its size."""
     values = np.atleast_2d(np.asarray(values, float))
     if max(values.shape, default=0) > SHOWN_VALUES:
         return [f"{name}: {values.shape[0]} x {values.shape[1]}, see --json or --save"]

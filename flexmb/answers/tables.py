@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import shown
+from ..errors import clean
 from ..mechanics.inertia import total_mass
 from ..model.model import Model
 from ..model.roles import Role
@@ -17,12 +17,8 @@ CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "
 
 
 def table(data: dict[str, Any]) -> str:
-    """Short table of an answer for the terminal.
-
-    Args:
-        data: Keys and values of an answer.
-    """
-    lines = [f"{shown(data['model'])}  mode {data['mode']}  status {data['status']}"]
+    """Short table of an answer for the terminal."""
+    lines = [f"{clean(data['model'])}  mode {data['mode']}  status {data['status']}"]
     lines.append("NDOF = NX - NXO - NEO = {nx} - {nxo} - {neo} = {ndof}".format(**data))
     names = ", ".join(f"{d['kind']} {d['of']}.{d['component']}" for d in data["dofs"])
     lines.append(f"degrees of freedom: {names or 'none named'}")
@@ -58,13 +54,12 @@ def log(found: Answer, source: str) -> str:
     """Log of a run: input, structure, numbers, transfer functions and results.
 
     Args:
-        found: Answer of the analysis.
         source: Text of the input file, echoed without its comments.
     """
     data, model, lin = found.data, found.model, found.lin
     lines = [f"flexmb {data['flexmb']}   {data['model']}   mode {data['mode']}", "", "INPUT"]
     # Letters that a terminal would act on as their escapes, line by line.
-    lines += ["  " + "".join(shown(c) for c in s.raw) for s in statements(source)]
+    lines += ["  " + "".join(clean(c) for c in s.raw) for s in statements(source)]
     if model is not None:
         x_roles, e_roles = model.roles()
         lines += ["", "Classes: O fixed, C calculable, M degree of freedom, R prescribed"]

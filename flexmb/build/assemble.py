@@ -26,20 +26,12 @@ UNIT_NORM = Element(unit_norm)
 
 
 def is_option(value: Any) -> bool:
-    """Whether a property chooses code and is no number, though it is not annotated ``Static``.
-
-    Args:
-        value: The property.
-    """
+    """Whether a property chooses code and is no number, though it is not annotated ``Static``."""
     return isinstance(value, bool | str)
 
 
 def stack(values: Sequence[Any]) -> Any:
-    """Stack scalars or arrays to float64, on the host where none is traced.
-
-    Args:
-        values: Numbers of equal shape.
-    """
+    """Stack scalars or arrays to float64, on the host where none is traced."""
     if is_concrete(values):
         return np.stack([np.asarray(v, float) for v in values])
     return jnp.stack([jnp.asarray(v, float) for v in values])
@@ -47,9 +39,6 @@ def stack(values: Sequence[Any]) -> Any:
 
 def assemble(builder: Description) -> Model:
     """Model of a builder's contents, unchecked.
-
-    Args:
-        builder: Builder.
 
     Returns:
         Model with the degrees of freedom that the builder names.

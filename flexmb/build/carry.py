@@ -42,9 +42,6 @@ def carried(models: list[Model]) -> Iterator[None]:
 def note(model: Model) -> Model:
     """Note a finished model where models are recorded.
 
-    Args:
-        model: Mechanism.
-
     Returns:
         The model.
     """

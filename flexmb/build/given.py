@@ -8,12 +8,7 @@ from ..errors import ModelError
 
 
 def named(what: str, name: Any) -> str:
-    """A name as it is kept; a number is a name too.
-
-    Args:
-        what: What it names, for the message.
-        name: As given.
-    """
+    """A name as it is kept; a number is a name too."""
     if not isinstance(name, str) and as_whole(name) is None:
         raise ModelError(f"{what} is named by a string, such as 'foot', not by {shown(name)}.")
     if not str(name).strip() or not str(name).isprintable():
@@ -22,12 +17,7 @@ def named(what: str, name: Any) -> str:
 
 
 def listed(what: str, values: Any) -> list:
-    """Several numbers as a list of one each.
-
-    Args:
-        what: What they are, for the message.
-        values: As given.
-    """
+    """Several numbers as a list of one each."""
     if isinstance(values, str | dict | set):
         raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
     try:
@@ -40,24 +30,14 @@ def listed(what: str, values: Any) -> list:
 
 
 def number_in(component: Any) -> int | None:
-    """Number of a coordinate or deformation, None where it is none.
-
-    Args:
-        component: As given.
-    """
+    """Number of a coordinate or deformation, None where it is none."""
     if isinstance(component, str):
         return int(component) if component.isascii() and component.isdecimal() else None
     return as_whole(component)
 
 
 def some_of(what: str, of: Any, given: tuple) -> tuple:
-    """What is given, which must be something.
-
-    Args:
-        what: What is asked for, for the message.
-        of: Of which node or element.
-        given: Components or values.
-    """
+    """What is given, which must be something."""
     if not given:
         raise ModelError(f"{what.capitalize()} of '{of}': say of what; nothing is named.")
     return given
@@ -67,9 +47,7 @@ def released_in(name: str, wanted: Any, count: int) -> list[int]:
     """Numbers of the deformations that may change.
 
     Args:
-        name: Name of the element, for the message.
         wanted: As given: "all" or numbers from 1.
-        count: How many deformations there are.
     """
     if isinstance(wanted, str) and wanted == ALL:
         return list(range(1, count + 1))

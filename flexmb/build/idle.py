@@ -9,11 +9,7 @@ HELD = (Role.FIXED, Role.PRESCRIBED)
 
 
 def warn_of_idle(builder: Description) -> None:
-    """Warn of stress, strain and damping that act on deformations which are all held.
-
-    Args:
-        builder: Builder.
-    """
+    """Warn of stress, strain and damping that act on deformations which are all held."""
     for what in ("prestress", "strain"):
         for sets in builder.loads.values():
             acting: dict[str, list[int]] = {}

@@ -28,9 +28,6 @@ SURE = ("inertia", "force", "resultants")
 def element_type(given: Any) -> Element:
     """An element type, of a bare deformation function one without companions.
 
-    Args:
-        given: Element, or deformation function.
-
     Raises:
         ModelError: It is something else, or its signature does not say which nodes it joins.
     """
@@ -57,8 +54,6 @@ def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[El
     """An element type with the options among what a caller gives, and the rest: its properties.
 
     Args:
-        element: Element type.
-        name: Name of the element, for messages.
         given: Options and properties; what is given as None counts as not given.
 
     Raises:
@@ -79,8 +74,6 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
     """Properties of an element with defaults filled in.
 
     Args:
-        element: Its type.
-        name: Its name, for messages.
         given: What the caller gives; what is given as None counts as not given.
 
     Returns:
@@ -242,8 +235,6 @@ def number_of_deformations(element: Element, name: str, properties: dict[str, An
     """Length of what a deformation function returns, found without computing it; shapes of companions are checked.
 
     Args:
-        element: Element type.
-        name: Name of the element, for messages.
         properties: Its properties, complete.
 
     Raises:

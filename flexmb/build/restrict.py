@@ -22,11 +22,7 @@ TIE = "tie"
 
 
 def can_be_tied(model: Model) -> np.ndarray:
-    """Whether each deformation may enter a tie: those whose turns are counted may not, (n_e,).
-
-    Args:
-        model: Mechanism.
-    """
+    """Whether each deformation may enter a tie: those whose turns are counted may not, (n_e,)."""
     possible = np.zeros(model.topology.n_e, bool)
     for block in model.topology.blocks:
         if "deformation" in block.companions and not block.element.tracks_angle:

@@ -79,9 +79,6 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
     Such leaves of the arguments are compared, not traced, so they must be hashable; a function defined anew is another
     one and is compiled again.
 
-    Args:
-        function: Function of pytrees.
-
     Returns:
         The compiled function.
     """

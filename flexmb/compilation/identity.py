@@ -22,9 +22,6 @@ def identity(*things: Any) -> str:
     capture and what they name in their own module, but for lists, dictionaries and sets in functions and records, which
     may be notes that change as a function is called. Of anything else the type is seen alone, so that two things of one
     identity may still differ.
-
-    Args:
-        things: Anything.
     """
     digest = hashlib.sha256()
     _add(digest, things, ())

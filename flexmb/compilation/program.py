@@ -47,11 +47,7 @@ class Captured(Record):
     numbers: tuple[Any, ...]
 
     def __call__(self, *arguments: Any) -> Any:
-        """Value of the function for arguments of the shapes that it was taken for.
-
-        Args:
-            arguments: As the function takes them.
-        """
+        """Value of the function for arguments of the shapes that it was taken for."""
         leaves = jax.tree.leaves(arguments)
         return jax.tree.unflatten(self.code.results, jax.core.eval_jaxpr(self.code.jaxpr, self.numbers, *leaves))
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..compilation.compile import jit_beside_options
 from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
-from ..motion.drives import Drives, driven_by
+from ..motion.drives_by_name import Drives, driven_by
 from ..motion.loop import check_signals, measuring, under_inputs
 from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form

@@ -209,7 +209,6 @@ def _refuse_idle_inputs(lin: Linearization, condensed: tuple[int, ...]) -> None:
     """Refuse inputs whose columns of B and D are zero but for round-off, at all times.
 
     Args:
-        lin: Linearization.
         condensed: Degrees of freedom that are condensed.
 
     Raises:

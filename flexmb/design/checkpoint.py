@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from ..errors import shown
+from ..errors import clean
 from ..files import write_whole
 from ..results import RESULTS
 
@@ -93,12 +93,8 @@ class Checkpoint:
         self.close()
 
     def refusal(self, why: str) -> ValueError:
-        """What to raise where the file is not what is needed; it is left as it is.
-
-        Args:
-            why: What it is instead.
-        """
-        return ValueError(f"Checkpoint '{shown(self.path)}' {why}. Delete it or name another file.")
+        """What to raise where the file is not what is needed; it is left as it is."""
+        return ValueError(f"Checkpoint '{clean(self.path)}' {why}. Delete it or name another file.")
 
     def _lock(self) -> None:
         """Keep a second sweep from writing in between; the lock ends with the process."""
@@ -109,7 +105,7 @@ class Checkpoint:
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise ValueError(f"Checkpoint '{shown(self.path)}' is being written by another sweep.") from None
+            raise ValueError(f"Checkpoint '{clean(self.path)}' is being written by another sweep.") from None
         except OSError:
             # A file system without locks.
             return
@@ -132,7 +128,7 @@ class Checkpoint:
             good = self.file.tell()
         if good < self.path.stat().st_size:
             warnings.warn(
-                f"The last record of checkpoint '{shown(self.path)}' is incomplete, as after a kill: its designs are"
+                f"The last record of checkpoint '{clean(self.path)}' is incomplete, as after a kill: its designs are"
                 " computed again.",
                 stacklevel=4,
             )

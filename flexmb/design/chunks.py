@@ -70,18 +70,13 @@ class Worker:
         """Begin.
 
         Args:
-            task: What is to be computed of every design.
             executor: Where; None for the cores of this machine.
         """
         self.executor = executor
         self.work: Any = kernel_of(task, threads=cores()) if executor is None else _packed(task)
 
     def results(self, parts: list[Chunk]) -> Iterator[tuple[int, Values]]:
-        """Number and answers of each part, as they are done.
-
-        Args:
-            parts: Designs.
-        """
+        """Number and answers of each part, as they are done."""
         if self.executor is None:
             for index, part in enumerate(parts):
                 yield index, self.work(part)
@@ -133,7 +128,6 @@ def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
     """What computes a part.
 
     Args:
-        task: What is to be computed of every design.
         threads: How many designs at a time.
     """
     if not task.compiled or task.example is None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arguments import check_whole
 from ..display import Result, Summary, span
-from ..errors import shown
+from ..errors import clean
 
 # Designs are held in memory, 8 bytes for each number of each; a thousand a second take three hours.
 MOST = 10_000_000
@@ -84,7 +84,6 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of a dimension.
 
     Args:
-        name: Of the dimension, for the message.
         bounds: Two numbers, or two arrays for a dimension with several entries.
 
     Raises:
@@ -94,7 +93,7 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
         lower, upper = (numbers(f"Bounds of '{name}'", b) for b in bounds)
     except (TypeError, ValueError):
         raise ValueError(
-            f"Bounds of '{name}' must be two numbers, lower and upper, but are {shown(repr(bounds))}."
+            f"Bounds of '{name}' must be two numbers, lower and upper, but are {clean(repr(bounds))}."
         ) from None
     if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
         raise ValueError(f"Bounds of '{name}' must be finite, but are {lower} and {upper}.")
@@ -167,7 +166,7 @@ def monte_carlo(
 def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[str, Any]:
     """Dimensions of a dictionary and of keywords, none twice."""
     if given is not None and not isinstance(given, Mapping):
-        raise TypeError(f"Dimensions are given as a dictionary by name, or as keywords, not as {shown(repr(given))}.")
+        raise TypeError(f"Dimensions are given as a dictionary by name, or as keywords, not as {clean(repr(given))}.")
     twice = [name for name in named if name in (given or {})]
     if twice:
         raise TypeError(f"Dimension '{twice[0]}' is given twice: in the dictionary and as a keyword.")
@@ -176,10 +175,6 @@ def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[st
 
 def numbers(what: str, value: Any) -> np.ndarray:
     """A number or an array of numbers, double precision.
-
-    Args:
-        what: What they are, for the message.
-        value: What is given.
 
     Raises:
         ValueError: It is something else.
@@ -190,5 +185,5 @@ def numbers(what: str, value: Any) -> np.ndarray:
         # Lists of several lengths.
         array = np.asarray(None)
     if array.dtype.kind not in "iuf":
-        raise ValueError(f"{what} must be numbers, but got {shown(repr(value))}.")
+        raise ValueError(f"{what} must be numbers, but got {clean(repr(value))}.")
     return array.astype(float)

@@ -38,11 +38,7 @@ class Deviation:
         return max(self.frequencies, self.stiffness, self.transfer)
 
     def plus(self, other: "Deviation") -> "Deviation":
-        """Bound of the differences one after the other.
-
-        Args:
-            other: The differences of the second step.
-        """
+        """Bound of the differences one after the other."""
         return Deviation(*(a + b for a, b in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)))
 
 
@@ -103,7 +99,6 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
     """Numbers of a linearised model that questions are answered by.
 
     Args:
-        lin: Linearization.
         nodes: Nodes whose compliance matters.
 
     Raises:
@@ -151,8 +146,6 @@ def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
     """Largest relative differences of a lean model from a full one.
 
     Args:
-        full: Numbers of the full model.
-        lean: Numbers of the lean model.
         bandwidth: Frequencies up to here matter [Hz].
     """
     ours, theirs = lean.frequencies(), full.frequencies()
@@ -187,9 +180,5 @@ def _largest(difference: np.ndarray, size: np.ndarray) -> float:
 
 
 def largest_of(deviations: list[Deviation]) -> Deviation:
-    """The worst of several, each number by itself.
-
-    Args:
-        deviations: At several states.
-    """
+    """The worst of several, each number by itself."""
     return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..build.carry import carried, recorded
-from ..errors import AnalysisError, ModelError, SpacarError, shown
+from ..errors import AnalysisError, ModelError, SpacarError, clean
 from ..model.model import Model
 from ..results import RESULTS, collected
 
@@ -41,7 +41,7 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
     for name, function in found.items():
         if not callable(function):
-            raise TypeError(f"Answer '{shown(name)}' must be a function of the model, but is {shown(repr(function))}.")
+            raise TypeError(f"Answer '{clean(name)}' must be a function of the model, but is {clean(repr(function))}.")
     if not found:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
     return found
@@ -51,8 +51,6 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
     """Refuse names that would meet in a table or a file.
 
     Args:
-        dimensions: Names of dimensions.
-        answers: Names of answers.
         reserved: Names of what else stands there.
 
     Raises:
@@ -61,7 +59,7 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
     for kind, names in (("Dimension", dimensions), ("Answer", answers)):
         for name in names:
             if not isinstance(name, str) or not name or not name.isprintable() or name.endswith(".npy"):
-                raise ValueError(f"{kind} '{shown(name)}' must have a name of printable letters, not ending in .npy.")
+                raise ValueError(f"{kind} '{clean(name)}' must have a name of printable letters, not ending in .npy.")
             if name in reserved:
                 raise ValueError(f"{kind} '{name}' must have another name: that one is used beside it in the result.")
     for name in answers:
@@ -72,16 +70,12 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
 def check_dimensions(build: Build, names: Sequence[str]) -> None:
     """Refuse dimensions that a function does not take, and those that it lacks.
 
-    Args:
-        build: Function of named dimensions.
-        names: Their names.
-
     Raises:
         ValueError: Names the dimension.
     """
     if not callable(build):
         raise TypeError(
-            f"Argument `build` must be a function of dimensions that returns a model, but is {shown(repr(build))}."
+            f"Argument `build` must be a function of dimensions that returns a model, but is {clean(repr(build))}."
         )
     try:
         parameters = inspect.signature(build).parameters
@@ -97,10 +91,10 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
             if name not in known:
                 near = difflib.get_close_matches(name, known, 1)
                 hint = f" Did you mean '{near[0]}'?" if near else ""
-                raise ValueError(f"Dimension '{shown(name)}' is not one of {shown(listed)}.{hint}")
+                raise ValueError(f"Dimension '{clean(name)}' is not one of {clean(listed)}.{hint}")
     missing = [p.name for p in taken if p.default is p.empty and p.name not in names]
     if missing:
-        raise ValueError(f"Dimension '{missing[0]}' of {shown(listed)} is not given.")
+        raise ValueError(f"Dimension '{missing[0]}' of {clean(listed)} is not given.")
 
 
 class Layout(NamedTuple):
@@ -151,9 +145,6 @@ class Layout(NamedTuple):
     def join(self, values: Mapping[str, Any]) -> np.ndarray:
         """One vector from named arrays of these shapes or scalars.
 
-        Args:
-            values: By name.
-
         Raises:
             ValueError: An array has another shape.
         """
@@ -181,11 +172,6 @@ def evaluate(
 ) -> tuple[dict[str, Float[Array, "..."]], Int[Array, ""]]:
     """Answers and a code of RESULTS, for use under a trace.
 
-    Args:
-        build: Function of named dimensions.
-        answers: Functions of what it returns, by name.
-        dimensions: By name.
-
     Returns:
         Answers by name; the first failure of their analyses, or not_finite where an answer is NaN.
     """
@@ -205,11 +191,6 @@ def evaluate_concretely(
     build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
 ) -> tuple[dict[str, np.ndarray] | None, int]:
     """Answers and a code of RESULTS of one design, for analyses that cannot be traced.
-
-    Args:
-        build: Function of named dimensions.
-        answers: Functions of what it returns, by name.
-        dimensions: By name.
 
     Returns:
         Answers by name, None where there are none; code.
@@ -243,10 +224,6 @@ def _real(name: str, value: Any) -> Float[Array, "..."]:
 def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
     """Build on concrete numbers, where everything is checked and degrees of freedom are found.
 
-    Args:
-        build: Function of named dimensions.
-        dimensions: By name.
-
     Returns:
         The models that are built on the way.
 
@@ -262,7 +239,6 @@ def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[s
     """The first design that can be built, and its models.
 
     Args:
-        build: Function of named dimensions.
         designs: Dimensions with the designs first, (designs, ...), by name.
 
     Raises:
@@ -282,8 +258,6 @@ def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], lay
     """A function from one vector of dimensions to one vector of answers, and their code.
 
     Args:
-        build: Function of named dimensions.
-        answers: Functions of what it returns, by name.
         layout: Of the dimensions.
         models: See :func:`build_once`.
 

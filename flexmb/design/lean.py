@@ -11,7 +11,7 @@ from ..arguments import check_number, check_whole
 from ..build.restrict import Restriction, can_be_tied, restrict
 from ..compilation.threads import one_thread
 from ..display import Result, Summary, listed
-from ..errors import AnalysisError, ModelError, shown
+from ..errors import AnalysisError, ModelError, clean
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import modes
 from ..model.model import Model
@@ -237,10 +237,10 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
         except (TypeError, ValueError) as fault:
             raise ModelError(str(fault)) from None
     if isinstance(nodes, str):
-        raise ModelError(f"Argument `nodes` must be a list of names, such as ['{shown(nodes)}'].")
+        raise ModelError(f"Argument `nodes` must be a list of names, such as ['{clean(nodes)}'].")
     for node in nodes:
         if model is not None and not model.labels.coordinates(node):
-            raise ModelError(f"Argument `nodes`: there is no node '{shown(node)}' in the model.")
+            raise ModelError(f"Argument `nodes`: there is no node '{clean(node)}' in the model.")
 
 
 def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):

@@ -28,7 +28,6 @@ def refusal(
     fault with the example, which was built, is not asked.
 
     Args:
-        build: Function of named dimensions.
         models: Those it builds of the example, see :func:`flexmb.design.evaluate.build_once`.
         example: Dimensions of a design that can be built, by name.
 

@@ -7,7 +7,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..errors import shown
+from ..errors import clean
 from .designs import numbers
 from .evaluate import Layout
 
@@ -35,6 +35,8 @@ class Rows:
 class Problem:
     """Minimise weights . a + |targets(a)|^2/2 with equal(a) = 0 and limits(a) <= 0.
 
+    In its methods answers are (m,), multipliers those of equal and of limits, the weight that of the penalty, () [-].
+
     Attributes:
         weights: Of the objective, (m,).
         targets: Residuals, relative to the target.
@@ -53,20 +55,12 @@ class Problem:
         return not (np.any(self.weights) or self.equal.names or self.limits.names)
 
     def objective(self, answers: Any) -> Any:
-        """What is minimised, () [-].
-
-        Args:
-            answers: (m,).
-        """
+        """What is minimised, () [-]."""
         residual = self.targets(answers)
         return self.weights @ answers + 0.5 * residual @ residual
 
     def violation(self, answers: Any) -> float:
-        """Largest violation of a constraint, relative to its value, () [-].
-
-        Args:
-            answers: (m,).
-        """
+        """Largest violation of a constraint, relative to its value, () [-]."""
         parts = (np.abs(self.equal(answers)), self.limits(answers))
         return float(max(np.max(part, initial=0.0) for part in parts))
 
@@ -74,7 +68,6 @@ class Problem:
         """Constraints that are violated, and by how much.
 
         Args:
-            answers: (m,).
             tolerance: Relative violation that is none.
         """
         found = []
@@ -84,11 +77,6 @@ class Problem:
 
     def lagrangian(self, answers: Any, multipliers: tuple[Any, Any], weight: Any) -> Any:
         """Augmented Lagrangian, () [-].
-
-        Args:
-            answers: (m,).
-            multipliers: Of equal and of limits.
-            weight: Of the penalty, () [-].
 
         Source:
             Rockafellar 1974; Nocedal, Wright 2006, eq. (17.65) with the slacks eliminated.
@@ -100,13 +88,7 @@ class Problem:
         return self.objective(answers) + penalty
 
     def slope(self, answers: np.ndarray, multipliers: tuple[np.ndarray, np.ndarray], weight: float) -> np.ndarray:
-        """Derivative of the augmented Lagrangian by the answers, (m,).
-
-        Args:
-            answers: (m,).
-            multipliers: Of equal and of limits.
-            weight: Of the penalty, () [-].
-        """
+        """Derivative of the augmented Lagrangian by the answers, (m,)."""
         updated = self.updated(answers, multipliers, weight)
         slope = self.weights + self.targets.matrix.T @ self.targets(answers)
         return slope + self.equal.matrix.T @ updated[0] + self.limits.matrix.T @ updated[1]
@@ -114,13 +96,7 @@ class Problem:
     def updated(
         self, answers: np.ndarray, multipliers: tuple[np.ndarray, np.ndarray], weight: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """First-order estimate of the multipliers.
-
-        Args:
-            answers: (m,).
-            multipliers: Of equal and of limits.
-            weight: Of the penalty, () [-].
-        """
+        """First-order estimate of the multipliers."""
         of_equal, of_limits = multipliers
         return (
             of_equal + weight * self.equal(answers),
@@ -159,7 +135,7 @@ def make_problem(
     given = [n for n in (minimize, maximize) if n is not None]
     for name in (*given, *targets, *equal, *limits):
         if not isinstance(name, str) or name not in places:
-            raise ValueError(f"There is no answer '{shown(name)}'. Answers are: {', '.join(places)}.")
+            raise ValueError(f"There is no answer '{clean(name)}'. Answers are: {', '.join(places)}.")
     if len(given) > 1:
         raise ValueError("Give either `minimize` or `maximize`, not both; weigh the two in an answer of your own.")
     if not (given or targets):
@@ -179,7 +155,7 @@ def make_problem(
             return np.broadcast_to(numbers(what, value), shapes[name]).ravel()
         except (TypeError, ValueError):
             raise ValueError(
-                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {shown(repr(value))}."
+                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {clean(repr(value))}."
             ) from None
 
     def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
@@ -214,7 +190,7 @@ def _limits(name: str, pair: Any, entries: Any) -> tuple[Any, Any]:
         lower, upper = pair
     except (TypeError, ValueError):
         raise ValueError(
-            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {shown(repr(pair))}."
+            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {clean(repr(pair))}."
         ) from None
     if lower is None and upper is None:
         raise ValueError(f"Limits of '{name}' are both None: leave it out.")

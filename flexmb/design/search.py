@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..compilation.compile import jit
-from ..errors import shown
+from ..errors import clean
 from ..results import RESULTS
 from .problem import Problem
 
@@ -307,7 +307,7 @@ def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit: Callable[..., A
     if not isinstance(optimizer, optax.GradientTransformation):
         raise TypeError(
             "Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is"
-            f" {shown(repr(optimizer))}."
+            f" {clean(repr(optimizer))}."
         )
     rule = optax.with_extra_args_support(optimizer)
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..display import Result, Summary, counted, largest, short
-from ..errors import shown
+from ..errors import AnalysisError, clean
 from ..results import RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
@@ -114,26 +114,20 @@ def sensitivities(
     if mode is None:
         mode = "forward" if len(point) <= REVERSE_COST * m else "reverse"
     if mode not in ("forward", "reverse"):
-        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {shown(repr(mode))}.")
+        raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {clean(repr(mode))}.")
     values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
     result = RESULTS(int(code))
     if result is RESULTS.successful and not np.all(np.isfinite(slopes)):
         result = RESULTS.not_finite
     if throw and result is RESULTS.critical_state:
-        raise_critical(result)
+        # No failure where no derivative is asked for.
+        raise AnalysisError(result.name, result.message)
     check(int(result), throw, "It is about the sensitivities of " + ", ".join(functions) + ".")
     values, slopes = np.asarray(values), np.asarray(slopes)
     with np.errstate(divide="ignore", invalid="ignore"):
         table = slopes * point / values[:, None]
     second = np.asarray(curvatures) if second_order else None
     return Sensitivities(tuple(rows.labels), tuple(layout.labels), values, point, slopes, table, second, mode, result)
-
-
-def raise_critical(result: RESULTS) -> None:
-    """Raise for a state without derivative, which is no failure where none is asked for."""
-    from ..errors import AnalysisError
-
-    raise AnalysisError(result.name, result.message)
 
 
 def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):

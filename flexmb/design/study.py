@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError, SpacarError, StudyError, shown
+from ..errors import ModelError, SpacarError, StudyError, clean
+from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import build_once, flat_function, layout_of
 from .study_parts import UNTRACEABLE, RaisedError
@@ -48,9 +49,6 @@ class Study:
     def tune(self, **options: Any) -> Tuned:
         """Run :func:`flexmb.tune` on it.
 
-        Args:
-            options: Further arguments.
-
         Raises:
             StudyError: The file asks for what cannot be, with file and key.
             ModelError, AnalysisError: As :func:`flexmb.tune` raises.
@@ -65,9 +63,6 @@ class Study:
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep` on it, compiled where the model and the answers allow it.
-
-        Args:
-            options: Further arguments.
 
         Raises:
             StudyError: The file asks for what cannot be, with file and key.
@@ -139,15 +134,7 @@ def _first_line(fault: Exception) -> str:
 
 
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
-    """Keys and values of a sweep for JSON.
-
-    Args:
-        study: The study.
-        found: Its sweep.
-        version: Of the program.
-    """
-    from ..results import RESULTS
-
+    """Keys and values of a sweep for JSON."""
     failed = sum(found.failures().values())
     return {
         "study": study.name,
@@ -163,13 +150,7 @@ def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
 
 
 def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
-    """Keys and values of a tuned design for JSON.
-
-    Args:
-        study: The study.
-        found: Its design.
-        version: Of the program.
-    """
+    """Keys and values of a tuned design for JSON."""
     good = found.result.name == "successful"
     return {
         "study": study.name,
@@ -190,16 +171,9 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
 
 
 def sweep_table(found: Sweep, rows: int = 20) -> str:
-    """Table of a sweep for the terminal.
-
-    Args:
-        found: The sweep.
-        rows: At most.
-    """
-    from ..results import RESULTS
-
+    """Table of a sweep for the terminal, of so many rows at most."""
     names = [*found.designs, *(name for name, v in found.answers.items() if v.ndim == 1)]
-    lines = ["".join(f"{shown(name):>16}" for name in names) + "  result"]
+    lines = ["".join(f"{clean(name):>16}" for name in names) + "  result"]
     columns = [{**found.designs, **found.answers}[name] for name in names]
     for i, code in enumerate(found.codes[:rows]):
         lines.append("".join(f"{column[i]:>16.7g}" for column in columns) + f"  {RESULTS(int(code)).name}")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import StudyError, shown
+from ..errors import StudyError, clean
 from .designs import MOST
 from .evaluate import check_dimensions, check_names
 from .study import Study
@@ -51,7 +51,7 @@ class _Reader:
     """One file, and what its keys mean."""
 
     def __init__(self, path: Path):
-        self.path, self.name = path, shown(path.name)
+        self.path, self.name = path, clean(path.name)
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
         if len(content) > LARGEST_FILE:
@@ -59,7 +59,7 @@ class _Reader:
         try:
             self.data: dict[str, Any] = tomllib.loads(content.decode("utf-8-sig"))
         except (ValueError, RecursionError) as fault:
-            raise StudyError(f"{self.name}: {shown(fault)}") from None
+            raise StudyError(f"{self.name}: {clean(fault)}") from None
 
     def study(self) -> Study:
         self.check_keys()
@@ -92,11 +92,11 @@ class _Reader:
             if table not in TABLES:
                 near = difflib.get_close_matches(table, TABLES, 1) if len(table) < 100 else []
                 hint = f" Did you mean '{near[0]}'?" if near else f" Known: {', '.join(TABLES)}."
-                raise self.fault("", f"there is no key '{shown(table)}'.{hint}")
+                raise self.fault("", f"there is no key '{clean(table)}'.{hint}")
             if table in ("model", "release"):
                 self.text(table, content)
             elif not isinstance(content, dict):
-                raise self.fault(f"[{table}]", f" must be a table, but is {shown(repr(content))}.")
+                raise self.fault(f"[{table}]", f" must be a table, but is {clean(repr(content))}.")
         for table in ("model", "answers"):
             if not self.data.get(table):
                 raise self.fault("", f"'{table}' is missing or empty.")
@@ -107,13 +107,13 @@ class _Reader:
         """Refuse keys that a table does not have."""
         for one in content:
             if one not in known:
-                raise self.fault(key, f": there is no '{shown(one)}'. Known: {', '.join(known)}.")
+                raise self.fault(key, f": there is no '{clean(one)}'. Known: {', '.join(known)}.")
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Value of each parameter, with bounds and scale where given."""
         found = {}
         for name, given in self.data.get("parameters", {}).items():
-            key = f"[parameters] {shown(name)}"
+            key = f"[parameters] {clean(name)}"
             if not name.isidentifier() or name == "pi":
                 raise self.fault(key, ": a parameter's name has letters, digits and _ alone, and is not pi.")
             given = given if isinstance(given, dict) else {"value": given}
@@ -135,7 +135,7 @@ class _Reader:
         text, release = self.data["model"], self.data.get("release")
         if ":" in text and not text.endswith(".dat"):
             if release is not None:
-                raise self.fault("release", f" is for a model in a file; the function '{shown(text)}' releases itself.")
+                raise self.fault("release", f" is for a model in a file; the function '{clean(text)}' releases itself.")
             function = function_of(f"{self.name}: model", self.path.parent, text)
             try:
                 check_dimensions(function, tuple(name for name, _ in fixed) + free)
@@ -148,16 +148,16 @@ class _Reader:
             content = content_of(source)
         except (FileNotFoundError, NotADirectoryError):
             raise self.fault(
-                "model", f": there is no file '{shown(source)}', and '{shown(text)}' is no module:function."
+                "model", f": there is no file '{clean(source)}', and '{clean(text)}' is no module:function."
             ) from None
         except (OSError, ValueError) as fault:
             why = getattr(fault, "strerror", None) or fault
-            raise self.fault("model", f": cannot read '{shown(source)}': {shown(why)}.") from None
+            raise self.fault("model", f": cannot read '{clean(source)}': {clean(why)}.") from None
         return FromFile(self.name, source, content, release, fixed, free)
 
     def answer(self, name: str, given: Any) -> Callable[[Any], Any]:
         """Function of the model that an entry of [answers] means."""
-        key = f"[answers] {shown(name)}"
+        key = f"[answers] {clean(name)}"
         if isinstance(given, str):
             function = function_of(f"{self.name}: {key}", self.path.parent, given)
             return Called(f"{self.name}: {key}", given, function, is_answer=True)
@@ -166,7 +166,7 @@ class _Reader:
             raise self.fault(key, f" must be 'module:function' or a table with one of {', '.join(KINDS)}.")
         strangers, missing = set(given) - {kind, *KINDS[kind]}, set(KINDS[kind]) - set(given)
         if strangers:
-            raise self.fault(key, f": {kind} does not take {shown(', '.join(sorted(strangers)))}.")
+            raise self.fault(key, f": {kind} does not take {clean(', '.join(sorted(strangers)))}.")
         if missing:
             raise self.fault(key, f": {kind} needs {', '.join(sorted(missing))}.")
         value, more = given[kind], None
@@ -174,9 +174,9 @@ class _Reader:
             value = self.whole(f"{key}: {kind}", value)
         elif kind in ("mass", "stress"):
             if value is not True:
-                raise self.fault(f"{key}: {kind}", f" must be true, but is {shown(repr(value))}: leave the answer out.")
+                raise self.fault(f"{key}: {kind}", f" must be true, but is {clean(repr(value))}: leave the answer out.")
         elif isinstance(value, bool) or not isinstance(value, str | int):
-            raise self.fault(f"{key}: {kind}", f" must be the name of a node, but is {shown(repr(value))}.")
+            raise self.fault(f"{key}: {kind}", f" must be the name of a node, but is {clean(repr(value))}.")
         if kind == "stiffness":
             more = self.text(f"{key}: axis", given["axis"])
         elif kind == "coordinate":
@@ -218,7 +218,7 @@ class _Reader:
         """Key of an entry that an answer names."""
         if name not in answers:
             raise self.fault(f"[{table}]: ", _no_answer(name, answers))
-        return f"[{table}] {shown(name)}"
+        return f"[{table}] {clean(name)}"
 
     def plan(self, free: tuple[str, ...]) -> dict[str, Any]:
         """Options of the sweep."""
@@ -244,13 +244,13 @@ class _Reader:
     def number(self, key: str, value: Any) -> float:
         """A finite number."""
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.fault(key, f" must be a number, not {shown(repr(value))}.")
+            raise self.fault(key, f" must be a number, not {clean(repr(value))}.")
         try:
             number = float(value)
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise self.fault(key, f" must be a finite number, not {shown(repr(value))}.")
+            raise self.fault(key, f" must be a finite number, not {clean(repr(value))}.")
         return number
 
     def numbers(self, key: str, value: Any) -> Any:
@@ -267,21 +267,21 @@ class _Reader:
         """A whole number within limits."""
         if type(value) is not int or not least <= value <= most:
             to = f" to {most:g}" if most < math.inf else ""
-            raise self.fault(key, f" must be a whole number from {least}{to}, but is {shown(repr(value))}.")
+            raise self.fault(key, f" must be a whole number from {least}{to}, but is {clean(repr(value))}.")
         return value
 
     def text(self, key: str, value: Any) -> str:
         """A printable text."""
         if not isinstance(value, str) or not value.isprintable():
-            raise self.fault(key, f" must be a text of printable letters, but is {shown(repr(value))}.")
+            raise self.fault(key, f" must be a text of printable letters, but is {clean(repr(value))}.")
         return value
 
     def choice(self, key: str, value: Any, known: tuple[str, ...]) -> str:
         """One of some words."""
         if self.text(key, value) not in known:
-            raise self.fault(key, f" must be {', '.join(known[:-1])} or {known[-1]}, not '{shown(value)}'.")
+            raise self.fault(key, f" must be {', '.join(known[:-1])} or {known[-1]}, not '{clean(value)}'.")
         return value
 
 
 def _no_answer(name: str, answers: tuple[str, ...]) -> str:
-    return f"There is no answer '{shown(name)}'. Answers are: {shown(', '.join(answers))}."
+    return f"There is no answer '{clean(name)}'. Answers are: {clean(', '.join(answers))}."

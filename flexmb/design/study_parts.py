@@ -13,7 +13,7 @@ from typing import Any
 import jax.errors
 import jax.numpy as jnp
 
-from ..errors import AnalysisError, ModelError, SpacarError, StudyError, shown
+from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean
 from ..linear.buckling import buckling_loads
 from ..linear.modes import frequencies
 from ..linear.stress import stress
@@ -80,11 +80,7 @@ class FromFile:
 
 
 def content_of(source: Path) -> str:
-    """Content of a file, as a SHA-256.
-
-    Args:
-        source: The file.
-    """
+    """Content of a file, as a SHA-256."""
     return hashlib.sha256(source.read_bytes()).hexdigest()
 
 
@@ -132,13 +128,9 @@ class Called:
 
 
 def said(fault: BaseException) -> str:
-    """What an exception says, in one line.
-
-    Args:
-        fault: The exception.
-    """
+    """What an exception says, in one line."""
     text = (str(fault).splitlines() or [""])[0]
-    return f"{type(fault).__name__}: {shown(text)}" if text else type(fault).__name__
+    return f"{type(fault).__name__}: {clean(text)}" if text else type(fault).__name__
 
 
 def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
@@ -154,15 +146,15 @@ def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
     """
     module, _, name = text.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *name.split("."))):
-        raise StudyError(f"{about} must be module:function, such as 'own:stage' beside the study, not '{shown(text)}'.")
+        raise StudyError(f"{about} must be module:function, such as 'own:stage' beside the study, not '{clean(text)}'.")
     try:
         found: Any = _module(folder, module)
         for part in name.split("."):
             found = getattr(found, part)
     except (Exception, SystemExit) as fault:
-        raise StudyError(f"{about}: cannot take '{shown(text)}': {said(fault)}.") from fault
+        raise StudyError(f"{about}: cannot take '{clean(text)}': {said(fault)}.") from fault
     if not callable(found):
-        raise StudyError(f"{about}: '{shown(text)}' is no function, but of type {type(found).__name__}.")
+        raise StudyError(f"{about}: '{clean(text)}' is no function, but of type {type(found).__name__}.")
     return found
 
 
@@ -202,11 +194,7 @@ class Asked:
     more: Any = None
 
     def __call__(self, model: Any) -> Any:
-        """The answer of a model.
-
-        Args:
-            model: The model.
-        """
+        """The answer of a model."""
         if not isinstance(model, Model):
             kind = type(model).__name__
             raise StudyError(f"{self.about}: {self.kind} is asked of a Model, but `model` returns of type {kind}.")
@@ -256,7 +244,7 @@ class Asked:
         if not found:
             known = ", ".join(dict.fromkeys(entry.of for entry in model.labels.x if entry.kind != "internal"))
             raise StudyError(
-                f"{self.about}: {self.kind}: there is no node '{shown(self.value)}'; there are {shown(known)}."
+                f"{self.about}: {self.kind}: there is no node '{clean(self.value)}'; there are {clean(known)}."
             )
         return found
 

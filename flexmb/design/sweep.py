@@ -14,7 +14,7 @@ from .. import __version__
 from ..arguments import check_whole
 from ..compilation.identity import identity
 from ..display import Result, Summary, span
-from ..errors import shown
+from ..errors import clean
 from ..files import save_arrays
 from ..model.model import Model
 from ..progress import reporting
@@ -238,7 +238,7 @@ def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any
         "the function that builds it": identity(task.build),
         "the argument `compiled`": task.compiled,
         "the names of answers": list(task.functions),
-        **{f"the meaning of answer '{shown(name)}'": identity(f) for name, f in task.functions.items()},
+        **{f"the meaning of answer '{clean(name)}'": identity(f) for name, f in task.functions.items()},
     }
 
 
@@ -262,7 +262,7 @@ def _check_stored(
         scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
         alike = len(good) == 0 or before.shape == now.shape
         if not alike or not np.allclose(now[good], before[good], rtol=0, atol=SAME * scale, equal_nan=True):
-            raise kept.refusal(f"belongs to another sweep: answer '{shown(name)}' of designs that it holds is another")
+            raise kept.refusal(f"belongs to another sweep: answer '{clean(name)}' of designs that it holds is another")
 
 
 def _whole(

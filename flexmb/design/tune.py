@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import check_number, check_whole
 from ..compilation.compile import jit
 from ..display import Result, Summary
-from ..errors import AnalysisError, shown
+from ..errors import AnalysisError, clean
 from ..progress import reporting
 from ..results import RESULTS
 from .designs import checked_bounds, numbers
@@ -99,7 +99,6 @@ class Scaling:
         """Check and keep the bounds.
 
         Args:
-            layout: Of the dimensions.
             bounds: Lower and upper value by name.
             scales: "log" or "linear" by name.
 
@@ -110,7 +109,7 @@ class Scaling:
             for name in given:
                 if name not in layout.names:
                     listed = ", ".join(layout.names)
-                    raise ValueError(f"{what} of '{shown(name)}': there is no such dimension ({listed}).")
+                    raise ValueError(f"{what} of '{clean(name)}': there is no such dimension ({listed}).")
         for name in layout.names:
             if name not in bounds:
                 raise ValueError(f"Dimension '{name}' has no bounds: give lower and upper, or fix it in `build`.")
@@ -119,7 +118,7 @@ class Scaling:
         for name, (lower, _) in pairs.items():
             scale = scales.get(name, "log" if np.all(lower > 0) else "linear")
             if scale not in ("log", "linear"):
-                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {shown(repr(scale))}.")
+                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {clean(repr(scale))}.")
             if scale == "log" and not np.all(lower > 0):
                 raise ValueError(f"Scale of '{name}' cannot be 'log', since its lower bound {lower} is not positive.")
             logarithmic[name] = scale == "log"
@@ -131,9 +130,6 @@ class Scaling:
     def check_inside(self, flat: np.ndarray) -> None:
         """Refuse a start outside the bounds.
 
-        Args:
-            flat: Dimensions, (n,).
-
         Raises:
             ValueError: Names the dimension.
         """
@@ -142,22 +138,14 @@ class Scaling:
                 raise ValueError(f"Start {value:g} of '{name}' is outside its bounds, {lower:g} to {upper:g}.")
 
     def to_unit(self, flat: np.ndarray) -> np.ndarray:
-        """Numbers from 0 to 1.
-
-        Args:
-            flat: Dimensions, (n,).
-        """
+        """Numbers from 0 to 1, (n,), for dimensions, (n,)."""
         linear = (flat - self.lower) / (self.upper - self.lower)
         safe = (np.where(self.log, a, e) for a, e in ((flat, 1.0), (self.lower, 1.0), (self.upper, np.e)))
         value, lower, upper = safe
         return np.clip(np.where(self.log, np.log(value / lower) / np.log(upper / lower), linear), 0.0, 1.0)
 
     def to_dimensions(self, unit: Any) -> Any:
-        """Dimensions, also under a trace.
-
-        Args:
-            unit: Numbers from 0 to 1, (n,).
-        """
+        """Dimensions, (n,), for numbers from 0 to 1, (n,); also under a trace."""
         ratio = np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0)
         linear = self.lower + unit * (self.upper - self.lower)
         found = jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)
@@ -245,7 +233,7 @@ def tune(
 
     for name in (minimize, maximize):
         if name is not None and not isinstance(name, str):
-            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {shown(repr(name))}.")
+            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {clean(repr(name))}.")
     named = {name for name in (minimize, maximize, *(targets or {}), *(limits or {}), *(equal or {})) if name}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
     unit = scaling.to_unit(first)

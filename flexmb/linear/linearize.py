@@ -276,8 +276,6 @@ def linearized(given: Model | Linearization, function: str, throw: bool = True) 
 
     Args:
         given: Model, which is linearised about its equilibrium, or Linearization, which passes.
-        function: Name of the public function.
-        throw: Raise where the equilibrium fails.
 
     Raises:
         TypeError: It is neither.

@@ -23,7 +23,6 @@ def named(model: Model, motions: np.ndarray) -> str:
     """What moves most in each motion.
 
     Args:
-        model: Mechanism.
         motions: One a column, (n_x, k).
     """
     found = []
@@ -97,11 +96,7 @@ def of_negative_mass(names: str) -> str:
 
 
 def without_mass(model: Model) -> str:
-    """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where there is none.
-
-    Args:
-        model: Mechanism.
-    """
+    """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where there is none."""
     motions, _ = motions_of(model)
     motions = motions * constraints(model).columns[:, None]
     mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))

@@ -59,26 +59,19 @@ class Modes(Result, Record):
         return modal_summary("Modes", self.states(), rows)
 
 
-def _of_matrices(found: Matrices, count: int | None):
+@jit
+def _frequencies_at(found: Matrices, *, count: int | None):
     values, _, _, result = spectrum(found.K, found.M0, count)
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
 
 @jit
 def _frequencies(topology: Topology, parameters: Parameters, *, count: int | None):
-    return _of_matrices(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count)
-
-
-@jit
-def _frequencies_at(found: Matrices, *, count: int | None):
-    return _of_matrices(found, count)
+    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count=count)
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:
     """Refuse to ask for frequencies where the stiffness has no potential.
-
-    Args:
-        symmetric: Whether it has one.
 
     Raises:
         NotImplementedError: It has none.
@@ -133,13 +126,7 @@ def frequencies(
 
 
 def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
-    """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault.
-
-    Args:
-        result: Code of a spectrum.
-        throw: Whether to raise.
-        model: What was asked about.
-    """
+    """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
     about = ""
     if throw and not isinstance(result, jax.core.Tracer):
         code = int(result)

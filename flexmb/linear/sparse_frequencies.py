@@ -90,7 +90,6 @@ def sparse_eigenvalues(model: Model, target: LoadFactors, count: int) -> Float[A
 
     Args:
         model: As for :func:`sparse_equilibrium`.
-        count: How many.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`, or too large a count.

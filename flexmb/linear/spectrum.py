@@ -219,7 +219,6 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     Args:
         tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
         mass: Sparse M, (n, n).
-        count: How many.
 
     Raises:
         ModelError: There are not so many.

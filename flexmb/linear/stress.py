@@ -204,11 +204,7 @@ def _lengths(block: Block, properties, reference) -> Float[Array, "elements"]:
 
 
 def without_shape(model: Model) -> list[str]:
-    """Names of the flexible elements whose section is given by its rigidities and so has no stress.
-
-    Args:
-        model: Mechanism.
-    """
+    """Names of the flexible elements whose section is given by its rigidities and so has no stress."""
     found = []
     for names, properties in zip(model.labels.stressed, model.parameters.properties, strict=True):
         if any(names):

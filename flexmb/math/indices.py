@@ -11,9 +11,7 @@ def put(whole: Array, indices: Any, values: ArrayLike) -> Array:
     """Copy of an array with rows replaced.
 
     Args:
-        whole: Array.
         indices: Where, each at most once; arrays within bounds.
-        values: What.
 
     Returns:
         Array of the shape of ``whole``.
@@ -25,9 +23,7 @@ def accumulate(whole: Array, indices: Any, values: ArrayLike) -> Array:
     """Copy of an array with values added; an index may repeat.
 
     Args:
-        whole: Array.
         indices: Where; arrays within bounds.
-        values: What.
 
     Returns:
         Array of the shape of ``whole``.

@@ -90,9 +90,6 @@ def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
 
-    Args:
-        n: Number of nodes.
-
     Returns:
         Nodes, (n,), and weights, (n,).
     """

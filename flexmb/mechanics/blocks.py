@@ -71,7 +71,6 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
     """Function of one element of a block, or None if it has none, and the stacked properties to map it over.
 
     Args:
-        block: Block.
         properties: Its stacked properties.
         companion: Field of Element, such as "stiffness".
     """
@@ -111,7 +110,6 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
     Traced numbers that such a function refers to become properties, so that derivatives and batches go through them.
 
     Args:
-        block: Block.
         properties: Its stacked properties.
 
     Returns:
@@ -171,11 +169,7 @@ def _taken(block: Block, companion: str, function, properties: dict[str, Any]) -
 
 
 def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:
-    """Stacked properties with one stack of sections, where they are of several kinds.
-
-    Args:
-        properties: Of a block.
-    """
+    """Stacked properties with one stack of sections, where they are of several kinds."""
     sections = properties.get("section")
     return {**properties, "section": _rigidities(sections)} if isinstance(sections, tuple) else properties
 

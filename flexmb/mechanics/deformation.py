@@ -63,7 +63,7 @@ def jacobian_pieces(
 ) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array, Array]]]:
     """Deformations of each block's elements with their indices, and their derivatives with row and column indices.
 
-    Arguments as for :func:`deformation_jacobian`.
+    Arguments as for :func:`deformations`.
     """
     values, matrices = [], []
     for block, function, arguments in deformation_functions(topology, parameters, near):
@@ -82,11 +82,7 @@ def jacobian_pieces(
 def deformation_jacobian(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_x"]]:
-    """Deformations and their derivatives by the nodal coordinates, element by element.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
+    """As :func:`deformations`, with their derivatives by the nodal coordinates, element by element.
 
     Returns:
         e, (n_e,), and D_x, (n_e, n_x).

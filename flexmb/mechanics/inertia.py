@@ -118,9 +118,7 @@ def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, f
     """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
 
     Args:
-        felt: Gravity and motion.
         x: Nodal coordinates, (n_x,) [m, rad, -].
-        block: Block of the elements.
         function: Inertia companion of one of them, as :func:`each_block` gives it.
         ref: Its stacked reference coordinates.
         properties: Its stacked properties.
@@ -221,7 +219,7 @@ def weight_pieces(
 ) -> list[tuple[Array, Array, Array]]:
     """Derivatives of the weight of each block's elements, with row and column indices.
 
-    Arguments as for :func:`weight_stiffness`.
+    Arguments as for :func:`weight`.
     """
     pieces = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
@@ -237,11 +235,7 @@ def weight_stiffness(
     x: Float[Array, "n_x"],
     gravity: Float[Array, "axes"],
 ) -> Float[Array, "n_x n_x"]:
-    """Derivative of :func:`weight` by the nodal coordinates, symmetric.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        gravity: Acceleration, (axes,) [m/s^2].
+    """Derivative of :func:`weight` by the nodal coordinates, symmetric; the same arguments.
 
     Returns:
         (n_x, n_x) [N/m, N, N m].

@@ -41,9 +41,6 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
     Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the
     undeformed mechanism, which the caller supplies by scaling differences (see statics).
 
-    Args:
-        factors: Factors.
-
     Returns:
         Loads; None stays None where neither set has the load.
     """
@@ -117,11 +114,7 @@ def nodal_forces(
 def load_stiffness(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> Float[Array, "n_x n_x"]:
-    """Derivative of :func:`nodal_forces` by the nodal coordinates.
-
-    Args:
-        factors: Factors of the two load sets.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
+    """Derivative of :func:`nodal_forces` by the nodal coordinates, with the same arguments.
 
     Returns:
         df/dx, (n_x, n_x) [N/m, N, N m]; not symmetric for moments about fixed axes.

@@ -130,11 +130,7 @@ def nonlinear_stress(
 def nonlinear_tangents(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_e n_e"], Float[Array, "n_e n_e"]]:
-    """Derivatives of :func:`nonlinear_stress` by the deformations and by their rates.
-
-    Args:
-        e: Deformations less those without stress, (n_e,) [m, rad].
-        ed: Their rates, (n_e,) [m/s, rad/s].
+    """Derivatives of :func:`nonlinear_stress` by its arguments, the deformations and their rates.
 
     Returns:
         Two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad]; symmetric but for laws.

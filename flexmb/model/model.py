@@ -7,6 +7,7 @@ import os
 from typing import Any
 
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
@@ -80,18 +81,11 @@ class Labels:
     stressed: tuple[tuple[str | None, ...], ...]
 
     def coordinates(self, node: str) -> list[int]:
-        """Indices in x of a node, or of the rotation of a node as "name.rotation".
-
-        Args:
-            node: Name of the node.
-        """
+        """Indices in x of a node, or of the rotation of a node as "name.rotation"."""
         return [i for i, entry in enumerate(self.x) if entry.of == node]
 
     def known(self, node: str) -> np.ndarray:
         """As :meth:`coordinates`, for a node that must exist.
-
-        Args:
-            node: Name of the node.
 
         Raises:
             KeyError: No such node.
@@ -100,6 +94,21 @@ class Labels:
         if not indices:
             raise KeyError(f"no node '{node}' in this model")
         return np.array(indices)
+
+
+class AtNodes:
+    """Base class of results with nodal coordinates ``x`` and ``labels``, of one state or of several in front."""
+
+    def at(self: Any, node: str) -> Float[Array, "*states n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation".
+
+        Args:
+            node: Name of the node.
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.x[..., self.labels.known(node)]
 
 
 class Model(Result, Record):
@@ -207,7 +216,6 @@ def as_model(given: Any, function: str) -> Model:
     """A model, which is refused by what to do where it is none.
 
     Args:
-        given: What is given as model.
         function: Name of the public function that it is given to.
 
     Raises:
@@ -222,10 +230,6 @@ def as_model(given: Any, function: str) -> Model:
 
 def as_determined(given: Any, function: str) -> Model:
     """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it.
-
-    Args:
-        given: What is given as model.
-        function: Name of the public function that it is given to.
 
     Raises:
         TypeError: It is no Model.

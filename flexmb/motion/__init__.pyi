@@ -2,7 +2,7 @@
 
 from .controlled_form import Feedback as Feedback
 from .drive import Table as Table
-from .drives import Drives as Drives
+from .drives_by_name import Drives as Drives
 from .energy_keeping import EnergyKeeping as EnergyKeeping
 from .generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .integrator import Integrator as Integrator

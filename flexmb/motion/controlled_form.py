@@ -14,7 +14,7 @@ from ..mechanics.deformation import deformations
 from ..mechanics.signals import rotation_measured, rotation_row
 from .coordinates_form import CoordinatesForm
 from .drive import MOMENTS, Driven
-from .element_forces import force_derivatives
+from .element_forces import Moving, force_derivatives
 from .protocol import MotionState, Tangent, WholeMotion
 
 
@@ -42,11 +42,7 @@ class Constant(Record):
     value: Any
 
     def __call__(self, t):
-        """The number.
-
-        Args:
-            t: Not used.
-        """
+        """The number, whatever the time."""
         return self.value
 
 
@@ -82,8 +78,6 @@ def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesFor
     """Equations of a mechanism under given inputs.
 
     Args:
-        form: Equations of the mechanism.
-        places: What the inputs act on.
         u: Inputs, (n_u,).
     """
     own = (places.forces, places.stresses, places.moments, places.local_moments)
@@ -252,8 +246,8 @@ class ControlledForm(Record):
         rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
         by_x = None
         if any("deformation" in quantity for quantity in self.places.quantities):
-            near, still = form.near(own.memory), jnp.zeros(top.n_x)
-            by_x = force_derivatives(form.elements, at.x, at.v, still, None, near, lambda e, ed: e)
+            moving = Moving(at.x, at.v, jnp.zeros(top.n_x), form.near(own.memory))
+            by_x = force_derivatives(form.elements, moving, None, lambda e, ed: e)
         found: tuple[list, list] = ([], [])
         for i, quantity in enumerate(self.places.quantities):
             j = self.places.outputs[i]

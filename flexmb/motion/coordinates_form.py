@@ -28,6 +28,7 @@ from .discrete_forces import momenta_of_inertia, rates_of_inertia, step_forces
 from .drive import Drive, Driven, drive_at
 from .element_forces import (
     Kinematics,
+    Moving,
     PreparedBlock,
     acting_forces,
     acting_matrices,
@@ -124,7 +125,6 @@ class CoordinatesForm(Record):
         """All coordinates from those that move.
 
         Args:
-            t: Time [s].
             u: Displacements over their sizes, (n,) [-].
             w: Their rates, (n,) [1/s].
             a: Their second rates, (n,) [1/s^2].
@@ -218,8 +218,8 @@ class CoordinatesForm(Record):
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
-        near = self.near(state.memory)
-        acting = acting_forces(self.elements, at.x, at.v, at.a, self.falling, near, stress)
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
+        acting = acting_forces(self.elements, moving, self.falling, stress)
         return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
 
     def applied(self, t, x):
@@ -271,14 +271,14 @@ class CoordinatesForm(Record):
         n, held = self.size, self.held
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
-        near = self.near(state.memory)
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
         stress = self.stress_of(t, z[n:])
 
         def following(e, ed):
             # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
             return [None if of is None else put(of, held, 0.0) for of in self.tangents(e, ed)]
 
-        by_x = force_derivatives(self.elements, at.x, at.v, at.a, self.falling, near, stress, following)
+        by_x = force_derivatives(self.elements, moving, self.falling, stress, following)
         drive = self.drive(t)
         k = by_x.by_x - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
         if drive.turning is not None:
@@ -299,8 +299,8 @@ class CoordinatesForm(Record):
         """
         n, none = self.size, jnp.zeros(self.held.shape[0])
         at = self.whole(t, state.u, state.w, jnp.zeros(n))
-        stress, near = self.stress_of(t, none), self.near(state.memory)
-        acting, jacobian, mass = acting_matrices(self.elements, at.x, at.v, at.a, self.falling, near, stress)
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
+        acting, jacobian, mass = acting_matrices(self.elements, moving, self.falling, self.stress_of(t, none))
         scaled, rows = self.scaled(mass), self.columns(jacobian)
         heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
         regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
@@ -389,11 +389,6 @@ class CoordinatesForm(Record):
 
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
     """Equations of motion of a model in all its coordinates.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        driven: What depends on time.
 
     Returns:
         CoordinatesForm.

@@ -23,7 +23,6 @@ def rates_of_inertia(
     """Rates of the places of inertia, of each block.
 
     Args:
-        elements: Elements.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         v: Their velocities, (n_x,) [1/s].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
@@ -41,7 +40,6 @@ def momenta_of_inertia(
     """Momenta of the coordinates, J^T H s_dot, (n_x,) [kg m/s ..].
 
     Args:
-        elements: Elements.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         rates: Rates of the places of inertia.
@@ -99,7 +97,6 @@ def step_forces(
     """Mean nodal forces of stress and inertia over a step, and the rates at its end.
 
     Args:
-        elements: Elements.
         x: Nodal coordinates at its begin and end, (n_x,) each [m, rad, -].
         h: Its length [s].
         rates: Rates of the places of inertia at its begin.

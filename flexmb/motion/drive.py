@@ -78,14 +78,7 @@ class Table(Record):
 
 
 def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], t: Float[Array, ""]) -> Drive:
-    """Everything that depends on time, at one time.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-        driven: Functions of time.
-        t: Time [s].
-    """
+    """Everything that depends on time, at one time."""
     values = [(one, jnp.asarray(one.value(t), float)) for one in driven]
     increment = sum((value for one, value in values if one.quantity == "increment"), start=jnp.array(0.0))
     loads = scaled_loads(parameters, LoadFactors(1.0, increment))

@@ -58,12 +58,7 @@ class PreparedBlock(Record):
 
 
 def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
-    """All elements that deform or carry mass, with what does not change in a motion worked out.
-
-    Args:
-        topology: Structure.
-        parameters: Numbers.
-    """
+    """All elements that deform or carry mass, with what does not change in a motion worked out."""
     found = []
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         deformation, known = companion_of(block, properties, "deformation")
@@ -115,6 +110,22 @@ def _second_rate(function, x, v, a):
 
     (value, rate), (_, second) = jax.jvp(first, (x, v), (v, a))
     return value, rate, second
+
+
+class Moving(NamedTuple):
+    """A state of motion.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        v: Their velocities, (n_x,) [1/s].
+        a: Their accelerations, (n_x,) [1/s^2].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+    """
+
+    x: Float[Array, "n_x"]
+    v: Float[Array, "n_x"]
+    a: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
 
 
 class Kinematics(NamedTuple):
@@ -173,7 +184,6 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
     """Deformations and their derivatives by the nodal coordinates.
 
     Args:
-        elements: Elements.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
 
@@ -225,8 +235,8 @@ def _own(block: PreparedBlock, matrix):
     return matrix[block.e[:, :, None], block.e[:, None, :]]
 
 
-def _along(block: PreparedBlock, x, v, a, falling):
-    return [None if of is None else of[block.x] for of in (x, v, a, falling)]
+def _along(block: PreparedBlock, at: Moving, falling):
+    return [None if of is None else of[block.x] for of in (at.x, at.v, at.a, falling)]
 
 
 def _kinematics(rates, near) -> Kinematics:
@@ -236,46 +246,29 @@ def _kinematics(rates, near) -> Kinematics:
 
 
 def acting_forces(
-    elements: tuple[PreparedBlock, ...],
-    x: Float[Array, "n_x"],
-    v: Float[Array, "n_x"],
-    a: Float[Array, "n_x"],
-    falling: Float[Array, "n_x"] | None,
-    near: Float[Array, "n_e"],
-    stress: Callable[..., Any],
+    elements: tuple[PreparedBlock, ...], at: Moving, falling: Float[Array, "n_x"] | None, stress: Callable[..., Any]
 ) -> Acting:
     """Deformations, stress resultants and nodal forces of elements in motion.
 
     Args:
-        elements: Elements.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
         falling: Accelerations of free fall, which mass does not resist, (n_x,) [1/s^2], or None.
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
         stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
 
     Source:
         THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
     """
-    found = [(block, block.over(_rates, near, *_along(block, x, v, a, falling))) for block in elements]
-    kinematics = _kinematics(found, near)
+    found = [(block, block.over(_rates, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics(found, at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces = []
     for block, (_, _, (_, sdd)) in found:
-        pulled = block.over(_pulled, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
+        pulled = block.over(_pulled, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
         forces.append((block.x, pulled))
-    return Acting(kinematics, sigma, scatter_vector(x.shape[0], forces))
+    return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces))
 
 
 def acting_matrices(
-    elements: tuple[PreparedBlock, ...],
-    x: Float[Array, "n_x"],
-    v: Float[Array, "n_x"],
-    a: Float[Array, "n_x"],
-    falling: Float[Array, "n_x"] | None,
-    near: Float[Array, "n_e"],
-    stress: Callable[..., Any],
+    elements: tuple[PreparedBlock, ...], at: Moving, falling: Float[Array, "n_x"] | None, stress: Callable[..., Any]
 ) -> tuple[Acting, Float[Array, "n_e n_x"], Float[Array, "n_x n_x"]]:
     """As :func:`acting_forces`, with D_x and the mass matrix, from the Jacobians of the elements.
 
@@ -285,8 +278,8 @@ def acting_matrices(
     Source:
         See :func:`acting_forces`; M = J^T H J.
     """
-    found = [(block, *block.over(_with_jacobians, near, *_along(block, x, v, a, falling))) for block in elements]
-    kinematics = _kinematics([each[:2] for each in found], near)
+    found = [(block, *block.over(_with_jacobians, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces, rows, masses = [], [], []
     for block, (_, _, (_, sdd)), (d, j) in found:
@@ -296,9 +289,9 @@ def acting_matrices(
         if j is not None:
             forces.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
             masses.append((block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)))
-    n_x = x.shape[0]
+    n_x = at.x.shape[0]
     acting = Acting(kinematics, sigma, scatter_vector(n_x, forces))
-    return acting, scatter_matrix((near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
+    return acting, scatter_matrix((at.near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
 
 
 def _derived_rates(f, x, v, a, falling):
@@ -313,11 +306,8 @@ def _derived_forces(f, x, sigma, weight):
 
 def force_derivatives(
     elements: tuple[PreparedBlock, ...],
-    x: Float[Array, "n_x"],
-    v: Float[Array, "n_x"],
-    a: Float[Array, "n_x"],
+    at: Moving,
     falling: Float[Array, "n_x"] | None,
-    near: Float[Array, "n_e"],
     stress: Callable[..., Any],
     tangents: Callable[..., Any] | None = None,
 ) -> Derivatives:
@@ -329,14 +319,14 @@ def force_derivatives(
     Source:
         Derivative of :func:`acting_forces`.
     """
-    n_e, n_x = near.shape[0], x.shape[0]
-    found = [(block, *block.over(_derived_rates, near, *_along(block, x, v, a, falling))) for block in elements]
-    kinematics = _kinematics([each[:2] for each in found], near)
+    n_e, n_x = at.near.shape[0], at.x.shape[0]
+    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
     rows, squares = [], []
     for block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) in found:
-        by_x = block.over(_derived_forces, near, x[block.x], _stressed(block, sigma), _weight(block, sdd))
+        by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
         by_v = mass = jnp.zeros_like(by_x)
         if d is not None:
             rows.append((block.e, block.x, (d, dd, d2)))

@@ -193,9 +193,6 @@ def begin(problem: Problem, form: str, t, given: Start) -> MotionState:
     """State that a motion starts from.
 
     Args:
-        problem: What is integrated.
-        form: Form of the equations.
-        t: Time [s].
         given: Where it starts from.
     """
     return _started(_equations(problem, form), problem, t, given)
@@ -206,7 +203,6 @@ def integrate(problem: Problem, integrator: Integrator, span, times, given: Reac
     """Motion from one time to another.
 
     Args:
-        problem: What is integrated.
         integrator: How, as checked.
         span: Start and end, (2,) [s].
         times: Times at which to give it, (n_t,) [s].
@@ -247,7 +243,6 @@ def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals,
     """Motion under a controller that acts at equal intervals, one after the other.
 
     Args:
-        problem: What is integrated.
         integrator: How, as checked.
         grid: The intervals and the times in them.
         times: Times at which to give it, (n_t,) [s].

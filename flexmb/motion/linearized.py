@@ -1,5 +1,6 @@
 """Linearised equations along a motion, and about a steady one."""
 
+import dataclasses
 from collections.abc import Callable, Mapping
 
 import jax
@@ -8,47 +9,22 @@ import jax.numpy as jnp
 from ..arguments import check_number
 from ..compilation.compile import jit_beside_options
 from ..errors import ModelError
-from ..linear.linearize import Linearization, Matrices, Rates
+from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from .coordinates_form import coordinates_form
-from .drives import Drives, driven_by
+from .drives_by_name import Drives, driven_by
+from .element_forces import Moving
 from .motion import Motion
-from .moving_matrices import MovingMatrices, carried, moving_matrices
+from .moving_matrices import carried, moving_matrices
 
 # The speed of what is prescribed is brought up in so many steps, each of so many iterations of Newton's method.
 STEADY_STEPS, STEADY_ITERATIONS = 10, 6
 # Largest last change of a degree of freedom over its size.
 STEADY_TOLERANCE = 1e-9
-
-
-def _as_matrices(at: MovingMatrices, x, xd, xdd, e, result) -> Matrices:
-    finite = jnp.all(jnp.isfinite(at.M0)) & jnp.all(jnp.isfinite(at.K)) & jnp.all(jnp.isfinite(at.C0))
-    result = jnp.where(finite & at.regular, result, RESULTS.singular_configuration)
-    return Matrices(
-        M0=at.M0,
-        C0=at.C0,
-        D0=at.D0,
-        K0=at.K0,
-        N0=at.N0,
-        G0=at.G0,
-        DFx=at.DFx,
-        DFe=at.DFe,
-        S=at.S,
-        S_d=at.S_d,
-        x=x,
-        e=e,
-        sigma=at.sigma,
-        felt=at.felt,
-        reactions=at.reactions,
-        iterations=jnp.zeros((), jnp.int32),
-        result=result.astype(jnp.int32),
-        symmetric=False,
-        moving=Rates(xd, xdd, at.DFx_d, at.DFx_dd, at.DFe_d, at.DFe_dd),
-    )
 
 
 @jit_beside_options
@@ -60,8 +36,7 @@ def _along(topology, parameters, driven, t, x, xd, near):
         state = form.state_of(x, xd, near)
         z, _ = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
-        found = moving_matrices(form, t, whole.x, whole.v, whole.a, near)
-        return _as_matrices(found, whole.x, whole.v, whole.a, near, jnp.zeros((), jnp.int32))
+        return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
 
     return jax.lax.map(one, (t, x, xd, near))
 
@@ -101,24 +76,23 @@ def _steady(topology, parameters, driven, time) -> Matrices:
     scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
 
     def linear(speed, x, near):
-        v, a = carried(form, time, x, none, none, near, speed)
-        return moving_matrices(form, time, x, v, a, near), v, a
+        return moving_matrices(form, time, carried(form, time, x, none, none, near, speed))
 
     def iterate(i, walk):
         q, x, near, _, _ = walk
         x, near = form.placed(given, q, x, near)
         speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)
-        at = linear(speed, x, near)
-        dq = factorise(at[0].K).solve(-at[0].residual)
-        return q + dq, x, near, jnp.max(jnp.abs(dq) / scale, initial=0.0), at
+        found, residual = linear(speed, x, near)
+        dq = factorise(found.K).solve(-residual)
+        return q + dq, x, near, jnp.max(jnp.abs(dq) / scale, initial=0.0), found
 
     nothing = jax.tree.map(
-        lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(linear, time, given.x, zero_near(topology))
+        lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(linear, time, given.x, zero_near(topology))[0]
     )
     start = (none, given.x, zero_near(topology), jnp.array(jnp.inf), nothing)
-    _, x, near, last, (at, v, a) = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
-    result = jnp.where(last < STEADY_TOLERANCE, RESULTS.successful, RESULTS.not_converged)
-    return _as_matrices(at, x, v, a, near, result)
+    *_, last, found = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
+    astray = (found.result == RESULTS.successful) & ~(last < STEADY_TOLERANCE)
+    return dataclasses.replace(found, result=jnp.where(astray, RESULTS.not_converged, found.result).astype(jnp.int32))
 
 
 def steady_motion(

@@ -83,7 +83,6 @@ def check_signals(model: Model, needs: str, wants: str) -> None:
     """Refuse a mechanism without inputs or outputs, with an output that no sensor gives, or with a locked input.
 
     Args:
-        model: Mechanism.
         needs: What needs them, for the message.
         wants: What is said of an output that cannot be given.
 
@@ -109,7 +108,6 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
 
     Args:
         model: Mechanism with named inputs and outputs.
-        loop: What was given.
 
     Raises:
         ValueError: A reference without a controller.
@@ -222,8 +220,6 @@ def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
     """Equations of motion under given inputs.
 
     Args:
-        model: Mechanism.
-        form: Its equations of motion.
         u: Inputs, (n_u,), or (0,) for none.
     """
     return driven_by_inputs(form, _places(model), u) if u.shape[0] else form
@@ -233,9 +229,6 @@ def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback, sta
     """Equations of motion of a mechanism with a controller.
 
     Args:
-        model: Mechanism.
-        form: Its equations of motion.
-        feedback: Controller.
         start: See :func:`measuring`.
     """
     return dataclasses.replace(measuring(model, form, start), feedback=feedback)
@@ -245,8 +238,6 @@ def measuring(model: Model, form: CoordinatesForm, start) -> ControlledForm:
     """A mechanism with its sensors and actuators, whose inputs nothing gives.
 
     Args:
-        model: Mechanism.
-        form: Its equations of motion.
         start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -]; None: the undeformed
             mechanism.
     """

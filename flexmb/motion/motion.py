@@ -16,14 +16,14 @@ from ..display import Result, States, Summary, course, short
 from ..math.indices import put
 from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_energy, strain_of
-from ..model.model import Labels, Model
+from ..model.model import AtNodes, Labels, Model
 from ..results import RESULTS
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .loop import under_inputs
 
 
-class Motion(Result, Record):
+class Motion(AtNodes, Result, Record):
     """Motion of a mechanism at the times asked for.
 
     Attributes:
@@ -57,17 +57,6 @@ class Motion(Result, Record):
     def labels(self) -> Labels:
         """Names."""
         return self.model.labels
-
-    def at(self, node: str) -> Float[Array, "n_t n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation", at every time.
-
-        Args:
-            node: Name of the node.
-
-        Raises:
-            KeyError: No such node.
-        """
-        return self.x[:, self.labels.known(node)]
 
     def velocity(self, node: str) -> Float[Array, "n_t n"]:
         """Velocities of a node's coordinates at every time.

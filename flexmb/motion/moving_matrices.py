@@ -5,72 +5,21 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..linear.linearize import Matrices, Rates
 from ..math.indices import put
 from ..mechanics.deformation import deformation_curvature
 from ..mechanics.inertia import Felt, weight_stiffness
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.transfer import Transfer, correction, multipliers, transfer
+from ..results import RESULTS
 from .coordinates_form import CoordinatesForm
-from .element_forces import acting_forces, deformed, force_derivatives
-
-
-class MovingMatrices(NamedTuple):
-    """Linearised equations M0 qdd + (C0 + D0) qd + (K0 + N0 + G0) q = -residual.
-
-    Attributes:
-        M0: Mass, (n_q, n_q).
-        C0: Derivative of the inertia forces by the velocities, (n_q, n_q).
-        D0: Damping, (n_q, n_q).
-        K0: Structural stiffness, (n_q, n_q).
-        N0: Derivative of inertia and damping forces by the configuration, (n_q, n_q).
-        G0: Geometric stiffness of stress resultants, constraint forces and loads, (n_q, n_q).
-        residual: Force out of balance along each degree of freedom, (n_q,).
-        DFx: First-order transfer function of the coordinates, (n_x, n_q).
-        DFe: First-order transfer function of the deformations, (n_e, n_q).
-        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
-        S_d: Damping of the elements likewise, (n_e, n_e).
-        reactions: Forces of the supports on the mechanism, (n_x,).
-        sigma: Stress resultants, multipliers included, (n_e,).
-        felt: Gravity, velocities and accelerations, whose forces act along the elements.
-        regular: Whether the degrees of freedom determine the configuration here.
-        DFx_d: Rate of DFx along the motion, (n_x, n_q).
-        DFx_dd: Its second rate, (n_x, n_q).
-        DFe_d: Rate of DFe, (n_e, n_q).
-        DFe_dd: Its second rate, (n_e, n_q).
-    """
-
-    M0: Float[Array, "n_q n_q"]
-    C0: Float[Array, "n_q n_q"]
-    D0: Float[Array, "n_q n_q"]
-    K0: Float[Array, "n_q n_q"]
-    N0: Float[Array, "n_q n_q"]
-    G0: Float[Array, "n_q n_q"]
-    residual: Float[Array, "n_q"]
-    DFx: Float[Array, "n_x n_q"]
-    DFe: Float[Array, "n_e n_q"]
-    S: Float[Array, "n_e n_e"]
-    S_d: Float[Array, "n_e n_e"]
-    reactions: Float[Array, "n_x"]
-    sigma: Float[Array, "n_e"]
-    felt: Felt
-    regular: Bool[Array, ""]
-    DFx_d: Float[Array, "n_x n_q"]
-    DFx_dd: Float[Array, "n_x n_q"]
-    DFe_d: Float[Array, "n_e n_q"]
-    DFe_dd: Float[Array, "n_e n_q"]
-
-    @property
-    def K(self) -> Float[Array, "n_q n_q"]:
-        """Whole stiffness K0 + N0 + G0."""
-        return self.K0 + self.N0 + self.G0
+from .element_forces import Moving, acting_forces, deformed, force_derivatives
 
 
 def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]) -> Float[Array, "n_x k"]:
     """Changes of the DEPENDENT coordinates that cancel changes of the held deformations and keep q.
 
     Args:
-        form: Equations of motion.
-        tangent: Transfer functions.
         rows: Changes of all deformations, (n_e, k).
     """
     top = form.topology
@@ -109,43 +58,27 @@ class DynamicBalance(NamedTuple):
         return self.tangent.regular
 
 
-def dynamic_balance(form: CoordinatesForm, t, x, v, a, near) -> DynamicBalance:
+def dynamic_balance(form: CoordinatesForm, t, moving: Moving) -> DynamicBalance:
     """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
-
-    Args:
-        form: Equations of motion.
-        t: Time [s].
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
 
     Source:
         THEORY.md 5, eq. (5.2) and (5.5).
     """
     top = form.topology
-    _, jacobian = deformed(form.elements, x, near)
+    _, jacobian = deformed(form.elements, moving.x, moving.near)
     tangent = transfer(top, jacobian)
     nothing = jnp.zeros(form.held.shape[0])
-    acting = acting_forces(form.elements, x, v, a, form.falling, near, form.stress_of(t, nothing))
+    acting = acting_forces(form.elements, moving, form.falling, form.stress_of(t, nothing))
     # The forces of inertia and the loads, without those of stress.
-    force = form.applied(t, x) - acting.force + jacobian.T @ acting.sigma
+    force = form.applied(t, moving.x) - acting.force + jacobian.T @ acting.sigma
     return DynamicBalance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
 
 
-def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
+def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices, Float[Array, "n_q"]]:
     """Linearised equations about a state of motion.
 
-    Args:
-        form: Equations of motion.
-        t: Time [s].
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-
     Returns:
-        MovingMatrices.
+        Matrices, and the force out of balance along each degree of freedom, (n_q,).
 
     Source:
         THEORY.md 6, eq. (6.4) and (6.5). With dx = DFx dq the change of the configuration, the velocities change by
@@ -153,11 +86,12 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
         with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
-    at = dynamic_balance(form, t, x, v, a, near)
+    x, v, a, near = moving
+    at = dynamic_balance(form, t, moving)
     tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
-    by_x = force_derivatives(form.elements, x, v, a, None, near, lambda e, ed: sigma)
+    by_x = force_derivatives(form.elements, moving, None, lambda e, ed: sigma)
     curvature = deformation_curvature(top, parameters, x, near, sigma)
     rates = by_x.ed @ z
     turning = solved(form, tangent, rates)
@@ -174,43 +108,44 @@ def moving_matrices(form: CoordinatesForm, t, x, v, a, near) -> MovingMatrices:
     stiffness, damping = form.tangents_at(x, v, near)
     rate_of_dfe = rates + jacobian @ turning
     n0 = n0 + dfe.T @ damping @ rate_of_dfe
-    return MovingMatrices(
-        M0=z.T @ by_x.mass @ z,
-        C0=z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning),
+    m0, k0, c0 = z.T @ by_x.mass @ z, dfe.T @ stiffness @ dfe, z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning)
+    g0 = z.T @ (curvature - loads) @ z
+    finite = jnp.all(jnp.isfinite(m0)) & jnp.all(jnp.isfinite(k0 + n0 + g0)) & jnp.all(jnp.isfinite(c0))
+    result = jnp.where(finite & at.regular, RESULTS.successful, RESULTS.singular_configuration)
+    found = Matrices(
+        M0=m0,
+        C0=c0,
         D0=dfe.T @ damping @ dfe,
-        K0=dfe.T @ stiffness @ dfe,
+        K0=k0,
         N0=n0,
-        G0=z.T @ (curvature - loads) @ z,
-        residual=at.residual,
+        G0=g0,
         DFx=z,
         DFe=dfe,
         S=stiffness,
         S_d=damping,
-        reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
+        x=x,
+        e=near,
         sigma=sigma,
         felt=Felt(form.gravity, v, a),
-        regular=at.regular,
-        DFx_d=turning,
-        DFx_dd=by_q,
-        DFe_d=rate_of_dfe,
-        DFe_dd=second + jacobian @ by_q,
+        reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
+        iterations=jnp.zeros((), jnp.int32),
+        result=result.astype(jnp.int32),
+        symmetric=False,
+        moving=Rates(v, a, turning, by_q, rate_of_dfe, second + jacobian @ by_q),
     )
+    return found, at.residual
 
 
-def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
-    """Velocities and accelerations of all coordinates at given rates of the degrees of freedom.
+def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0) -> Moving:
+    """State of motion at given rates of the degrees of freedom.
 
     Args:
-        form: Equations of motion.
         t: Time [s].
         x: Nodal coordinates, (n_x,) [m, rad, -].
         qd: Rates of the degrees of freedom, (n_q,) [1/s].
         qdd: Their second rates, (n_q,) [1/s^2].
         near: Deformations at the last accepted state, (n_e,) [m, rad].
         speed: Factor of the rates of what is prescribed, () [-].
-
-    Returns:
-        v and a, (n_x,) [1/s, 1/s^2].
     """
     top = form.topology
     none = jnp.zeros(form.size)
@@ -225,6 +160,6 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0):
 
     v = tangent.DFx @ qd + speed * answer(given.v, given.ed, jnp.zeros(top.n_e))
     still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
-    kin = acting_forces(form.elements, x, v, still, None, near, form.stress_of(t, nothing)).kinematics
+    kin = acting_forces(form.elements, Moving(x, v, still, near), None, form.stress_of(t, nothing)).kinematics
     a = tangent.DFx @ qdd + answer(speed**2 * given.a, speed**2 * given.edd, kin.edd)
-    return v, a
+    return Moving(x, v, a, near)

@@ -61,7 +61,6 @@ def integrate_in_parts(
     """Motion as by the other two, in parts; after an interruption from the keyboard what there is up to then.
 
     Args:
-        problem: What is integrated.
         integrator: How, as checked.
         times: Times, the first is the start, (n_t,) [s].
         at: Where it starts from.

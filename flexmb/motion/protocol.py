@@ -58,7 +58,8 @@ class Tangent(NamedTuple):
 class Equations(Protocol):
     """Equations of motion 0 = R(t, u, w, z) with z = (accelerations (n,), multipliers (m,)), linear in z.
 
-    These are all members that integration and solvers use; the three forms of the equations have them.
+    These are all members that integration and solvers use; the three forms of the equations have them. In all of them
+    t is the time [s], and z is (n + m,).
     """
 
     @property
@@ -82,68 +83,33 @@ class Equations(Protocol):
         ...
 
     def whole_motion(self, t, state: MotionState) -> WholeMotion:
-        """Everything about the mechanism that a state stands for.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """Everything about the mechanism that a state stands for."""
         ...
 
     def residual(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
-        """R: forces out of balance along what moves, and second rates of the constraints, (n + m,).
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-        """
+        """R: forces out of balance along what moves, and second rates of the constraints, (n + m,)."""
         ...
 
     def tangent(self, t, state: MotionState, z: Float[Array, "r"]) -> Tangent:
-        """Derivatives of R.
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-        """
+        """Derivatives of R."""
         ...
 
     def acceleration(self, t, state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
-        """The z that makes R vanish, (n + m,), and whether every motion that the constraints allow carries mass.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """The z that makes R vanish, (n + m,), and whether every motion that the constraints allow carries mass."""
         ...
 
     def gap(self, t, state: MotionState) -> Float[Array, "m"]:
-        """How far the constraints of the multipliers are from being kept, (m,) [m, rad].
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """How far the constraints of the multipliers are from being kept, (m,) [m, rad]."""
         ...
 
     def rate_of_memory(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
-        """How the memory changes, (k,).
-
-        Args:
-            t: Time [s].
-            state: State.
-            z: Accelerations and multipliers, (n + m,).
-        """
+        """How the memory changes, (k,)."""
         ...
 
     def settle(self, t, state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """The state brought back onto the constraints, by the least change that a mass measures; memory renewed.
 
         Args:
-            t: Time [s].
-            state: State.
             mass: Mass matrix of what moves, where it is at hand; otherwise a form takes one of its own.
         """
         ...
@@ -153,12 +119,7 @@ class EnergyEquations(Equations, Protocol):
     """Equations that also know the forces over a finite step, whose work is the energy that the elements gain."""
 
     def inertia_rates(self, t, state: MotionState) -> InertiaRates:
-        """Rates of the places of inertia, of each block of elements.
-
-        Args:
-            t: Time [s].
-            state: State.
-        """
+        """Rates of the places of inertia, of each block of elements."""
         ...
 
     def forces_over_step(
@@ -178,8 +139,6 @@ class EnergyEquations(Equations, Protocol):
         """Velocities that the constraints allow and that come closest to given rates of the places of inertia, (n,).
 
         Args:
-            t: Time [s].
             state: State; its velocities are not used.
-            rates: Rates.
         """
         ...

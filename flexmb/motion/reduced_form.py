@@ -11,6 +11,7 @@ from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix
 from .coordinates_form import CoordinatesForm
+from .element_forces import Moving
 from .moving_matrices import carried, dynamic_balance, moving_matrices
 from .protocol import MotionState, Tangent, WholeMotion
 
@@ -54,7 +55,6 @@ class ReducedForm(Record):
         """All coordinates at given degrees of freedom, and deformations, from a guess.
 
         Args:
-            t: Time [s].
             u: Degrees of freedom over their sizes, (n_q,) [-].
             memory: Coordinates and deformations to start from, (n_x + n_e,).
         """
@@ -62,16 +62,14 @@ class ReducedForm(Record):
         given = self.form.whole(t, none, none, none)
         return self.form.placed(given, u * self.sizes, memory[:n_x], memory[n_x:])
 
-    def everything(self, t, state: MotionState, z):
-        """Coordinates, velocities, accelerations and deformations.
+    def everything(self, t, state: MotionState, z) -> Moving:
+        """State of motion in all coordinates.
 
         Args:
-            t: Time [s].
-            state: State.
             z: Second rates of the degrees of freedom over their sizes, (n_q,).
         """
         x, near = self.placed(t, state.u, state.memory)
-        return x, *carried(self.form, t, x, state.w * self.sizes, z * self.sizes, near), near
+        return carried(self.form, t, x, state.w * self.sizes, z * self.sizes, near)
 
     def residual(self, t, state: MotionState, z):
         """Forces out of balance along the degrees of freedom, (n_q,) [N m].
@@ -79,7 +77,7 @@ class ReducedForm(Record):
         Source:
             THEORY.md 5, eq. (5.3).
         """
-        return dynamic_balance(self.form, t, *self.everything(t, state, z)).residual * self.sizes
+        return dynamic_balance(self.form, t, self.everything(t, state, z)).residual * self.sizes
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
         """Derivatives of the residual.
@@ -87,7 +85,7 @@ class ReducedForm(Record):
         Source:
             THEORY.md 6, eq. (6.1).
         """
-        at = moving_matrices(self.form, t, *self.everything(t, state, z))
+        at, _ = moving_matrices(self.form, t, self.everything(t, state, z))
         by_u, by_w, by_z = (self.sizes[:, None] * m * self.sizes for m in (at.K, at.C0 + at.D0, at.M0))
         by_t = None
         if self.form.driven:
@@ -97,9 +95,9 @@ class ReducedForm(Record):
     @jit_beside_options
     def acceleration(self, t, state: MotionState):
         """Second rates of the degrees of freedom over their sizes, (n_q,), and whether all motions carry mass."""
-        x, v, a, near = self.everything(t, state, jnp.zeros(self.size))
-        at = dynamic_balance(self.form, t, x, v, a, near)
-        mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, x) @ at.DFx
+        moving = self.everything(t, state, jnp.zeros(self.size))
+        at = dynamic_balance(self.form, t, moving)
+        mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, moving.x) @ at.DFx
         mass = self.sizes[:, None] * mass * self.sizes
         return factorise(mass).solve(-at.residual * self.sizes), is_positive_definite(mass) & at.regular
 

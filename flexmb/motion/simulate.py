@@ -21,7 +21,7 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
-from .drives import Drives, driven_by, jump_times
+from .drives_by_name import Drives, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, Sampled, as_feedback

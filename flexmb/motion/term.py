@@ -29,11 +29,7 @@ class MotionTerm(diffrax.AbstractTerm):
 
 
 def equations_of(terms) -> Equations:
-    """Equations of motion in a term, which diffrax hands to solvers inside a term of its own.
-
-    Args:
-        terms: What a solver is given.
-    """
+    """Equations of motion in a term, which diffrax hands to solvers inside a term of its own."""
     while not isinstance(terms, MotionTerm):
         terms = terms.term
     return terms.equations

@@ -17,8 +17,8 @@ from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
-from ..mechanics.residual import State, state
-from ..model.model import Model, as_determined
+from ..mechanics.residual import state
+from ..model.model import AtNodes, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -27,7 +27,7 @@ from .stepper import Ramp
 from .walk import Step, Walker
 
 
-class Path(AboutState, Result, Record):
+class Path(AtNodes, AboutState, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
@@ -64,17 +64,6 @@ class Path(AboutState, Result, Record):
     def frequencies(self) -> Float[Array, "steps n"]:
         """Square root of the eigenvalues over 2 pi with their sign, (steps, n) [Hz]."""
         return to_frequency(self.eigenvalues)
-
-    def at(self, node: str) -> Float[Array, "steps n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation", at every step.
-
-        Args:
-            node: Name of the node.
-
-        Raises:
-            KeyError: No such node.
-        """
-        return self.matrices.x[:, self.labels.known(node)]
 
     def linearization(self, step: int = -1) -> Linearization:
         """Linearised equations of motion about one step, for modes, compliance and state space.
@@ -124,17 +113,12 @@ def _with_complex(found: _Found, step: Step) -> _Found:
     return found._replace(eigenvalues=values.real, stable=np.all(steady) & np.all(step.values > 0))
 
 
-def _multipliers(topology: Topology, parameters: Parameters, at: State, near):
-    """Multipliers by magnitude; infinite where the loads do not act or only in complex pairs."""
-    return multipliers_of(*scaled_stiffness(topology, parameters, at, near))
-
-
 @jit
 def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
     point = step.point
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
-    multipliers = _multipliers(topology, parameters, at, point.near)
+    multipliers = multipliers_of(*scaled_stiffness(topology, parameters, at, point.near))
     if not matrices.symmetric:
         return _Found(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)

@@ -180,13 +180,14 @@ def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State
     return direction_of(at, onto * load + at.transfer.DFx @ dq, load)
 
 
-def length(scale: Scale, d: Direction) -> Float[Array, ""]:
-    """Length of a change of the state, positions and angles weighed against load.
+def product(scale: Scale, one: Direction, other: Direction) -> Any:
+    """Scalar product of two directions, positions and angles weighed against load, () [-]."""
+    return scale.weights @ (one.x * other.x) + one.load * other.load
 
-    Returns:
-        () [-].
-    """
-    return jnp.sqrt(scale.weights @ d.x**2 + d.load**2)
+
+def length_of(scale: Scale, d: Direction) -> Any:
+    """Length of a change of the state, () [-]; it and what it takes are of JAX, or of NumPy for the walk."""
+    return library_of(d.load).sqrt(product(scale, d, d))
 
 
 def normal_to(scale: Scale, d: Direction) -> Plane:
@@ -196,7 +197,7 @@ def normal_to(scale: Scale, d: Direction) -> Plane:
 
 def unit(scale: Scale, d: Direction) -> Direction:
     """Direction of unit length."""
-    size = length(scale, d)
+    size = length_of(scale, d)
     return Direction(d.x / size, d.strained / size, d.load / size)
 
 
@@ -279,5 +280,4 @@ def step_along(
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     tangent = unit(scale, tangent_at(topology, parameters, ramp, at, plane))
     finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
-    cosine = scale.weights @ (direction.x * tangent.x) + direction.load * tangent.load
-    return Stepped(point, tangent, at, end.done & finite, cosine, end.tries)
+    return Stepped(point, tangent, at, end.done & finite, product(scale, direction, tangent), end.tries)

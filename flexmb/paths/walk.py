@@ -27,9 +27,12 @@ from .stepper import (
     Scale,
     can_be_taken,
     direction_of,
+    length_of,
     next_length,
     normal_to,
+    product,
     step_along,
+    unit,
 )
 
 BISECTIONS = 60
@@ -261,25 +264,16 @@ class Walker:
         """Largest change of a coordinate, in extents and radians."""
         return float(np.max(np.abs(direction.x) / self.scale.sizes, initial=1e-300))
 
-    def product(self, one: Direction, other: Direction) -> float:
-        """Scalar product of two directions, whose norm is the length along a path."""
-        return float(self.scale.weights @ (one.x * other.x) + one.load * other.load)
-
-    def unit(self, direction: Direction) -> Direction:
-        """Direction of unit length."""
-        size = np.sqrt(self.product(direction, direction))
-        return jax.tree.map(lambda a: a / size, direction)
-
     def chord(self, begin: Point, end: Point) -> tuple[Direction, float]:
         """Direction from one state to another, and the distance."""
         way = Direction(end.x - begin.x, end.strained - begin.strained, end.load - begin.load)
-        size = np.sqrt(self.product(way, way))
+        size = length_of(self.scale, way)
         return jax.tree.map(lambda a: a / (size if size > 0 else 1.0), way), float(size)
 
     def continuous(self, low: Step, high: Step) -> bool:
         """Whether a smooth curve joins two states: their tangents and the chord between them have one direction."""
         chord, size = self.chord(low.point, high.point)
-        return size < NEAR or min(self.product(chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
+        return size < NEAR or min(product(self.scale, chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
 
     def curve(self, low: Step, high: Step, share: float) -> Point:
         """Point between two states, on the cubic through both with their tangents."""
@@ -303,7 +297,7 @@ class Walker:
             lambda a, b: (1 - share) * a + share * b, (begin.tangent, begin.values), (end.tangent, end.values)
         )
         point = self.curve(begin, end, share)
-        step = begin._replace(point=point, tangent=self.unit(tangent), values=values)
+        step = begin._replace(point=point, tangent=unit(self.scale, tangent), values=values)
         return Zero(low.length + share * (high.length - low.length), step, abs(end.load - begin.load) / 2)
 
     def zero(
@@ -326,8 +320,8 @@ class Walker:
         def trial(low: _Trial, high: _Trial, share: float) -> _Trial | None:
             new = self.advance(self.curve(low.step, high.step, share), still, 0.0, plane)
             way, size = self.chord(begin.point, new.point)
-            place = size * self.product(way, begin.tangent)
-            cosine = self.product(begin.tangent, new.tangent)
+            place = size * product(self.scale, way, begin.tangent)
+            cosine = product(self.scale, begin.tangent, new.tangent)
             if not (bool(new.converged) and cosine >= least and low.length < place < high.length):
                 return None
             found = _Trial(place, value(new), new._replace(cosine=np.array(cosine)))
@@ -406,7 +400,7 @@ class Walker:
 
         Where two motions lose their stiffness at once, branches leave along some of their sums only.
         """
-        phi, *others = (self.unit(jax.tree.map(lambda a: sign * a, one)) for one in (phi, *others))
+        phi, *others = (unit(self.scale, jax.tree.map(lambda a: sign * a, one)) for one in (phi, *others))
         fan = [phi]
         for other in others:
             for angle in np.arange(1, 8) * np.pi / 8:
@@ -418,7 +412,7 @@ class Walker:
                 if bool(new.converged) and float(new.cosine) > 0.5:
                     return new
                 way, size = self.chord(begin.point, new.point)
-                if size > 0 and self.product(way, direction) > 0.5:
+                if size > 0 and product(self.scale, way, direction) > 0.5:
                     # The corrector was on its way to a branch that leaves in another direction.
                     direction = way
                 else:
@@ -463,7 +457,7 @@ class Walker:
         along = (dx * self.scale.weights) @ begin.tangent.x + dload * begin.tangent.load
         off = dx**2 @ self.scale.weights + dload**2 - along**2
         for i in np.flatnonzero((along > 0) & (along <= taken.length) & (off < (taken.length / 2) ** 2)):
-            if self.product(old[i].tangent, begin.tangent) > 0.5:
+            if product(self.scale, old[i].tangent, begin.tangent) > 0.5:
                 new = self.advance(begin.point, begin.tangent, along[i])
                 apart = np.abs(new.point.x - old[i].point.x) / self.scale.sizes
                 # An angle that has turned once more is another state, with equal Euler parameters.

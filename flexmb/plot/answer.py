@@ -22,24 +22,11 @@ def image(answer: Any, format: str) -> bytes:
     Returns:
         Content of the file.
     """
-    return _content(answer.lin if answer.picture else answer.shown, format, answer.picture)
+    return image_of(answer.lin if answer.picture else answer.shown, format, answer.picture)
 
 
-def study_image(found: Result, format: str) -> bytes:
-    """Draw a design study: every answer of a sweep that is one number, or the run of a search.
-
-    Args:
-        found: Of ``fm.sweep`` or ``fm.tune``.
-        format: "png" or "svg".
-
-    Returns:
-        Content of the file.
-    """
-    return _content(found, format)
-
-
-def _content(found: Result, format: str, picture: str = "") -> bytes:
-    """Content of a file with the picture of a result."""
+def image_of(found: Result, format: str, picture: str = "") -> bytes:
+    """Content of a file with the picture of a result: its own, or that which is named."""
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):

@@ -78,9 +78,7 @@ def polylines(ax: Any, lines: Sequence[Float[np.ndarray, "n d"]], label: str, va
     """Many lines as one collection.
 
     Args:
-        ax: Axes.
         lines: Points of each, (n, d) [m].
-        label: Label of the collection.
         values: Number by which each line is coloured, or None.
         style: As for matplotlib's LineCollection.
     """
@@ -98,8 +96,6 @@ def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None
     """Elements in the style of their kind, each kind with its name as label.
 
     Args:
-        ax: Axes.
-        lines: Elements.
         ghost: Pale, all of them labelled "undeformed".
     """
     if ghost:
@@ -118,10 +114,7 @@ def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, 
     """Half-transparent faces as one collection.
 
     Args:
-        ax: Axes.
         quads: Corners of the quadrilaterals of each element, (quads, 4, d) [m].
-        label: Label of the collection.
-        color: Colour.
     """
     from matplotlib.collections import PolyCollection
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -140,9 +133,7 @@ def marks(ax: Any, points: Float[np.ndarray, "n d"], label: str, **style: Any) -
     """Markers without a line.
 
     Args:
-        ax: Axes.
         points: Where, (n, d) [m].
-        label: Label of the markers.
         style: As for matplotlib's plot.
     """
     if len(points):
@@ -153,11 +144,8 @@ def arrow(ax: Any, start: Float[np.ndarray, "d"], vector: Float[np.ndarray, "d"]
     """Arrow from a point.
 
     Args:
-        ax: Axes.
         start: Where it begins, (d,) [m].
         vector: From its beginning to its end, (d,) [m].
-        label: Label of the arrow.
-        color: Colour.
     """
     if ax.name == "3d":
         ax.quiver(*start, *vector, color=color, label=label, arrow_length_ratio=0.25, linewidth=1.5)
@@ -170,9 +158,7 @@ def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> No
     """Text at a point.
 
     Args:
-        ax: Axes.
         point: Where, (d,) [m].
-        text: What.
         style: As for matplotlib's text.
     """
     ax.text(*point, text, fontsize=8, zorder=6, **style)
@@ -182,7 +168,6 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
     """Limits around points, equal scales and labels with units.
 
     Args:
-        ax: Axes.
         points: What must be seen, (n, d) [m].
         margin: Space around, as share of the extent.
     """

@@ -39,7 +39,6 @@ def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
     """Indices in x of every node of one kind.
 
     Args:
-        model: Mechanism.
         part: "position" or "rotation".
 
     Returns:
@@ -63,9 +62,6 @@ def extent_of(points: Float[np.ndarray, "n d"]) -> float:
 
 def places_of_rotations(model: Model) -> dict[str, list[str]]:
     """Points that each rotation belongs to: in an element's signature it follows the point whose rotation it is.
-
-    Args:
-        model: Mechanism.
 
     Returns:
         Names of points by name of the rotation.
@@ -94,7 +90,6 @@ def lines(
     the cubic along the axis that the undeformed element had, and other points by straight lines.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         places: From 0 to 1, (places,) [-].
         straight: Springs as straight lines rather than zigzags.
@@ -132,10 +127,8 @@ def scaled_lines(
     beside the nodes that it joins.
 
     Args:
-        model: Mechanism.
         base: Nodal coordinates of the one state, (n_x,) [m, rad, -].
         x: Those of the other, (n_x,) [m, rad, -].
-        factor: Of the displacement.
 
     Returns:
         Lines in the order of the model.
@@ -150,11 +143,7 @@ def scaled_lines(
 
 
 def masses(model: Model) -> list[np.ndarray]:
-    """Indices in x of every point that carries a lumped mass.
-
-    Args:
-        model: Mechanism.
-    """
+    """Indices in x of every point that carries a lumped mass."""
     found = []
     for block in model.topology.blocks:
         kinds = list(block.element.nodes.values())
@@ -196,12 +185,7 @@ def places_of_zigzag(teeth: int = 5) -> Float[np.ndarray, "n"]:
 
 
 def names_of(model: Model, block: Block) -> list[str]:
-    """Names of a block's elements; none for what has no deformations or is a unit norm.
-
-    Args:
-        model: Mechanism.
-        block: One of its blocks.
-    """
+    """Names of a block's elements; none for what has no deformations or is a unit norm."""
     if block.e.shape[1] == 0:
         return []
     entries = [model.labels.e[k] for k in np.asarray(block.e)[:, 0].tolist()]

@@ -38,9 +38,6 @@ class Mark(NamedTuple):
 def supports(model: Model) -> dict[str, list[str]]:
     """Nodes where something is fixed or prescribed, each under every one of :data:`SUPPORTS` that it is.
 
-    Args:
-        model: Mechanism.
-
     Returns:
         Names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported"; "prescribed".
     """
@@ -57,11 +54,7 @@ def supports(model: Model) -> dict[str, list[str]]:
 
 
 def dofs(model: Model) -> list[Mark]:
-    """Degrees of freedom that are coordinates of nodes: a unit vector for each position.
-
-    Args:
-        model: Mechanism.
-    """
+    """Degrees of freedom that are coordinates of nodes: a unit vector for each position."""
     places, found = _Places(model), []
     for index in np.asarray(model.topology.x.dof).tolist():
         entry = model.labels.x[index]
@@ -77,7 +70,6 @@ def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
     """Nodal forces and moments of all loads but gravity, incremental ones added.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,) [m, rad, -].
     """
     forces, places = _forces(model, x), _Places(model)

@@ -92,8 +92,6 @@ def draw_supports(ax: Any, model: Model, points: dict[str, np.ndarray]) -> None:
     """Markers where something is fixed or prescribed.
 
     Args:
-        ax: Axes.
-        model: Mechanism.
         points: Where each node is, (d,) [m].
     """
     for (kind, names), marker in zip(marked.supports(model).items(), "s^D", strict=True):

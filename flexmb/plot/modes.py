@@ -56,7 +56,6 @@ def chosen_modes(found: States, which: Sequence[int] | None, most: int, verb: st
     """Numbers of the modes that are wanted.
 
     Args:
-        found: The modes about their state.
         which: Their numbers, from 0; the first unless given.
         most: How many unless given.
         verb: What is to be done with them, for the message.
@@ -94,10 +93,8 @@ def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float =
     Where the sections turn by more than a radian beside that, as in torsion, it is less.
 
     Args:
-        model: Mechanism.
         x: Coordinates that the shape is about, (n_x,) [m, rad, -].
         shape: Motion, (n_x,).
-        amplitude: The share.
     """
     size = np.max(np.abs(shape), initial=0.0) or 1.0
     states = (x, x + STEP / size * shape)

@@ -52,10 +52,6 @@ def path(found: Path, of: str | None = None, *, ax: Any = None) -> Any:
 def index_of(labels: Labels, name: str) -> int:
     """Index in x of a coordinate such as "tip.y".
 
-    Args:
-        labels: Names.
-        name: Name of the coordinate.
-
     Raises:
         KeyError: No such coordinate.
     """
@@ -68,12 +64,7 @@ def index_of(labels: Labels, name: str) -> int:
 
 
 def with_unit(labels: Labels, index: int) -> str:
-    """Name of a coordinate with its unit.
-
-    Args:
-        labels: Names.
-        index: Index in x.
-    """
+    """Name of a coordinate with its unit."""
     return f"{labels.x[index]} [{unit_of(labels.x[index])}]"
 
 

@@ -31,9 +31,6 @@ class Shape(NamedTuple):
 def shapes_of(model: Model) -> dict[str, Shape]:
     """Outlines of the elements whose section has one.
 
-    Args:
-        model: Mechanism.
-
     Returns:
         By name of the element.
     """
@@ -68,10 +65,8 @@ def across_of(
     left between the ends is spread evenly.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,).
         drawn: Its lines at these coordinates.
-        shapes: Outlines of sections.
 
     Returns:
         Unit vectors, by name of the element, each (places, 3) [-].
@@ -155,7 +150,6 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> list[Float[np.ndar
     """What is seen of the sections: in space their widths, in the plane their thicknesses or diameters.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,).
         drawn: Its lines at these coordinates.
 

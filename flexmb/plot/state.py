@@ -86,9 +86,6 @@ def _kind(value: Any) -> str:
 def checked(scale: float) -> float:
     """A factor of displacements.
 
-    Args:
-        scale: The factor.
-
     Raises:
         ValueError: It is not finite.
     """
@@ -103,7 +100,6 @@ def displaced(
     """Coordinates with displacements multiplied.
 
     Args:
-        model: Mechanism.
         x: Nodal coordinates, (n_x,) [m, rad, -].
         scale: Factor; Euler parameters are brought back to unit norm.
         base: Coordinates that displacements are counted from, (n_x,); by default those of the undeformed mechanism.

@@ -104,11 +104,6 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
 
 
 def colours_of(values: np.ndarray, label: str) -> tuple[str, float, float]:
-    """Name of the colours for values, and the values at their ends: from zero, or to both sides of it.
-
-    Args:
-        values: Any shape.
-        label: Label of their scale.
-    """
+    """Name of the colours for values, and the values at their ends: from zero, or to both sides of it."""
     largest = float(np.max(np.abs(values))) or 1.0
     return ("viridis", 0.0, largest) if label.startswith("von Mises") else ("coolwarm", -largest, largest)

@@ -10,7 +10,7 @@ from ..build.assemble import stack
 from ..build.description import NamedSignal
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..elements.spectral import LARGEST_ORDER
-from ..errors import shown
+from ..errors import clean
 from ..model.roles import Role
 from . import series as series
 from .kinds import NOTHING, ElementKind
@@ -301,7 +301,7 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
     """USERSIG, USERINP: a Python function given beside the file."""
     r.once(s)
     if p["name"] not in r.callables:
-        name = shown(p["name"])
+        name = clean(p["name"])
         raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
     r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
     r.warnings.append(
@@ -364,13 +364,7 @@ def signal(r: Reading, s: Statement, p: Values) -> None:
 
 
 def number_signal(r: Reading, s: Statement, number: int) -> None:
-    """Take a number of an input or output, of which each is used once.
-
-    Args:
-        r: State.
-        s: The line.
-        number: Its number.
-    """
+    """Take a number of an input or output, of which each is used once."""
     side = "input" if s.keyword.startswith("IN") else "output"
     first = r.signals[side].get(number)
     if first is not None:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax.core
 import numpy as np
 
-from ..errors import shown
+from ..errors import clean
 
 _NUMBER = r"(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])"
 _TOKEN = re.compile(rf"[ \t]*(?:{_NUMBER}|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))")
@@ -91,7 +91,7 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
 
 
 def _rest(text: str, place: int) -> str:
-    return f"see '{shown(text[place:].strip())}'"
+    return f"see '{clean(text[place:].strip())}'"
 
 
 def _finish(values: list[Any], waiting: list[_Operation], rank: int) -> None:
@@ -126,9 +126,9 @@ def _named(name: str, numbers: Mapping[str, Any]) -> Any:
         if name == "pi":
             return math.pi
         known = ", ".join(numbers) or "none is given"
-        raise ValueError(f"asks for '{shown(name)}', but there is no parameter '{shown(name)}' ({shown(known)})")
+        raise ValueError(f"asks for '{clean(name)}', but there is no parameter '{clean(name)}' ({clean(known)})")
     value = numbers[name]
     if isinstance(value, bool | np.bool_ | str) or np.shape(value) != ():
-        raise ValueError(f"asks for '{shown(name)}', which must be one number, but is {shown(repr(value))}")
+        raise ValueError(f"asks for '{clean(name)}', which must be one number, but is {clean(repr(value))}")
     # A plain number, so that division by zero is a fault and no warning.
     return value if isinstance(value, jax.core.Tracer) else _finite(float(value))

@@ -59,11 +59,7 @@ class ElementKind:
         return self.element(**{name: v for name, v in found.items() if name in self.element.options and v is not None})
 
     def stands_for(self, element: Element) -> bool:
-        """Whether this keyword names an element type.
-
-        Args:
-            element: Element type.
-        """
+        """Whether this keyword names an element type."""
         return self.element.usual == element.usual
 
     def properties(

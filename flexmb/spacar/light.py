@@ -111,9 +111,6 @@ def load_steps(script: Script) -> list[tuple[float, float]]:
 
     The initial loads rise first, then the others; each in ``loadsteps`` steps with the state they start from. Gravity
     comes with the initial loads, and is whole where there are none.
-
-    Args:
-        script: Checked script.
     """
     moving = [
         name for own in script.nprops.values() for name in own if name.startswith(("force", "moment", "displ", "rot"))

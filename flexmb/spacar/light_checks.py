@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
-from ..errors import ModelError, shown
+from ..errors import ModelError, clean
 from .light_input import AXES, COUNTS, INPUTS, OUTPUTS, Script, in_form, numbered
 from .lines import LARGEST, SMALLEST, within
 
@@ -134,7 +134,7 @@ def _membership(script: Script) -> Iterator[str]:
 def _set(script: Script, number: int) -> Iterator[str]:
     own, where = script.eprops[number], f"eprops({number})"
     if own.get("type", "beam") not in ("beam", "hinge"):
-        yield f"{where}.type: must be 'hinge' or left out, but is {shown(repr(own['type']))}."
+        yield f"{where}.type: must be 'hinge' or left out, but is {clean(repr(own['type']))}."
     if own.get("type") == "hinge":
         other = [name for name in own if name not in ("elems", "type", "orien")]
         if other:
@@ -176,7 +176,7 @@ def _section(script: Script, number: int) -> Iterator[str]:
         return
     wanted = {"rect": (2, "[width, thickness]"), "circ": (1, "the diameter")}.get(own["cshape"])
     if wanted is None:
-        yield f"{where}.cshape: must be 'rect' or 'circ', but is {shown(repr(own['cshape']))}."
+        yield f"{where}.cshape: must be 'rect' or 'circ', but is {clean(repr(own['cshape']))}."
     elif "dim" in own and own["dim"].shape[0] != wanted[0]:
         yield f"{where}.dim: of a '{own['cshape']}' must be {wanted[1]}, but has {own['dim'].shape[0]} numbers."
     elif "dim" in own and is_concrete(own["dim"]):
@@ -191,11 +191,7 @@ def _section(script: Script, number: int) -> Iterator[str]:
 
 
 def rotations(own: dict[str, Any]) -> dict[str, tuple[str, Any]]:
-    """Prescribed rotations of a node: for each field its axis ("x", "y", "z" or "free") and its value.
-
-    Args:
-        own: Fields of the node.
-    """
+    """Prescribed rotations of a node: for each field its axis ("x", "y", "z" or "free") and its value."""
     single = {f"rot{when}_{axis}": axis for when in ("", "_initial") for axis in AXES}
     named = {**single, "rot": "free", "rot_initial": "free"}
     return {name: (axis, own[name]) for name, axis in named.items() if name in own}
@@ -233,7 +229,7 @@ def _node(script: Script, number: int) -> Iterator[str]:
     for field, known in (("transfer_in", INPUTS), ("transfer_out", OUTPUTS)):
         for word in own.get(field, ()):
             if word not in known:
-                yield f"{where}: {field} must be some of {', '.join(known)}, but names {shown(repr(word))}."
+                yield f"{where}: {field} must be some of {', '.join(known)}, but names {clean(repr(word))}."
 
 
 def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
@@ -292,7 +288,7 @@ def _options(script: Script) -> Iterator[str]:
         except (ValueError, TypeError):
             given = np.zeros(0)
         if given.size not in (1, 2) or given[0] not in (0, 1) or not np.all(given >= 0):
-            yield f"opt.transfer: must be true, or [true, damping ratio], but is {shown(repr(opt['transfer']))}."
+            yield f"opt.transfer: must be true, or [true, damping ratio], but is {clean(repr(opt['transfer']))}."
             return
         opt["transfer"] = tuple(given.tolist()) if given[0] else None
     fields = [name for name in ("transfer_in", "transfer_out") if any(name in own for own in script.nprops.values())]
@@ -317,7 +313,7 @@ def _releases(script: Script) -> Iterator[str]:
         try:
             numbers = in_form(value, COUNTS) if np.size(value) else ()
         except (ValueError, TypeError, OverflowError):
-            yield f"opt.rls({number}): must be numbers of deformations, but is {shown(repr(value))}."
+            yield f"opt.rls({number}): must be numbers of deformations, but is {clean(repr(value))}."
             continue
         if not 1 <= number <= len(script.elements):
             yield f"opt.rls({number}): there is no element {number}; they are numbered to {len(script.elements)}."

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..build.assemble import stack
-from ..errors import ModelError, shown
+from ..errors import ModelError, clean
 from .lines import LARGEST, MOST, SMALLEST, within
 
 AXES = ("x", "y", "z")
@@ -116,44 +116,24 @@ class Script:
     warnings: list[str]
 
     def properties(self, element: int) -> dict[str, Any]:
-        """Fields of an element's set; none for an element that is in no set.
-
-        Args:
-            element: Number.
-        """
+        """Fields of an element's set; none for an element that is in no set."""
         return self.eprops.get(self.sets.get(element, 0), {})
 
     def is_hinge(self, element: int) -> bool:
-        """Whether an element is a hinge.
-
-        Args:
-            element: Number.
-        """
+        """Whether an element is a hinge."""
         return self.properties(element).get("type") == "hinge"
 
     def flexible(self, element: int) -> tuple[int, ...]:
-        """Deformations that may change, numbers from 1; none for a rigid element.
-
-        Args:
-            element: Number.
-        """
+        """Deformations that may change, numbers from 1; none for a rigid element."""
         return (1,) if self.is_hinge(element) else tuple(self.properties(element).get("flex", ()))
 
     def ends(self, element: int) -> tuple[int, int]:
-        """Numbers of an element's nodes.
-
-        Args:
-            element: Number.
-        """
+        """Numbers of an element's nodes."""
         p, q = self.elements[element - 1].tolist()
         return p, q
 
     def at(self, node: int) -> list[int]:
-        """Elements at a node.
-
-        Args:
-            node: Number.
-        """
+        """Elements at a node."""
         return [k for k in self.numbers() if node in self.ends(k)]
 
     def numbers(self) -> range:
@@ -245,14 +225,13 @@ def _are_counts(numbers: np.ndarray) -> bool:
 
 
 def _seen(given: Any, rows: Any) -> str:
-    return shown(repr(given)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"
+    return clean(repr(given)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"
 
 
 def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
     """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1.
 
     Args:
-        given: The structures.
         what: Name of them all, for the faults.
         faults: What is wrong is added here.
     """
@@ -261,11 +240,11 @@ def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
     elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
         pairs = list(enumerate(given or (), 1))
     else:
-        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {shown(repr(given))}.")
+        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {clean(repr(given))}.")
         return []
     for number, _ in pairs:
         if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= MOST:
-            faults.append(f"{what}: structures are numbered from 1, but one is {shown(repr(number))}.")
+            faults.append(f"{what}: structures are numbered from 1, but one is {clean(repr(number))}.")
             return []
     return [(int(number), struct) for number, struct in pairs]
 
@@ -274,14 +253,14 @@ def _fields(struct: Any, known: dict[str, Form], where: str, faults: list[str], 
     """Fields that are given, in the form they should have."""
     found: dict[str, Any] = {}
     if not isinstance(struct, Mapping) and not hasattr(struct, "__dict__"):
-        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {shown(repr(struct))}.")
+        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {clean(repr(struct))}.")
         return found
     for key, value in (struct if isinstance(struct, Mapping) else vars(struct)).items():
         name = str(key).rstrip("_")
         if name not in known:
             near = difflib.get_close_matches(name[:40], known, 1)
             hint = f" Did you mean {near[0]}?" if near else f" It takes: {', '.join(known)}."
-            faults.append(f"{where}.{shown(name)}: there is no such field.{hint}")
+            faults.append(f"{where}.{clean(name)}: there is no such field.{hint}")
         elif value is None or (known[name] is not ANYTHING and _is_empty(value)):
             continue
         elif name in WITHOUT_EFFECT:
@@ -296,7 +275,7 @@ def _fields(struct: Any, known: dict[str, Form], where: str, faults: list[str], 
                 read_value = in_form(value, known[name])
             except (ValueError, TypeError, OverflowError) as fault:
                 wanted = f"0 or from {SMALLEST:g} to {LARGEST:g} in size" if isinstance(fault, OutOfRange) else None
-                faults.append(f"{where}.{name}: must be {wanted or _wanted(known[name])}, but is {shown(repr(value))}.")
+                faults.append(f"{where}.{name}: must be {wanted or _wanted(known[name])}, but is {clean(repr(value))}.")
             else:
                 # "fix = false" says nothing, but an option may be on unless it is said to be off.
                 if read_value is not False or known is OPTIONS:
@@ -328,10 +307,6 @@ class OutOfRange(ValueError):
 
 def in_form(value: Any, form: Form) -> Any:
     """A field's value as it is used.
-
-    Args:
-        value: As given.
-        form: What it must be.
 
     Returns:
         A bool for a flag, an int, a tuple of ints, a scalar, an array, a string or a tuple of strings.

@@ -20,21 +20,12 @@ Releases = Mapping[int, tuple[int, ...]]
 
 
 def node_name(node: int) -> str:
-    """Name in the Builder of a node of the script.
-
-    Args:
-        node: Its number.
-    """
+    """Name in the Builder of a node of the script."""
     return f"n{node}"
 
 
 def beam_names(script: Script, element: int) -> list[str]:
-    """Names in the Builder of the beams, or of the hinge, that an element of the script becomes.
-
-    Args:
-        script: Script.
-        element: Its number.
-    """
+    """Names in the Builder of the beams, or of the hinge, that an element of the script becomes."""
     own = script.properties(element)
     return [f"e{element}.{i + 1}" for i in range(own.get("nbeams", 1) if script.flexible(element) else 1)]
 
@@ -43,9 +34,6 @@ def build(script: Script) -> tuple[Builder, Model, Releases]:
     """Mechanism of a script, with over-constraints released.
 
     Which deformations are released depends on the geometry alone, so that sections, loads and masses may be traced.
-
-    Args:
-        script: Checked script.
 
     Returns:
         Builder, Model, and the released deformations of each element.
@@ -131,7 +119,6 @@ def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
     """Builder of a script. DOFs are the deformations in flex, but for those released.
 
     Args:
-        script: Checked script.
         releases: Released deformations of the last beam of each element.
         bare: Geometry and supports only, without any number that may be traced.
 
@@ -186,12 +173,7 @@ def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
 
 
 def section_of(script: Script, k: int) -> Section | None:
-    """Section of an element; of a rigid one its mass alone, none without density.
-
-    Args:
-        script: Checked script.
-        k: Number of the element.
-    """
+    """Section of an element; of a rigid one its mass alone, none without density."""
     own = script.properties(k)
     flexible = bool(script.flexible(k))
     if not flexible and "dens" not in own:

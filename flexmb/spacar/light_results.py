@@ -135,9 +135,6 @@ def _stresses(linearizations: Sequence[Linearization]) -> list[Stress] | None:
 def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies and mode shapes, also where moments make the stiffness unsymmetric.
 
-    Args:
-        lin: Linearization.
-
     Returns:
         Frequencies with the sign of the eigenvalue's real part, infinite without mass, (ndof,) [Hz]; shapes in the
         degrees of freedom, (ndof, ndof), zero where there is no mass.

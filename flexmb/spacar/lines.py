@@ -12,7 +12,7 @@ from typing import Any
 import jax.core
 import numpy as np
 
-from ..errors import SpacarError, shown
+from ..errors import SpacarError, clean
 from .arithmetic import value_of
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
@@ -44,11 +44,7 @@ class Fault(Exception):
 
 
 def within(value: Any) -> Any:
-    """Whether numbers are zero or between the smallest and the largest that are taken.
-
-    Args:
-        value: Number or array.
-    """
+    """Whether numbers are zero or between the smallest and the largest that are taken."""
     size = np.abs(value)
     return (size == 0) | ((size >= SMALLEST) & (size <= LARGEST))
 
@@ -70,15 +66,11 @@ class Placeholder(str):
         try:
             return value_of(self[1:-1], self.numbers)
         except ValueError as fault:
-            raise Fault(f"'{shown(self)}' {fault}") from None
+            raise Fault(f"'{clean(self)}' {fault}") from None
 
 
 def known(value: Any) -> bool:
-    """Whether a number can be compared: whether it is not traced.
-
-    Args:
-        value: A number.
-    """
+    """Whether a number can be compared: whether it is not traced."""
     return not isinstance(value, jax.core.Tracer)
 
 
@@ -105,20 +97,12 @@ class Statement:
 
 
 def whole_number(word: str) -> int | None:
-    """A whole number from 1, or None.
-
-    Args:
-        word: As the file has it.
-    """
+    """A whole number from 1, or None."""
     return int(word) if _WHOLE.fullmatch(word) and int(word) > 0 else None
 
 
 def placeholders(found: list[Statement]) -> tuple[str, ...]:
-    """Names of the parameters that placeholders name, each once.
-
-    Args:
-        found: Lines of a file.
-    """
+    """Names of the parameters that placeholders name, each once."""
     words = [w for s in found for w in s.words if isinstance(w, Placeholder)]
     return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w)))
 
@@ -126,14 +110,11 @@ def placeholders(found: list[Statement]) -> tuple[str, ...]:
 def read_text(path: str | os.PathLike) -> str:
     """Text of a file: UTF-8, with or without its mark, or else Latin-1; what counts is ASCII in both.
 
-    Args:
-        path: Where.
-
     Raises:
         SpacarError: It is UTF-16, no text at all, or too large.
         OSError: It cannot be read.
     """
-    path, name = Path(path), shown(Path(path).name)
+    path, name = Path(path), clean(Path(path).name)
     with path.open("rb") as file:
         content = file.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
@@ -167,7 +148,6 @@ def statements(text: str, numbers: Mapping[str, Any] | None = None) -> list[Stat
     """Lines of a file that say something.
 
     Args:
-        text: Contents of the file.
         numbers: What placeholders "{name}" stand for; without, a brace is a letter like others.
     """
     found = []
@@ -251,25 +231,25 @@ def _value(name: str, given: Any, expected: str) -> Any:
     if name in WHOLE:
         if not _WHOLE.fullmatch(given) or int(given) < WHOLE[name]:
             to = f" to {MOST}" if _WHOLE.match(given) and len(given) > 9 else ""
-            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{shown(given)}'; {expected}")
+            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{clean(given)}'; {expected}")
         return int(given)
     if isinstance(given, Placeholder):
         value = given.value()
         if isinstance(value, complex):
-            raise Fault(f"{name} must be a real number, but '{shown(given)}' is {value}; {expected}")
+            raise Fault(f"{name} must be a real number, but '{clean(given)}' is {value}; {expected}")
         if not known(value):
             return value
     elif _NOT_FINITE.fullmatch(given):
         raise Fault(f"{name} must be a finite number, but is '{given}'; {expected}")
     elif not _REAL.fullmatch(given):
-        raise Fault(f"{name} must be a number, but is '{shown(given)}'; {expected}")
+        raise Fault(f"{name} must be a number, but is '{clean(given)}'; {expected}")
     else:
         value = float(given.lower().replace("d", "e"))
     if math.isnan(value) or abs(value) > LARGEST:
         too = "no number" if math.isnan(value) else f"too large: at most {LARGEST:g} is taken"
-        raise Fault(f"{name} must be a finite number, but '{shown(given)}' is {too}; {expected}")
+        raise Fault(f"{name} must be a finite number, but '{clean(given)}' is {too}; {expected}")
     if abs(value) < SMALLEST and not _is_zero(given, value):
-        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{shown(given)}'; {expected}")
+        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{clean(given)}'; {expected}")
     return value
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..build.builder import Builder
 from ..display import Result, Summary, listed
 from ..elements import spatial
-from ..errors import ModelError, SpacarError, shown
+from ..errors import ModelError, SpacarError, clean
 from ..model.roles import Role
 from . import actions as act
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
@@ -110,27 +110,27 @@ def read_spacar(
         raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
     warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
     parameters = placeholders(found)
-    warnings += [f"{name}: parameter '{shown(n)}' is in no line" for n in numbers or {} if n not in parameters]
+    warnings += [f"{name}: parameter '{clean(n)}' is in no line" for n in numbers or {} if n not in parameters]
     return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
 
 
 def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
     for name, value in callables.items():
         if not callable(value):
-            raise TypeError(f"Argument `callables`: '{shown(name)}' must be a function, but is {shown(value)}.")
+            raise TypeError(f"Argument `callables`: '{clean(name)}' must be a function, but is {clean(value)}.")
     for name, value in numbers.items():
         scalar = isinstance(value, Real) or getattr(value, "shape", None) == ()
         if not scalar or isinstance(value, bool) or (known(value) and np.asarray(value).dtype.kind not in "iuf"):
-            raise TypeError(f"Argument `numbers`: '{shown(name)}' must be a real number, but is {shown(value)}.")
+            raise TypeError(f"Argument `numbers`: '{clean(name)}' must be a real number, but is {clean(value)}.")
         if known(value) and not np.isfinite(float(value)):
-            raise ValueError(f"Argument `numbers`: '{shown(name)}' must be a finite number, but is {shown(value)}.")
+            raise ValueError(f"Argument `numbers`: '{clean(name)}' must be a finite number, but is {clean(value)}.")
 
 
 def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
     """Name and text of what is to be read."""
     if isinstance(path_or_text, str) and ("\n" in path_or_text or not path_or_text.strip()):
         return "text", path_or_text.removeprefix("\ufeff")
-    return shown(Path(path_or_text).name), read_text(path_or_text)
+    return clean(Path(path_or_text).name), read_text(path_or_text)
 
 
 class _Enough(Exception):
@@ -146,9 +146,9 @@ class _Faults(list[tuple[int, str]]):
         if about == "number":
             about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
         if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
-            subject = f"{about} {shown(s.words[0])}"
+            subject = f"{about} {clean(s.words[0])}"
             text = f"{subject}: {text.removeprefix(subject).lstrip()}"
-        self.append((s.line, f"{shown(s.keyword)}: {text}"))
+        self.append((s.line, f"{clean(s.keyword)}: {text}"))
         if len(self) >= MOST_FAULTS:
             raise _Enough
 
@@ -332,7 +332,7 @@ def _warn_of_screws(r: Reading) -> None:
 def _warn_of_drawing(r: Reading) -> None:
     """One warning names all lines that draw."""
     if r.drawn:
-        named = [f"{shown(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
+        named = [f"{clean(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
         named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
         text = f"drawing keywords are kept in settings and have no effect on results: {', '.join(named)}"
         r.warnings.append((r.drawn[0], text))

@@ -24,11 +24,7 @@ _BENDINGS = {2: ((1, 2, -1.0),), 3: ((2, 3, 1.0), (3, 5, 1.0))}
 
 
 def closure(element: Element) -> int:
-    """Number of deformations that close a spectral beam; none for any other element.
-
-    Args:
-        element: Element type.
-    """
+    """Number of deformations that close a spectral beam; none for any other element."""
     return element.fields[0][0] - 1 if element.fields else 0
 
 
@@ -40,7 +36,6 @@ def meant(element: Element, number: int) -> tuple[int, ...]:
     """Deformations that a number in a file stands for.
 
     Args:
-        element: Element type.
         number: As the file gives it, from 1.
     """
     if number > closure(element):
@@ -53,7 +48,6 @@ def shortened(element: Element, numbers: list[int]) -> list[int]:
     """Numbers for a file that stand for the given deformations, in their order, whole fields by the beam's.
 
     Args:
-        element: Element type.
         numbers: Deformations, each once, from 1.
     """
     found, left = [], list(numbers)
@@ -69,7 +63,6 @@ def arranged(element: Element, numbers: list[int]) -> list[int]:
     """Deformations in an order in which :func:`shortened` finds the whole fields.
 
     Args:
-        element: Element type.
         numbers: Deformations, each once, from 1.
     """
     order = [n for k in range(1, closure(element) + 1) for n in meant(element, k)]
@@ -80,7 +73,6 @@ def resultants(element: Element, length: float, values: list[float]) -> dict[int
     """Stress resultants of the coefficients that do the same work as those of a beam.
 
     Args:
-        element: Element type.
         length: Of the beam [m].
         values: As ESIG gives them: of the beam's deformations, then of the coefficients.
 
@@ -98,7 +90,6 @@ def strains(element: Element, length: float, values: list[float]) -> dict[int, f
     """Coefficients of the strains that a beam has with given deformations.
 
     Args:
-        element: Element type.
         length: Of the beam [m].
         values: As EINIT gives them: deformations of the beam, then coefficients.
 
@@ -134,11 +125,7 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
 
 
 def described(element: Element) -> str:
-    """Which deformations belong to what, for the log.
-
-    Args:
-        element: Type of a spectral beam.
-    """
+    """Which deformations belong to what, for the log."""
     names = FIELDS[_dimension(element)]
     parts = [f"{name} {own[0]} to {own[-1]}" for name, own in zip(names, element.fields, strict=False)]
     return ", ".join([f"closure 1 to {closure(element)}", *parts])

@@ -15,7 +15,7 @@ from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
-from ..errors import ModelError, shown
+from ..errors import ModelError, clean
 from ..files import write_whole
 from ..model.roles import Role
 from . import series as series
@@ -58,7 +58,7 @@ def _line(keyword: str, *values: Any) -> str:
     for value in values:
         if not isinstance(value, int | str) and not within(value):
             raise ModelError(
-                f"'{shown(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
+                f"'{clean(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
                 f" {LARGEST:g} in size."
             )
     return line

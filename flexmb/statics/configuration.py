@@ -15,7 +15,7 @@ from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
 from ..mechanics.transfer import correction, transfer
-from ..model.model import Labels, Model, as_determined
+from ..model.model import AtNodes, Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -29,7 +29,7 @@ CORRECTIONS = 8
 TOLERANCE = 1e-12
 
 
-class Configuration(Result, Record):
+class Configuration(AtNodes, Result, Record):
     """Coordinates, deformations and velocities at given degrees of freedom.
 
     Attributes:
@@ -55,17 +55,6 @@ class Configuration(Result, Record):
             "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
         }
         return Summary(f"Configuration: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
-
-    def at(self, node: str) -> Float[Array, "n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation".
-
-        Args:
-            node: Name of the node.
-
-        Raises:
-            KeyError: No such node.
-        """
-        return self.x[self.labels.known(node)]
 
 
 class _Way(NamedTuple):

@@ -11,13 +11,13 @@ from ..display import Result, Summary, largest
 from ..errors import ModelError, warn
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
-from ..model.model import Labels, Model, as_determined, as_model
+from ..model.model import AtNodes, Labels, Model, as_determined, as_model
 from ..results import RESULTS, check
 from .solve import reactions_of, solve_state
 from .sparse import sparse_equilibrium
 
 
-class Equilibrium(Result, Record):
+class Equilibrium(AtNodes, Result, Record):
     """Static equilibrium under constant loads.
 
     Attributes:
@@ -52,17 +52,6 @@ class Equilibrium(Result, Record):
         }
         return Summary(f"Equilibrium: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
 
-    def at(self, node: str) -> Float[Array, "n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation".
-
-        Args:
-            node: Name of the node.
-
-        Raises:
-            KeyError: No such node.
-        """
-        return self.x[self.labels.known(node)]
-
 
 @jit
 def _equilibrium(topology, parameters, target):
@@ -74,10 +63,7 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
     """Load factors that a public function is asked for; it is said where incremental loads are left out unasked.
 
     Args:
-        model: Mechanism.
-        load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; None: zero, with a warning where there are any.
-        function: Name of the public function.
 
     Raises:
         TypeError, ValueError: A factor is no finite number, or there are no incremental loads to scale.
@@ -93,12 +79,7 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
 
 
 def warn_of_increment(model: Model, function: str) -> None:
-    """Say that incremental loads are left out, but for models under a trace.
-
-    Args:
-        model: Mechanism.
-        function: Name of the public function that is asked for.
-    """
+    """Say that incremental loads are left out, but for models under a trace."""
     if model.parameters.increment is not None and is_concrete(model):
         warn(
             f"fm.{function} leaves out the incremental loads of the model: it is asked about the state without them."

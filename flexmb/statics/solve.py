@@ -276,9 +276,6 @@ def solve_state(
 def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
     """Forces of the supports on the mechanism, at FIXED and PRESCRIBED coordinates, zero elsewhere.
 
-    Args:
-        at: Equilibrium state.
-
     Returns:
         D_x^T sigma - f there, (n_x,) [N, N m].
     """

@@ -100,11 +100,7 @@ class View:
 
 
 def document(view: View) -> str:
-    """The page of a view.
-
-    Args:
-        view: What is shown.
-    """
+    """The page of a view."""
     folder = files("flexmb.viewer")
     page, script = (folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "viewer.js"))
     # Inside a script element only "</" and "<!--" would end or change it; JSON may write "<" as an escape.
@@ -116,11 +112,7 @@ def document(view: View) -> str:
 
 
 def framed(view: View) -> str:
-    """The page in a frame, for notebooks.
-
-    Args:
-        view: What is shown.
-    """
+    """The page in a frame, for notebooks."""
     content = html.escape(document(view), quote=True)
     return (
         f'<iframe srcdoc="{content}" title="{html.escape(view.title)}"'

@@ -82,7 +82,6 @@ def nodes_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray]) -> No
     """Nodes in the base state and in others.
 
     Args:
-        model: Mechanism.
         base: Nodal coordinates, (n_x,).
         states: Nodal coordinates of the others, or changes of them, each (n_x,).
     """
@@ -95,7 +94,6 @@ def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], value
     """Lines of a model in its base state and in others.
 
     Args:
-        model: Mechanism.
         base: Nodal coordinates of the base state, (n_x,).
         states: Those of the others, each (n_x,).
         values: What colours the elements, (sets, elements drawn, places), NaN where nothing does; or None.
@@ -116,7 +114,6 @@ def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], 
     """Lines of a model about a state, and their displacements in modes.
 
     Args:
-        model: Mechanism.
         base: Nodal coordinates of the state, (n_x,).
         moves: Change of the coordinates in each mode, (n_x,), to which the displacement is linear.
         values: As for :func:`lines_at`.
@@ -140,7 +137,6 @@ def kept_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets poi
     """Colours of the points that are drawn.
 
     Args:
-        found: Lines.
         values: As for :func:`lines_at`.
     """
     rows = np.repeat(np.arange(len(found.parts)), [part.count for part in found.parts])
@@ -157,11 +153,7 @@ def in_space(points: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n 3"]:
 
 
 def most_states(found: Lines) -> int:
-    """How many states of a path or motion are shown.
-
-    Args:
-        found: Its lines.
-    """
+    """How many states of a path or motion are shown."""
     return max(2, min(MOST_STATES, MOST_NUMBERS // max(found.base.size, 1)))
 
 
@@ -169,7 +161,6 @@ def thinned(count: int, most: int) -> np.ndarray:
     """Which of many states are taken: evenly chosen ones, the first and the last among them.
 
     Args:
-        count: How many there are.
         most: How many are taken at most.
     """
     return np.unique(np.rint(np.linspace(0, count - 1, min(count, most))).astype(int))

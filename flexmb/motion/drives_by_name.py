@@ -39,7 +39,6 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
     """Times at which loads jump or bend, ascending; None where there are none.
 
     Args:
-        drives: What was given.
         driven: The same as :func:`driven_by` has it.
 
     Raises:
@@ -56,10 +55,6 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
 
 def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     """Functions of time with the indices of what they drive.
-
-    Args:
-        model: Mechanism.
-        drives: What was given.
 
     Raises:
         ModelError: Unknown name, or what cannot be driven.
