@@ -186,6 +186,7 @@ def main(arguments: list[str]) -> int:
     return 0 if share >= ENOUGH else 1
 
 
+PROFILES = "elements/test_profile.py -k against_shooting"
 FAULTS = [
     # The command line and what it answers.
     Fault("cli.py", "raise typer.Exit(found.exit_status)", "raise typer.Exit(0)", "test_cli.py -k ends_early"),
@@ -566,28 +567,45 @@ FAULTS = [
     Fault("elements/spatial.py", "[d.EA / l0, d.GIt / l0**3", "[d.EA / l0, d.GIt / l0", "elements/test_damping.py"),
     Fault(
         "elements/spectral_planar.py",
-        "[damping.EA, damping.EIy]",
-        "[damping.EA, damping.EA]",
+        "damping, section, order, _length(ref, curvature), 3, FIELDS",
+        'damping, section, order, _length(ref, curvature), 3, ("EA", "EA")',
         "elements/test_damping.py",
     ),
     Fault(
         "elements/spectral_spatial.py",
-        "damping.GIt, damping.EIy, damping.EIz]",
-        "damping.GIt, damping.EIz, damping.EIy]",
+        "damping, section, order, _length(ref, curvature), 6, FIELDS",
+        'damping, section, order, _length(ref, curvature), 6, ("EA", "GIt", "EIz", "EIy", "GAy", "GAz")',
         "elements/test_damping.py",
     ),
     Fault(
         "elements/spectral_planar.py",
-        "s.Jy * length * rule.weights]",
-        "0 * s.Jy * length * rule.weights]",
+        "jnp.diag(masses.T.ravel())",
+        "jnp.diag((masses * jnp.array([1.0, 0.0])).T.ravel())",
         "elements/test_damping.py -k spectral_beam_that_turns",
     ),
     Fault(
         "elements/spectral_spatial.py",
-        "[s.Jx, s.Jy, s.Jz, s.Jyz]",
-        "[s.Jx, s.Jz, s.Jy, s.Jyz]",
+        '"Jx", "Jy", "Jz", "Jyz"',
+        '"Jx", "Jz", "Jy", "Jyz"',
         "elements/test_damping.py -k spectral_beam_that_turns",
     ),
+    # Sections that vary along a spectral beam.
+    Fault(
+        "elements/spectral.py",
+        "return (_compliance(section, places, length, names) / mean)",
+        "return (_compliance(section, places, length, names) / mean**0)",
+        PROFILES,
+    ),
+    Fault("elements/spectral.py", "np.tri(m, k=-1)", "np.tri(m, k=0)", PROFILES),
+    Fault(
+        "elements/spectral.py",
+        "jnp.minimum(ends, end)",
+        "ends * end",
+        "elements/test_profile.py -k stress_and_resultants",
+    ),
+    Fault("elements/profile.py", "jnp.asarray(place > b, int)", "jnp.asarray(place < b, int)", PROFILES),
+    Fault("elements/sections.py", "neck + 2 * across * _rise", "neck + across * _rise", PROFILES),
+    Fault("linear/stress.py", "s.at(place, length)", "s.at(0.0, length)", "elements/test_profile.py -k stress_and"),
     Fault("elements/beams.py", "phi = 12 * shear", "phi = 6 * shear", "elements/test_laws.py -k sway"),
     Fault("elements/beams.py", "(60 * l0)", "(30 * l0)", "elements/test_laws.py -k shortening"),
     Fault(
