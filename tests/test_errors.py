@@ -1,8 +1,10 @@
-"""What messages show of a user's text."""
+"""What messages show of a user's text, and which failure of a batch is raised."""
 
+import numpy as np
 import pytest
 
-from flexmb.errors import LONGEST, clean
+from flexmb.errors import LONGEST, AnalysisError, clean
+from flexmb.results import RESULTS, check
 
 
 class Unwilling:
@@ -30,3 +32,12 @@ class Unwilling:
 def test_a_users_text_is_one_printable_line(text, expected):
     assert clean(text) == expected
     assert clean(text).isprintable()
+
+
+def test_the_worst_of_a_batch_is_raised():
+    codes = [RESULTS.critical_state.value, RESULTS.not_converged.value, RESULTS.successful.value]
+    with pytest.raises(AnalysisError) as raised:
+        check(np.array(codes), True)
+    assert raised.value.code == "not_converged"
+    # A critical state is a success.
+    check(np.array(codes)[[0, 2]], True)
