@@ -6,11 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from cases.commands import command
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.cli import app
 
 BASE = 10.0
 
@@ -516,7 +515,7 @@ def test_command_line(tmp_path):
     model = tmp_path / "flat.dat"
     model.write_text(FLAT)
     saved = tmp_path / "flat.npz"
-    result = CliRunner().invoke(app, ["run", str(model), "--mode", "10", "--json", "-", "--save", str(saved)])
+    result = command("run", model, "--mode", 10, "--json", "-", "--save", saved)
     assert result.exit_code == 0
     data = json.loads(result.stdout)
     assert (data["status"], data["mode"], data["stable"]) == ("ok", 10, True)
@@ -536,7 +535,7 @@ def test_command_line(tmp_path):
     with np.load(saved) as arrays:
         np.testing.assert_array_equal(arrays["path_x_2"], [step["x"]["2"] for step in data["path"]])
 
-    table = CliRunner().invoke(app, ["run", str(model), "--analysis", "path", "--max-steps", "5"])
+    table = command("run", model, "--analysis", "path", "--max-steps", 5)
     assert table.exit_code == 1
     assert "status max_steps" in table.stdout
     assert "path (6 states)" in table.stdout
