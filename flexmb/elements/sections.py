@@ -381,8 +381,7 @@ def notch_elliptic(
     Source:
         Smith, Badami, Dale, Xu (1997), Review of Scientific Instruments 68, 1474: the shape.
     """
-    _check_notch(width, height, neck, along=along, across=across)
-    depth = (height - neck) / 2
+    depth = _depth(width, height, neck, along=along, across=across)
     if is_concrete((depth, across)) and across < depth:
         raise ValueError(
             f"A notch with a depth of {depth:g} = (height - neck)/2 needs an ellipse as deep, not {across:g}."
@@ -421,8 +420,7 @@ def notch_filleted(
     Source:
         Lobontiu (2003), Compliant Mechanisms, section 2.3: the shape.
     """
-    _check_notch(width, height, neck, flat=flat, radius=radius)
-    depth = (height - neck) / 2
+    depth = _depth(width, height, neck, flat=flat, radius=radius)
     if is_concrete((depth, radius)) and radius > depth:
         raise ValueError(f"Argument `radius` must be at most (height - neck)/2 = {depth:g}, but is {radius:g}.")
     radius = jnp.where(radius <= depth, radius, jnp.nan)
@@ -440,11 +438,13 @@ def notch_filleted(
     return Profile(section, breaks)
 
 
-def _check_notch(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> None:
+def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Scalar:
+    """Depth of a notch from either side, of sizes that are checked."""
     for name, value in {"width": width, "height": height, "neck": neck, **others}.items():
         check_number(name, value, above=0)
     if is_concrete((height, neck)) and neck >= height:
         raise ValueError(f"Argument `neck` must be smaller than the height {height:g} of the bar, but is {neck:g}.")
+    return (height - neck) / 2
 
 
 def _rise(x: Scalar) -> Scalar:

@@ -51,8 +51,8 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
 
 
 def _rule_on(order: int, shear: bool, section: Section | None, length, pieces: Pieces) -> SimpleNamespace:
-    whole = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
-    steps = max(4, whole // pieces.sizes.shape[0])
+    # In each piece: the ends of fewer steps would not integrate its mass exactly.
+    steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     # Three nodes in each step, or more whose moments three nodes take over.

@@ -10,6 +10,7 @@ from references.varying_rods import CASES, CUT, TIPS, WIDTH
 
 import flexmb as fm
 from flexmb import planar, sections, spatial
+from flexmb.plot.geometry import lines
 
 STEEL = fm.Material(210e9, 80e9, 7850.0)
 
@@ -40,7 +41,7 @@ def cantilever(element, section, end, force=None, **properties):
 @pytest.mark.parametrize(
     ("case", "plane", "order", "error"),
     [
-        # Errors over the length at the first run, doubled; a series of strains alone has 1e-10, 0.2 and 8e-3.
+        # Bounds on the distance over the length: twice what was seen, which falls exponentially with the order.
         ("taper", True, 8, 3e-12),
         ("reinforced", True, 4, 8e-7),
         ("notch", True, 2, 1.2e-7),
@@ -150,10 +151,43 @@ def test_different_sections_stand_side_by_side():
     np.testing.assert_allclose(stiffness(*leaves), sum(stiffness(one) for one in leaves), rtol=1e-9)
 
 
+@pytest.mark.parametrize("space", [False, True])
+def test_shape_of_a_stepped_cantilever_under_a_moment(space):
+    # Closed form: slopes and deflections of three pieces, each an arc of small curvature M/EI.
+    thickness, ends, moment = (5e-4, 5e-3, 3e-4), (0.0, 0.2, 0.7, 1.0), 1e-6
+    section = sections.stepped([leaf(t) for t in thickness], ends[1:-1])
+    element, end = (spatial.spectral_beam(2), (0.1, 0, 0)) if space else (planar.spectral_beam(2), (0.1, 0))
+    b = cantilever(element, section, end)
+    b.moment("tip", (0, -moment, 0) if space else moment)
+    model = b.build()
+    (line,) = lines(model, np.asarray(fm.equilibrium(model).x))
+    expected = np.zeros(len(line.points))
+    for t, first, last in zip(thickness, ends[:-1], ends[1:], strict=True):
+        inside = np.clip(line.points[:, 0] / 0.1, first, last) - first
+        beyond = line.points[:, 0] / 0.1 - first - inside
+        expected += moment * 0.1**2 / leaf(t).rigidity().EIy * (inside**2 / 2 + inside * np.maximum(beyond, 0))
+    np.testing.assert_allclose(line.points[:, -1], expected, rtol=1e-5, atol=1e-13)
+
+
+def test_a_profile_that_does_not_vary_is_the_plain_beam():
+    # By the closed form of its matrices, THEORY.md 2, eq. (2.15), which the plain beam has.
+    damping = fm.Damping(EA=2.0, EIy=3e-4, EIz=0.4, GIt=5e-4)
+    plain = leaf(5e-4)
+    for element, end in ((planar.spectral_beam(3), (0.1, 0)), (spatial.spectral_beam(3), (0.1, 0, 0))):
+        one, other = (
+            fm.linearize(cantilever(element, section, end, damping=damping).build())
+            for section in (plain, sections.stepped([plain, plain], (0.3,)))
+        )
+        for name in ("M0", "D0", "K0"):
+            own = getattr(one, name)
+            np.testing.assert_allclose(getattr(other, name), own, rtol=0, atol=1e-9 * np.max(np.abs(own)), err_msg=name)
+
+
 FAULTS = {
     "zero": (lambda s: leaf(5e-4 * (1 - 2 * s)), (), "EA = 0 at place 0.5"),
     "no number": (lambda s: leaf(jnp.sqrt(s - 0.5)), (), "EA = nan at place"),
     "break": (lambda s: leaf(5e-4), (0.5, 1.5), "breaks at 0.5, 1.5.*between 0 and 1"),
+    "jump": (lambda s: leaf(jnp.where(s > 0.4, 5e-4, 3e-4)), (), "not smooth between its breaks"),
     "order": (lambda s: leaf(5e-4), (0.6, 0.4), "breaks at 0.6, 0.4.*in order"),
 }
 
