@@ -515,12 +515,6 @@ FAULTS = [
         "motion/test_fixed_steps.py",
     ),
     Fault(
-        "motion/energy_keeping.py",
-        "h * y0.w + h**2 / 2 * z[:n], y0.w",
-        "h * y0.w + h**2 / 3 * z[:n], y0.w",
-        "motion/test_fixed_steps.py",
-    ),
-    Fault(
         "motion/step_control.py",
         "(t1 - t0) * jnp.abs(y_error.w)",
         "0 * jnp.abs(y_error.w)",
