@@ -163,11 +163,12 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
 def _structure(properties: dict[str, Any]) -> Any:
     """What two elements must have in common to be stacked: anything but the numbers and the kinds of section.
 
-    Sections that vary along the element are stacked with those of the same function alone.
+    Sections that vary along the element are stacked with those of the same function alone, and a leaf spring's with
+    those of its kind: its deformations depend on its sides.
     """
     options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
     rest = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
-    if isinstance(section := properties.get("section"), Profile):
+    if isinstance(section := properties.get("section"), Profile) or "clamped" in properties:
         rest["section"] = section
     leaves, structure = jax.tree.flatten(rest)
     return options, structure, tuple(np.shape(leaf) for leaf in leaves)

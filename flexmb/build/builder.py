@@ -18,6 +18,7 @@ from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
+from .clamps import with_clamps
 from .description import TURNS, Description, Key, Member, NamedSignal
 from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
@@ -517,10 +518,12 @@ class Builder(Description):
             )
         if check:
             warn_of_idle(self)
-        model, before = assemble(self), next_carried()
+        before = next_carried()
+        described = with_clamps(self, before)
+        model = assemble(described)
         blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
         if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):
-            if before is not None and (twin := as_in(self, before)) is not self:
+            if before is not None and (twin := as_in(described, before)) is not described:
                 return note(check_inputs(assemble(twin), twin))
             if not self.dofs and dofs == "auto":
                 raise ModelError(
@@ -535,10 +538,10 @@ class Builder(Description):
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
-            return note(check_inputs(model, self))
+            return note(check_inputs(model, described))
         if not check:
             return note(model)
-        return check_inputs(note(complete(self, model, dofs, release)))
+        return check_inputs(note(complete(described, model, dofs, release)))
 
     # -- helpers ------------------------------------------------------------------------------------------------
 
@@ -612,25 +615,31 @@ class Builder(Description):
             f"Element '{name}' ({element.name}) joins {len(kinds)} nodes: {expected}. Give one name for each, or one"
             f" for each end; got {len(nodes)}: {', '.join(nodes) or 'none'}."
         )
-        waiting = list(nodes) if len(nodes) == len(kinds) else None
+        named_kinds = [k for k in kinds if k[1].part != "warping"] if len(nodes) != len(kinds) else kinds
+        waiting = list(nodes) if len(nodes) == len(named_kinds) else None
         found: list[str] = []
         source, used = iter(nodes), set()
         current = None
         for parameter, kind in kinds:
-            if waiting is not None:
+            if waiting is not None and (parameter, kind) in named_kinds:
                 current = waiting.pop(0)
+            elif waiting is not None:
+                # The warping that goes with the rotation before it.
+                current = found[-1]
             elif current is None or self._part_kind(current, kind) is None or kind.part in used:
                 current, used = next(source, None), set()
                 if current is None:
                     raise wrong
             used.add(kind.part)
-            if current not in self.nodes and not current.endswith(".rotation"):
+            if current not in self.nodes and not current.endswith((".rotation", ".warping")):
                 self._unknown_node(current, f"element '{name}', {parameter}")
             part = self._part_kind(current, kind)
             if part is None:
                 raise wrong
             if kind.part == "rotation":
                 part = self._rotation_name(current)
+            elif kind.part == "warping":
+                part = self._warping_name(current)
             if self.dimension != kind.dimension:
                 raise ModelError(
                     f"Element '{name}' ({element.name}) is {'planar' if kind.dimension == 2 else 'spatial'}, but node"

@@ -185,12 +185,21 @@ class Description:
             self._position(owner)
         return f"{owner}.rotation"
 
+    def _warping_name(self, node: str) -> str:
+        """Name of the warping that goes with a node or a rotation, or that it has itself."""
+        if node in self.nodes and self.nodes[node].kind.part == "warping":
+            return node
+        return f"{node.removesuffix('.rotation').removesuffix('.warping')}.warping"
+
     def _part_kind(self, node: str, kind: NodeKind) -> str | None:
         """Whether a name can stand for a node of this kind."""
         if node not in self.nodes:
-            return node if kind.part == "rotation" and node.endswith(".rotation") else None
+            parts = {".rotation": ("rotation", "warping"), ".warping": ("warping",)}
+            allowed = next((parts[end] for end in parts if node.endswith(end)), ())
+            return node if kind.part in allowed else None
         own = self.nodes[node].kind.part
-        return node if own == kind.part or (own == "position" and kind.part == "rotation") else None
+        stands_for = {"position": ("rotation", "warping"), "rotation": ("warping",)}.get(own, ())
+        return node if kind.part in (own, *stands_for) else None
 
     def _member(self, name: str) -> Member:
         name = str(name)

@@ -21,6 +21,8 @@ from ..errors import ModelError
 from .assemble import is_option, stack
 
 EMPTY = inspect.Parameter.empty
+# Annotation of what is true or not of each end.
+ENDS = tuple[bool, bool]
 # Companions whose shapes follow from no property: those of the package are right.
 SURE = ("inertia", "force", "resultants")
 
@@ -133,6 +135,8 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
         if not isinstance(value, tuple(records)):
             wanted = " or ".join(_kind(h) for h in records)
             raise ModelError(f"{what} must be {wanted}, not {shown(value)}.")
+    elif ENDS in hints:
+        return _of_ends(what, value)
     elif bool in hints:
         if not isinstance(value, bool):
             raise ModelError(f"{what} must be True or False, not {shown(value)}.")
@@ -154,6 +158,14 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
         for leaf in leaves:
             check_numbers(what, leaf, fault=ModelError)
     return value
+
+
+def _of_ends(what: str, value: Any) -> np.ndarray:
+    """What is true of the two ends of an element, as numbers: one word for both, or one for each."""
+    flags = [value] * 2 if isinstance(value, bool) else list(value) if isinstance(value, list | tuple) else []
+    if len(flags) != 2 or not all(isinstance(flag, bool) for flag in flags):
+        raise ModelError(f"{what} must be True or False, or two of them, one for each end, not {shown(value)}.")
+    return np.array(flags, float)
 
 
 def _kind(record: type) -> str:

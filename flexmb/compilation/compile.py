@@ -15,7 +15,12 @@ from .threads import one_thread
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
-QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+QUICK = {
+    "xla_backend_optimization_level": 0,
+    "xla_cpu_use_fusion_emitters": False,
+    # Its fused products crash on some sizes of small matrices.
+    "xla_cpu_experimental_ynn_fusion_type": "",
+}
 THOROUGH = {
     "xla_backend_optimization_level": 1,
     "xla_cpu_use_fusion_emitters": False,

@@ -75,6 +75,8 @@ class Element:
             none if not.
         measured: Numbers (from 1) of the deformations that no one holds: what companions need to know, and angles whose
             turns are counted. They are DEPENDENT whatever the caller releases.
+        third_order: Whether its energy is of third order in the deformations at least, so that nothing of it is felt in
+            the undeformed mechanism.
         series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, where the strains
             are series. Their coefficients are what the node of an annotation ``Series2`` or ``Series3`` holds.
         chosen: Options that are not as usual: name, type and value of each, in alphabetical order.
@@ -93,6 +95,7 @@ class Element:
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     measured: tuple[int, ...] = ()
+    third_order: bool = False
     series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
     chosen: tuple[tuple[str, type, Any], ...] = ()
 

@@ -17,8 +17,8 @@ class NodeKind:
 
     Attributes:
         name: Name as it appears in messages.
-        part: Which part of a named node it is, "position" or "rotation"; "internal" for coordinates that an element
-            owns.
+        part: Which part of a named node it is, "position", "rotation" or "warping"; "internal" for coordinates that an
+            element owns.
         dimension: 2 in the plane, 3 in space.
         start: Coordinates before a position is given.
         components: Name of each coordinate.
@@ -51,11 +51,14 @@ POINT2 = NodeKind("Point2", "position", 2, (0.0, 0.0), ("x", "y"), 2)
 ANGLE = NodeKind("Angle", "rotation", 2, (0.0,), ("phi",), 1)
 POINT3 = NodeKind("Point3", "position", 3, (0.0, 0.0, 0.0), ("x", "y", "z"), 3)
 ROTATION3 = NodeKind("Rotation3", "rotation", 3, (1.0, 0.0, 0.0, 0.0), ("l0", "l1", "l2", "l3"), 3)
+# By how much the sections of the beams that meet there warp: their twist rate there [rad/m].
+WARPING = NodeKind("Warping", "warping", 3, (0.0,), ("w",), 1)
 
 Point2 = Annotated[Float[Array, "2"], POINT2]
 Angle = Annotated[Float[Array, "1"], ANGLE]
 Point3 = Annotated[Float[Array, "3"], POINT3]
 Rotation3 = Annotated[Float[Array, "4"], ROTATION3]
+Warping = Annotated[Float[Array, "1"], WARPING]
 
 
 # Coordinates that an element owns, coefficients of its strains; the builder makes a node of them, "element.internal".

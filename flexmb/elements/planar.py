@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import cosine_and_sine, rotation_plane
-from . import beams, spectral_planar, transmission
+from . import beams, leaf_planar, spectral_planar, transmission
 from .element import ALL, Element
 from .laws import characteristic, uncoupled
 from .nodes import Angle, Point2, Static
@@ -139,6 +139,7 @@ Options: second_order, whether the elongation counts the shortening by bending, 
 
 
 spectral_beam = spectral_planar.spectral_beam
+leaf_spring = leaf_planar.leaf_spring
 
 
 def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]:

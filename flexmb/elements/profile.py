@@ -45,6 +45,8 @@ class Profile(Section):
     function: Callable[..., Section]
     breaks: Sequence[Scalar] | Callable[..., Sequence[Scalar]] = ()
 
+    varies = True
+
     def __post_init__(self):
         # JAX makes records too, of what was taken before.
         for name, taken in (("function", _function), ("breaks", _breaks)):

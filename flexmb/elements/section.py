@@ -6,8 +6,10 @@ and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that d
 
 import abc
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -44,6 +46,9 @@ class Section(Record):
     A section with a shape also says what stress it has, by :meth:`stress`.
     """
 
+    # Whether :meth:`at` gives other sections at other places.
+    varies = False
+
     @abc.abstractmethod
     def rigidity(self) -> "Rigidity":
         """Rigidities and mass per length of the section."""
@@ -56,6 +61,24 @@ class Section(Record):
             length: Of the beam, () [m].
         """
         return self
+
+    def breaks_at(self, length: Scalar) -> tuple[Float[Array, ""], ...]:
+        """Places where the section jumps along a beam; none unless it varies.
+
+        Args:
+            length: Of the beam, () [m].
+        """
+        return ()
+
+    def relative(self, places: Any, length: Scalar, names: Sequence[str]) -> Float[Array, "n names"]:
+        """Compliances at places of a spectral beam over those of the section itself: 1 but near a leaf spring's clamps.
+
+        Args:
+            places: From 0 to 1, (n,).
+            length: Of the beam, () [m].
+            names: Of rigidities.
+        """
+        return jnp.ones((len(places), len(names)))
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
         """Stress at eight points of the surface.

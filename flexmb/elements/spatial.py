@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.rotation import CROSS, initial_frame, lbar, turned
-from . import beams, joints, spectral_spatial
+from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .laws import characteristic
 from .nodes import Point3, Rotation3, Static
@@ -173,6 +173,7 @@ Options: second_order, whether the terms of second order of bending and torsion 
 
 
 spectral_beam = spectral_spatial.spectral_beam
+leaf_spring = leaf_spatial.leaf_spring
 
 
 def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:

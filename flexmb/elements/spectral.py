@@ -90,18 +90,21 @@ class Pieces(NamedTuple):
 WHOLE = Pieces(np.zeros(1), np.ones(1))
 
 
-def pieces_of(section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None) -> Pieces:
-    """Smooth pieces of a beam; a power of two of them, so that poses multiply in pairs.
+def pieces_of(
+    section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None, pairs: bool = False
+) -> Pieces:
+    """Smooth pieces of a beam.
 
     Args:
         section: Of the beam; one that does not vary makes one piece.
         length: Of the beam [m].
         end: Where to end, () [-]; the whole beam unless given.
+        pairs: Whether there must be a power of two of them, for poses that multiply in pairs; the last are empty then.
     """
-    breaks = section.breaks_at(length) if isinstance(section, Profile) else ()
+    breaks = () if section is None else section.breaks_at(length)
     if not breaks and end is None:
         return WHOLE
-    count = 2 ** int(np.ceil(np.log2(len(breaks) + 1)))
+    count = 2 ** int(np.ceil(np.log2(len(breaks) + 1))) if pairs else len(breaks) + 1
     ends = jnp.stack([jnp.clip(one, 0.0, 1.0) for one in breaks] + [jnp.ones(())] * (count - len(breaks)))
     ends = ends if end is None else jnp.minimum(ends, end)
     starts = jnp.concatenate([jnp.zeros(1), ends[:-1]])
@@ -122,7 +125,7 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
         s = section.at(place, length).rigidity()
         return jnp.stack([jnp.asarray(_of(s, name), float) for name in names])
 
-    if isinstance(section, Profile):
+    if section.varies:
         return jax.vmap(numbers)(places)
     return jnp.broadcast_to(numbers(0.0), (places.shape[0], len(names)))
 
@@ -155,12 +158,26 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
     """
     traced = isinstance(places, jax.Array)
     polynomials = (legendre_values_at if traced else legendre_values)(order, places)
-    if not isinstance(section, Profile):
+    if section is None or not section.varies:
         return (jnp if traced else np).broadcast_to(polynomials[:, None], (len(places), len(names), order))
+    if isinstance(section, Profile):
+        return relative(section, places, length, names)[:, :, None] * polynomials[:, None]
+    return section.relative(places, length, names)[:, :, None] * polynomials[:, None]
+
+
+def relative(section: Profile, places, length, names: Sequence[str]) -> Float[Array, "n fields"]:
+    """Compliances at places over their means.
+
+    Args:
+        section: Of the beam.
+        places: From 0 to 1, (n,).
+        length: Of the beam [m].
+        names: Rigidities of the fields, as :func:`rigidities` takes them.
+    """
     nodes, weights = gauss(NODES)
     whole = pieces_of(section, length)
     mean = (whole.sizes[:, None] * weights).ravel() @ _compliance(section, whole.spread(nodes).ravel(), length, names)
-    return (_compliance(section, places, length, names) / mean)[:, :, None] * polynomials[:, None]
+    return _compliance(section, places, length, names) / mean
 
 
 def _compliance(section: Section, places, length, names) -> Float[Array, "n fields"]:
@@ -184,7 +201,7 @@ def series_matrix(of: Section | Damping, section: Section | None, order: int, le
         (n_e, n_e). For a section that does not vary it is diagonal: the integral of a squared polynomial P_k is
         1/(2k + 1).
     """
-    if not isinstance(section, Profile):
+    if section is None or not section.varies:
         constant = of.rigidity() if isinstance(of, Section) else of
         own = jnp.stack([jnp.asarray(_of(constant, name), float) for name in names])[:, None] / length
         own = own / (2.0 * np.arange(order) + 1)

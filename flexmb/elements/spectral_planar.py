@@ -12,7 +12,6 @@ from ..math.rotation import rotation_plane
 from . import beams
 from .element import Element
 from .nodes import Angle, Point2, Series2, Static
-from .profile import Profile
 from .sections import Damping, Section
 from .spectral import (
     WHOLE,
@@ -33,7 +32,7 @@ FIELDS = ("EA", "EIy")
 
 def _rule(order: int, section: Section | None, length, end=None) -> SimpleNamespace:
     """Quadrature along the beam, to a place or to its last end, with the strains at its nodes and their integrals."""
-    if end is None and not isinstance(section, Profile):
+    if end is None and (section is None or not section.varies):
         return _constant_rule(order)
     return _rule_on(order, section, length, pieces_of(section, length, end))
 

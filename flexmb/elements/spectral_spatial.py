@@ -13,8 +13,8 @@ from ..math.rigid import exponential, product, products, screws
 from ..math.rotation import CROSS, initial_frame, rotation_matrix
 from . import beams
 from .element import Element
+from .leaf import Leaf
 from .nodes import Point3, Rotation3, Series3, Static
-from .profile import Profile
 from .sections import Damping, Section
 from .spectral import (
     WHOLE,
@@ -40,9 +40,14 @@ DENSE = 8
 
 def _rule(order: int, shear: bool, section: Section | None, length, end=None) -> SimpleNamespace:
     """Quadrature along the beam, to a place or to its last end, in steps over which the pose goes by an exponential."""
-    if end is None and not isinstance(section, Profile):
+    if isinstance(section, Leaf):
+        # Strains jump within steps, but little: three Gauss nodes take over their moments there too.
+        plain = _rule(order, shear, None, length, end)
+        basis = section.moments(order, plain.lengths, length, FIELDS)
+        return SimpleNamespace(**vars(plain) | {"basis": jnp.einsum("sgfo,fx->sgxo", basis, PLACES)})
+    if end is None and (section is None or not section.varies):
         return _constant_rule(order, shear)
-    return _rule_on(order, shear, section, length, pieces_of(section, length, end))
+    return _rule_on(order, shear, section, length, pieces_of(section, length, end, pairs=True))
 
 
 @functools.cache
@@ -56,11 +61,12 @@ def _rule_on(order: int, shear: bool, section: Section | None, length, pieces: P
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     # Three nodes in each step, or more whose moments three nodes take over.
-    nodes, quadrature = gauss(DENSE if isinstance(section, Profile) else 3)
+    varies = section is not None and section.varies
+    nodes, quadrature = gauss(DENSE if varies else 3)
     places = pieces.spread((ends[:-1, None] + lengths[:, None] * nodes).ravel()).ravel()
     shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
     shapes = shapes.reshape(-1, len(nodes), _count(shear), order)
-    if isinstance(section, Profile):
+    if varies:
         moments = (2.0 * np.arange(3) + 1)[:, None] * legendre_values(3, nodes).T * quadrature
         shapes = jnp.einsum("gk,kn,snfo->sgfo", legendre_values(3, gauss(3)[0]), moments, shapes)
     steps_of = (pieces.sizes[:, None] * lengths).ravel()

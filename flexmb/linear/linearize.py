@@ -15,7 +15,7 @@ from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import Felt, mass_matrix
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..mechanics.residual import State
-from ..mechanics.stress_resultants import element_damping, stress_tangents
+from ..mechanics.stress_resultants import depends_on_rates, element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
@@ -241,7 +241,9 @@ def matrices_at(
     """
     z, dfe = at.transfer.DFx, at.transfer.DFe
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
-    _, damping = stress_tangents(topology, parameters, at.S, element_damping(topology, parameters), at.e)
+    damping = element_damping(topology, parameters)
+    if depends_on_rates(topology):
+        _, damping = stress_tangents(topology, parameters, at.S, damping, at.e)
     at_rest = jnp.zeros_like(mass)
     k0, g0 = at.K0, at.G0
     finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))

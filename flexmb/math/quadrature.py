@@ -19,6 +19,23 @@ def legendre_values(order: int, s: np.ndarray) -> np.ndarray:
     return legendre.legvander(2 * np.asarray(s) - 1, order - 1)
 
 
+def legendre_slopes(order: int, s: np.ndarray) -> np.ndarray:
+    """Derivatives by s of the Legendre polynomials P_k(2 s - 1), k < order.
+
+    Args:
+        order: Number of polynomials.
+        s: Places in [0, 1], (n,).
+
+    Returns:
+        (n, order) [-].
+
+    Source:
+        Derivatives of Legendre series, as NumPy has them.
+    """
+    slopes = legendre.legder(np.eye(order), axis=0)
+    return 2 * legendre.legval(2 * np.asarray(s) - 1, slopes).T if order > 1 else np.zeros((len(s), 1))
+
+
 def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
     """Integrals of P_k(2 s - 1) from 0 to s, k < order.
 

@@ -92,14 +92,14 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
 def deforming(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
     """Properties of a block that its deformations may depend on.
 
-    How strains are spread along a spectral beam its section says, but only one that varies: others are left out, so
-    that beams with all kinds of them are the same program.
+    How strains are spread along a spectral beam its section says, but only one that varies, along a leaf spring any:
+    others are left out, so that beams with all kinds of them are the same program.
 
     Args:
         block: Block.
         properties: Its stacked properties.
     """
-    if block.element.series is None or isinstance(properties.get("section"), Profile):
+    if block.element.series is None or "clamped" in properties or isinstance(properties.get("section"), Profile):
         return properties
     return {name: None if name == "section" else value for name, value in properties.items()}
 

@@ -82,6 +82,18 @@ def is_nonlinear(topology: Topology) -> bool:
     return any(not set(NONLINEAR).isdisjoint(block.companions) for block in topology.blocks)
 
 
+def is_nonlinear_at_rest(topology: Topology) -> bool:
+    """The same, of the undeformed mechanism at rest, where an energy of third order is not felt."""
+    return depends_on_rates(topology) or any(
+        "energy" in block.companions and not block.element.third_order for block in topology.blocks
+    )
+
+
+def depends_on_rates(topology: Topology) -> bool:
+    """Whether some element states a dissipation or a law; known before tracing."""
+    return any(not {"dissipation", "law"}.isdisjoint(block.companions) for block in topology.blocks)
+
+
 def _nonlinear_stress(topology: Topology, parameters: Parameters):
     """Blocks with a nonlinear companion, its stress as ``f(e_el, ed_el, *arguments_el)``, and stacked arguments."""
     for block, energy, *arguments in each_block(topology, parameters, "energy"):

@@ -14,7 +14,7 @@ from ..mechanics.deformation import deformation_jacobian, deformations, zero_nea
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
-from ..mechanics.stress_resultants import element_stiffness, is_nonlinear, stress_resultants
+from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_rest, stress_resultants
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
@@ -260,7 +260,7 @@ def solve_state(
         State, ``near``, code of RESULTS, and number of Newton iterations.
     """
     # What the laws of elements pull in the undeformed mechanism is known only as a number.
-    if has_loads(topology, parameters) or is_nonlinear(topology):
+    if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
         at, near, iterations, result = _solve(topology, parameters, target)
         if not tell_critical:
             result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)

@@ -1,0 +1,201 @@
+"""Which ends of leaf springs are clamped, found from what they are joined to."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arguments import is_concrete
+from ..elements.section import Section
+from ..errors import FlexmbWarning, ModelError
+from ..model.model import Model
+from ..model.roles import Role
+from .description import Description, Member
+
+# A part so many times as thick as a leaf spring clamps it.
+THICK = 3.0
+# Leaf springs that meet at a larger angle are a fold [rad].
+FOLD = np.radians(5.0)
+HELD = (Role.FIXED, Role.PRESCRIBED)
+
+
+class _End(NamedTuple):
+    """An end of a leaf spring: its rotation, and whether it is the first end (0) or the last (1)."""
+
+    leaf: str
+    rotation: str
+    number: int
+
+
+class _Unknown(Exception):
+    """What decides whether an end is clamped is traced, or stated nowhere."""
+
+
+def with_clamps(builder: Description, before: Model | None) -> Description:
+    """A builder whose leaf springs know which of their ends are clamped, and with warping held where it is restrained.
+
+    An end is clamped whose rotation is held, or that is joined to a body, a hinge or something else rigid, or to a part
+    at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared.
+
+    Args:
+        builder: Builder; not changed.
+        before: Model that a traced build repeats, whose ends are taken, or None.
+
+    Returns:
+        A copy; the builder itself where there are no leaf springs.
+
+    Raises:
+        ModelError: It depends on traced numbers or on a section without sizes; two leaf springs contradict each other.
+
+    Source:
+        THEORY.md 2, below eq. (2.24).
+    """
+    leaves = [name for name, member in builder.members.items() if "clamped" in member.properties]
+    if not leaves:
+        return builder
+    twin = builder.copy()
+    for name in leaves:
+        member = twin.members[name]
+        given = member.properties["clamped"]
+        flat, restrained = [], []
+        for end in _ends(name, member):
+            if given is not None:
+                found = bool(given[end.number]), bool(given[end.number])
+            else:
+                found = _clamped(builder, end, _as_before(before, end))
+            flat.append(found[0])
+            restrained.append(found[1])
+        own = {**member.properties, "clamped": np.array(flat, float)}
+        twin.members[name] = dataclasses.replace(member, properties=own)
+        for warping, is_restrained in zip(_parts(member, "warping"), restrained, strict=False):
+            _hold(twin, warping, name, is_restrained, given is not None)
+    return twin
+
+
+def _parts(member: Member, part: str) -> list[str]:
+    """Nodes of an element that are of a kind, in order."""
+    kinds = member.element.nodes.values()
+    return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part == part]
+
+
+def _ends(name: str, member: Member) -> list[_End]:
+    return [_End(name, rotation, number) for number, rotation in enumerate(_parts(member, "rotation"))]
+
+
+def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given: bool) -> None:
+    """Hold the warping of a node, or refuse to where another leaf spring there is said not to be clamped."""
+    node = builder.nodes[warping]
+    others = [n for n, m in builder.members.items() if n != leaf and warping in m.nodes]
+    for other in others:
+        said = builder.members[other].properties.get("clamped")
+        place = _parts(builder.members[other], "warping").index(warping)
+        if given and said is not None and bool(said[place]) is not restrained:
+            raise ModelError(
+                f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but one is clamped there and the"
+                " other is not. Give `clamped` for both alike."
+            )
+    if restrained and node.roles[0] is Role.DEPENDENT:
+        node.roles[0] = Role.FIXED
+
+
+def _as_before(before: Model | None, end: _End) -> tuple[bool, bool] | None:
+    """Whether an end was flat, and its warping held, in a model of the same elements."""
+    if before is None:
+        return None
+    labels = before.labels
+    x_roles, _ = before.roles()
+    held = {entry.of for entry, role in zip(labels.x, x_roles, strict=True) if role in HELD and entry.kind == "warping"}
+    nodes = next((nodes for name, _, nodes in labels.elements if name == end.leaf), ())
+    warpings = [node for node in nodes if node.endswith(".warping")]
+    for block, properties in zip(before.topology.blocks, before.parameters.properties, strict=True):
+        if "clamped" in properties and block.e.shape[1]:
+            of = [labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()]
+            if end.leaf in of:
+                flat = bool(np.asarray(properties["clamped"])[of.index(end.leaf), end.number])
+                return flat, bool(warpings) and warpings[end.number] in held
+    return None
+
+
+def _clamped(builder: Description, end: _End, before: tuple[bool, bool] | None) -> tuple[bool, bool]:
+    """Whether an end is kept flat, and whether its warping is restrained."""
+    if all(role in HELD for role in builder.nodes[end.rotation].roles):
+        return True, True
+    flat = restrained = False
+    for name, other in builder.members.items():
+        if name == end.leaf or end.rotation not in other.nodes:
+            continue
+        try:
+            found = _by(builder, end, name, other)
+        except _Unknown as reason:
+            if before is not None:
+                return before
+            raise ModelError(
+                f"Element '{end.leaf}': whether '{name}' clamps its {('first', 'last')[end.number]} end cannot be"
+                f" found, since {reason}. Say it with clamped=(True or False of the first end, of the last)."
+            ) from None
+        flat, restrained = flat or found[0], restrained or found[1]
+    return flat, restrained
+
+
+def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool, bool]:
+    """The same, as far as one element at the end decides."""
+    element, section = other.element, other.properties.get("section")
+    if other.hidden:
+        return (element.inertia is not None,) * 2
+    flexible = section is not None and any(role not in HELD for role in other.roles)
+    if not flexible:
+        return (any(role in HELD for role in other.roles),) * 2
+    number = _parts(other, "rotation").index(end.rotation)
+    leaf = builder.members[end.leaf]
+    thin, thick = _thickness(builder, leaf, end.number), _thickness(builder, other, number)
+    if not is_concrete((thin, thick)):
+        raise _Unknown("it depends on how thick they are, and these numbers are traced")
+    if np.asarray(thick) >= THICK * np.asarray(thin):
+        return True, True
+    if "clamped" not in other.properties:
+        return False, False
+    axes = [_axes(builder, member) for member in (leaf, other)]
+    if not is_concrete(axes):
+        raise _Unknown("it depends on where they are, and these numbers are traced")
+    (along, across), (along_other, across_other) = axes
+    if abs(across @ across_other) < np.cos(FOLD):
+        warnings.warn(
+            f"Leaf springs '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
+            " other. Say with `clamped` whether they do.",
+            FlexmbWarning,
+            stacklevel=6,
+        )
+        return True, True
+    return bool(abs(along @ along_other) < np.cos(FOLD)), False
+
+
+def _thickness(builder: Description, member: Member, end: int) -> Any:
+    """Smallest side of a section at an end of an element."""
+    section: Section = member.properties["section"].at(float(end), _length(builder, member))
+    sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
+    if not sides:
+        raise _Unknown("its section is given by numbers and has no thickness")
+    return min(sides) if is_concrete(sides) else sides
+
+
+def _length(builder: Description, member: Member) -> Any:
+    p, q = (builder.nodes[node].start for node in _parts(member, "position")[:2])
+    return float(np.linalg.norm(np.subtract(q, p))) if is_concrete((p, q)) else 1.0
+
+
+def _axes(builder: Description, member: Member) -> Any:
+    """Unit vectors along a leaf spring and across it, along its width."""
+    p, q = (builder.nodes[node].start for node in _parts(member, "position"))
+    y = member.properties.get("y")
+    if not is_concrete((p, q, y)):
+        return p, q, y
+    p, q = np.asarray(p, float), np.asarray(q, float)
+    if p.size == 2:
+        return (q - p) / np.linalg.norm(q - p), np.ones(1)
+    along = (q - p) / np.linalg.norm(q - p)
+    y = np.arange(3.0) == np.argmin(np.abs(along)) if y is None else np.asarray(y, float)
+    across = y - (y @ along) * along
+    return along, across / np.linalg.norm(across)

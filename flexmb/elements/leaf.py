@@ -1,0 +1,400 @@
+"""What a leaf spring has beyond a beam: clamps keep its cross-section flat, and its warping is restrained.
+
+A strip that bends wants to curve across its width the other way. Where an end is clamped it cannot: near there it bends
+as a plate, with E/(1 - nu^2) in place of E, and a little nearer it stretches so. Far from clamps a wide strip flattens
+of its own as its curvature grows. A strip that twists wants to warp; where it cannot, twist builds up over a distance
+of about a quarter of the width.
+
+Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectral beams of such sections.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..errors import ModelError
+from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
+from .profile import Profile
+from .section import Damping, Material, Rigidity, Scalar, Section
+from .sections import Rectangle
+from .spectral import relative, rigidities, series_matrix, strains
+
+# How far from a clamp a leaf spring bends and stretches as a plate, over its width.
+BENT, STRETCHED = 0.40, 0.14
+KEPT = ("EA", "EIy")
+# Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
+STEPS, DENSE = 8, 8
+ENDS = np.array([0.0, 1.0])
+# Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
+PARTS = 10
+# Up to this argument a quotient of power series is used, exact to 1e-10.
+SMALL = 0.06
+
+
+class Leaf(Section):
+    """The section of a leaf spring at each place, with what clamps do to it.
+
+    Attributes:
+        section: As it is given: a rectangle, or one whose sizes vary smoothly.
+        clamped: 1 where an end is clamped, 0 where it is not, of the first end and of the last, (2,).
+
+    Source:
+        THEORY.md 2, eq. (2.22).
+    """
+
+    section: Section
+    clamped: Float[Array, "2"]
+
+    varies = True
+
+    def rigidity(self) -> Rigidity:
+        """There is none for the whole leaf spring.
+
+        Raises:
+            ModelError: Always.
+        """
+        raise ModelError("The section of a leaf spring is not the same everywhere.")
+
+    def rectangle(self, place: Scalar, length: Scalar) -> Rectangle:
+        """The rectangle at a place, with its shear counted.
+
+        Args:
+            place: From 0 to 1, () [-].
+            length: Of the leaf spring, () [m].
+        """
+        found: Any = self.section.at(place, length)
+        return dataclasses.replace(found, shear=True)
+
+    def breaks_at(self, length: Scalar) -> tuple[Float[Array, ""], ...]:
+        """Where a clamp's influence on stretching and on bending ends.
+
+        Args:
+            length: Of the leaf spring, () [m].
+        """
+        (stretched, stretched_back), (bent, bent_back) = self.kept(length)[0]
+        return stretched, bent, 1 - bent_back, 1 - stretched_back
+
+    def at(self, place: Scalar, length: Scalar) -> Section:
+        """The rectangle at a place; clamps change strains, see :meth:`relative`.
+
+        Args:
+            place: From 0 to 1, () [-].
+            length: Of the leaf spring, () [m].
+        """
+        return self.rectangle(place, length)
+
+    def layers(self, length: Scalar) -> tuple[Scalar, Scalar]:
+        """Over which distance from each end twist builds up where warping is restrained, over the length.
+
+        Args:
+            length: Of the leaf spring, () [m].
+
+        Returns:
+            sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
+        """
+        places = (0.0, 1.0) if self.section.varies else (0.0,)
+        found = [self._layer(self.rectangle(place, length), length) for place in places]
+        return found[0], found[-1]
+
+    def _layer(self, rectangle: Rectangle, length: Scalar) -> Scalar:
+        return jnp.sqrt(warping_rigidity(rectangle) / rectangle.rigidity().GIt) / length
+
+    def kept(self, length: Scalar) -> tuple[Float[Array, "2 2"], Float[Array, "2"]]:
+        """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
+
+        Args:
+            length: Of the leaf spring, () [m].
+
+        Returns:
+            Over the length, of stretching and of bending (rows) at the first end and at the last, (2, 2) [-]; nu^2
+            at a clamped end and 0 at another, (2,) [-].
+        """
+        rectangles = [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
+        widths = jnp.stack([jnp.asarray(r.width / length, float) for r in rectangles])
+        squares = jnp.stack([jnp.asarray(r.material.poisson() ** 2, float) for r in rectangles])
+        widths, squares = jnp.broadcast_to(widths, (2,)), jnp.broadcast_to(squares, (2,))
+        return jnp.minimum(np.array([[STRETCHED], [BENT]]) * widths, 0.5), self.clamped * squares
+
+    def relative(self, places: Any, length: Scalar, names: Sequence[str]) -> Float[Array, "n names"]:
+        """Compliances at places over what they are without clamps.
+
+        Args:
+            places: From 0 to 1, (n,).
+            length: Of the leaf spring, () [m].
+            names: Of rigidities.
+        """
+        reaches, less = self.kept(length)
+        ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
+        cut = jnp.einsum("fen,e->fn", ends < reaches[:, :, None], less)
+        own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
+        base = relative(self.section, places, length, names) if self.section.varies else 1.0
+        return base * (1 - own)
+
+    def near(self, order: int, starts: Array, ends: Array, length: Scalar, names: Sequence[str], count: int):
+        """Within each step what is near a clamped end: places, their weights, and strains without clamps there.
+
+        Args:
+            order: Coefficients of each field.
+            starts: Of the steps, (s,) [-].
+            ends: Of the steps, (s,) [-].
+            length: Of the leaf spring, () [m].
+            names: Rigidities of the fields.
+            count: Gauss nodes.
+
+        Returns:
+            Places and weights, of stretching and of bending at both ends, (2, 2, s, count); the weights hold by which
+            share strains are smaller. Strains, (2, 2, s, count, order).
+        """
+        reaches, less = self.kept(length)
+        nodes, weights = gauss(count)
+        first = jnp.stack([jnp.broadcast_to(starts, (2, len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1)
+        last = jnp.stack([jnp.clip(reaches[:, :1], starts, ends), jnp.broadcast_to(ends, (2, len(starts)))], 1)
+        sizes = last - first
+        places = first[..., None] + sizes[..., None] * nodes
+        shapes = legendre_values_at(order, places)
+        if self.section.varies:
+            at = relative(self.section, places.reshape(-1), length, names)
+            at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(KEPT)])
+            shapes = at[..., None] * shapes
+        return places, sizes[..., None] * weights * less[:, None, None], shapes
+
+    def twist(self, order: int, places: Any, length: Scalar) -> Float[Array, "n c"]:
+        """Twist rates over length of each coefficient and of the warping of each end.
+
+        Polynomials times the local compliance, less what they are at the ends, where the warping is; from there twist
+        dies away as where no torque is.
+
+        Args:
+            order: Coefficients.
+            places: From 0 to 1, (n,).
+            length: Of the leaf spring, () [m].
+
+        Returns:
+            (n, order + 2) [-]; the last two of the warping at the first end and at the last.
+
+        Source:
+            THEORY.md 2, eq. (2.24).
+        """
+        layers = self.layers(length)
+        own, ends = (strains(order, self.section, at, length, ("GIt",))[:, 0] for at in (places, ENDS))
+        fading = jnp.stack([_fading(at, layer)[0] for at, layer in zip((places, 1 - places), layers, strict=True)], 1)
+        return jnp.concatenate([own - fading @ ends, fading], axis=1)
+
+    def twist_slopes(self, order: int, places: np.ndarray, length: Scalar) -> Float[Array, "n c"]:
+        """Slopes of :meth:`twist` along the leaf spring, with the same arguments, (n, order + 2) [-]."""
+        first, last = self.layers(length)
+        if self.section.varies:
+            at = jnp.asarray(places)
+            shapes = partial(strains, order, self.section, length=length, names=("GIt",))
+            own = jax.jvp(shapes, (at,), (jnp.ones_like(at),))[1][:, 0]
+        else:
+            own = legendre_slopes(order, places)
+        ends = strains(order, self.section, ENDS, length, ("GIt",))[:, 0]
+        fading = jnp.stack([_fading(places, first)[1], -_fading(1 - places, last)[1]], axis=1)
+        return jnp.concatenate([own - fading @ ends, fading], axis=1)
+
+    def moments(self, order: int, steps: Any, length: Scalar, names: Sequence[str]) -> Float[Array, "s g f c"]:
+        """Strains at the three Gauss nodes of each step, such that their moments over the step are those of the leaf's.
+
+        Args:
+            order: Coefficients of each field.
+            steps: How long each is, over the length, (s,) [-].
+            length: Of the leaf spring, () [m].
+            names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
+
+        Returns:
+            Of each coefficient, field by field, and of the warping of both ends, (s, 3, fields, fields order + 2) [-].
+        """
+        count, fields, turned = max(DENSE, order // 2 + 3), len(names), names.index("GIt")
+        nodes, weights = gauss(count)
+        ends = jnp.cumsum(steps) if isinstance(steps, jax.Array) else np.cumsum(steps)
+        starts = ends - steps
+        places = (starts[:, None] + steps[:, None] * nodes).ravel()
+        back = legendre_values(3, gauss(3)[0]) * (2.0 * np.arange(3) + 1)
+        tests = back @ (legendre_values(3, nodes) * weights[:, None]).T
+        own = strains(order, self.section, places, length, names).reshape(len(steps), count, fields, order)
+        twist = self.twist(order, places, length).reshape(len(steps), count, order + 2)
+        within, shares, shapes = self.near(order, starts, ends, length, names, count)
+        sizes = jnp.where(jnp.asarray(steps) > 0, steps, 1.0)[:, None]
+        tested = legendre_values_at(3, (within - starts[:, None]) / sizes) * (shares / sizes)[..., None]
+        cut = jnp.einsum("gj,feskj,fesko->fsgo", back, tested, shapes)
+        placed = [names.index(name) for name in KEPT]
+        plain = np.ones(fields) * (np.arange(fields) != turned)
+        found = jnp.einsum("gk,skfo,f->sgfo", tests, own, plain)
+        found = found - jnp.einsum("hsgo,hf->sgfo", cut, np.eye(fields)[placed])
+        twist = jnp.einsum("gk,skc->sgc", tests, twist)
+        found = found + twist[:, :, None, :order] * np.eye(fields)[turned][:, None]
+        found = jnp.einsum("sgfo,fh->sgfho", found, np.eye(fields)).reshape(len(steps), 3, fields, fields * order)
+        warped = twist[:, :, None, order:] * np.eye(fields)[turned][:, None]
+        return jnp.concatenate([found, warped], axis=3)
+
+    def matrix(self, of: Damping | None, order: int, length: Scalar, names: Sequence[str]) -> Array:
+        """Matrix of rigidities over length between all coefficients, and the warping of both ends where it twists.
+
+        Args:
+            of: What has the rigidities: damping, or nothing for the leaf itself.
+            order: Coefficients of each field.
+            length: Of the leaf spring, () [m].
+            names: As for :meth:`moments`.
+
+        Returns:
+            (fields order, fields order), in space (fields order + 2, fields order + 2) [N/m, N, N m].
+
+        Source:
+            THEORY.md 2, eq. (2.22) and (2.24).
+        """
+        fields, elastic = len(names), of is None
+        counted: Any = self if self.section.varies else self.rectangle(0.0, length)
+        of = counted if of is None else of
+        found = series_matrix(of, self.section, order, length, 0, names).reshape(fields, order, fields, order)
+        places, shares, shapes = self.near(order, np.zeros(1), np.ones(1), length, names, order + 2)
+        if not elastic:
+            # Strains are smaller by 1 - nu^2 there, and damping is not larger.
+            shares = shares * (2 - self.kept(length)[1])[:, None, None]
+        placed = np.eye(fields)[[names.index(name) for name in KEPT]]
+        if elastic and self.section.varies:
+            stiff = rigidities(of, places.reshape(-1), length, KEPT).reshape(*places.shape, 2)
+            stiff = jnp.stack([stiff[i, ..., i] for i in range(2)])
+        else:
+            constant = of.rigidity() if isinstance(of, Section) else of
+            stiff = jnp.stack([jnp.asarray(getattr(constant, name), float) for name in KEPT])[:, None, None, None]
+        cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
+        found = found - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
+        if "GIt" not in names:
+            return found.reshape(fields * order, fields * order)
+        turned = np.eye(fields)[names.index("GIt")]
+        found = found * (1 - turned[:, None, None, None] * turned[:, None])
+        steps = lobatto(STEPS + 1)[0]
+        nodes, weights = gauss(DENSE)
+        places = (steps[:-1, None] + np.diff(steps)[:, None] * nodes).ravel()
+        weights = (np.diff(steps)[:, None] * weights).ravel()
+        twist, slopes = self.twist(order, places, length), self.twist_slopes(order, places, length)
+        if elastic:
+            torsion = rigidities(of, places, length, ("GIt",))[:, 0]
+            warping = jax.vmap(lambda place: warping_rigidity(self.rectangle(place, length)))(places)
+        else:
+            torsion, warping = jnp.asarray(of.GIt, float), 0.0
+        own = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
+        own = own + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
+        spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
+        spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
+        return jnp.pad(found.reshape(fields * order, fields * order), (0, 2)) + spread.T @ own @ spread
+
+    def energy(self, order: int, c: Float[Array, "c"], length: Scalar, names: Sequence[str]) -> Float[Array, ""]:
+        """What large strains take beyond the quadratic energy of :meth:`matrix`.
+
+        A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway; and twist makes the fibres
+        off the axis longer than the axis.
+
+        Args:
+            order: Coefficients of each field.
+            c: Coefficients, in space with the warping of both ends after them, (fields order,) or (fields order + 2,).
+            length: Of the leaf spring, () [m].
+            names: As for :meth:`moments`.
+
+        Returns:
+            () [J], of third order in the coefficients at least.
+
+        Source:
+            THEORY.md 2, eq. (2.23) and (2.25).
+        """
+        nodes, weights = gauss(PARTS)
+        first, last = self.kept(length)[0][1]
+        ends = jnp.stack([jnp.zeros(()), first, 1 - last, jnp.ones(())])
+        sizes = jnp.diff(ends)
+        places = (ends[:-1, None] + sizes[:, None] * nodes).ravel()
+        free = jnp.stack([1 - self.clamped[0], jnp.ones(()), 1 - self.clamped[1]])
+        own = strains(order, self, places, length, KEPT)
+        stretch, bent = (own[:, i] @ c[at * order :][:order] / length for i, at in enumerate(map(names.index, KEPT)))
+        wide, thick, nu, stiff, bending = self._numbers(places, length)
+        # u^4, which is smooth in the curvature.
+        fourth = 3 * (1 - nu**2) * (bent * wide**2 / thick) ** 2
+        stiffer = bending * nu**2 / (1 - nu**2) * (1 - curving(fourth))
+        found = 0.5 * length * ((sizes * free)[:, None] * weights).ravel() @ (stiffer * bent**2)
+        if "GIt" not in names:
+            return found
+        at = names.index("GIt") * order
+        twisted = jnp.concatenate([c[at : at + order], c[-2:]])
+        square = (wide * (self.twist(order, places, length) @ twisted) / length) ** 2
+        drawn = stiff * (stretch * square / 24 + square**2 / 640)
+        return found + length * (sizes[:, None] * weights).ravel() @ drawn
+
+    def _numbers(self, places, length):
+        """Width, thickness, Poisson's ratio, EA and EIy: of each place where they vary."""
+
+        def numbers(place):
+            rectangle = self.rectangle(place, length)
+            found = rectangle.rigidity()
+            of = rectangle.width, rectangle.thickness, rectangle.material.poisson(), found.EA, found.EIy
+            return tuple(jnp.asarray(one, float) for one in of)
+
+        return jax.vmap(numbers)(places) if self.section.varies else numbers(0.0)
+
+
+def leaf_of(section: Any, clamped: Any) -> Any:
+    """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given.
+
+    Args:
+        section: As it is given, or None.
+        clamped: 1 or 0 of both ends, (2,), or None.
+    """
+    return None if section is None else Leaf(section, jnp.zeros(2) if clamped is None else clamped)
+
+
+def _fading(places, layer):
+    """What is 1 at 0 and 0 at 1 where nothing acts in between, and its slope."""
+    near, back, whole = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
+    return (near - back) / whole, -(near + back) / (whole * layer)
+
+
+def as_plate(material: Material) -> Scalar:
+    """By how much a strip is stiffer whose cross-section is kept flat, 1/(1 - nu^2), () [-]."""
+    return 1 / (1 - material.poisson() ** 2)
+
+
+def warping_rigidity(rectangle: Rectangle) -> Scalar:
+    """Warping rigidity E' Cw of a strip, with E' = E/(1 - nu^2) and Cw = (width thickness)^3/144, () [N m^4]."""
+    material = rectangle.material
+    return material.E * as_plate(material) * (rectangle.width * rectangle.thickness) ** 3 / 144
+
+
+def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """How much of its curvature across a strip keeps, of what it has at small curvature along.
+
+    Args:
+        fourth: u^4, any shape [-].
+
+    Returns:
+        (2/u) (cosh u - cos u)/(sinh u + sin u), the same shape [-]: 1 for small u, 2/u for large.
+
+    Source:
+        THEORY.md 2, eq. (2.23).
+    """
+    small = fourth < SMALL
+    v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
+    decayed = jnp.exp(-u)
+    large = 2 / u * (1 + decayed**2 - 2 * decayed * jnp.cos(u)) / (1 - decayed**2 + 2 * decayed * jnp.sin(u))
+    return jnp.where(small, (1 + v / 360 + v**2 / 1814400) / (1 + v / 120 + v**2 / 362880), large)
+
+
+def faults_of_leaf(section: Section) -> list[str]:
+    """What is wrong with the section of a leaf spring.
+
+    Args:
+        section: Its section.
+    """
+    if isinstance(section, Profile):
+        if section.breaks:
+            return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]
+        section = section.at(0.5, 1.0)
+    if not isinstance(section, Rectangle):
+        return [f"has a section of kind {type(section).__name__}, but a leaf spring's is a Rectangle"]
+    if section.warping_length is not None:
+        return ["has a section with warping_length, but it counts restrained warping itself: leave it out"]
+    return []

@@ -1,0 +1,99 @@
+"""Leaf spring in the plane: a spectral beam that bends as a plate near clamps; what it shares stands in ``leaf``."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from . import beams, spectral_planar
+from .element import Element
+from .leaf import faults_of_leaf, leaf_of
+from .nodes import Angle, Point2, Series2, Static
+from .section import Damping, Section
+from .spectral import fields_after
+from .spectral_planar import FIELDS
+
+
+def _leaf_spring(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref,
+    section: Section,
+    order: Static[int] = 5,
+    clamped: tuple[bool, bool] | bool | None = None,
+) -> Float[Array, "n_e"]:
+    """Closure at q, then the coefficients themselves."""
+    return spectral_planar._spectral_beam(
+        p, rot_p, q, rot_q, c, ref=ref, order=order, section=leaf_of(section, clamped)
+    )
+
+
+def _fields(*, order):
+    return fields_after(3, 2, order)
+
+
+def _matrix(of, leaf, order, ref):
+    return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), FIELDS), (3, 0))
+
+
+def _stiffness(*, ref, section: Section, order, clamped=None):
+    return _matrix(None, leaf_of(section, clamped), order, ref)
+
+
+def _energy(e, *, ref, section: Section, order, clamped=None):
+    """Of the flattening at large curvature."""
+    return leaf_of(section, clamped).energy(order, e[3:], beams.beam_length(ref), FIELDS)
+
+
+def _damping(*, ref, damping: Damping, order, section: Section, clamped=None):
+    return _matrix(damping, leaf_of(section, clamped), order, ref)
+
+
+def _inertia(p, rot_p, q, rot_q, c, *, ref, section: Section, order, clamped=None):
+    """Positions and directions at the nodes of the quadrature."""
+    return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, section=leaf_of(section, clamped), order=order)
+
+
+def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section: Section, order, fall=None, clamped=None):
+    """Statics of the part beyond the place."""
+    own = {"ref": ref, "place": place, "sigma": sigma, "section": leaf_of(section, clamped), "order": order}
+    return spectral_planar._resultants(p, rot_p, q, rot_q, c, fall=fall, **own)
+
+
+def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section: Section, clamped=None):
+    own = {"ref": ref, "place": place, "section": leaf_of(section, clamped), "order": order}
+    return spectral_planar._shape(p, rot_p, q, rot_q, c, **own)
+
+
+def _check(*, ref, section=None) -> list[str]:
+    faults = beams.check_length(ref=ref)
+    return faults or ([] if section is None else faults_of_leaf(section))
+
+
+leaf_spring = Element(
+    _leaf_spring,
+    stiffness=_stiffness,
+    energy=_energy,
+    damping=_damping,
+    inertia=_inertia,
+    resultants=_resultants,
+    shape=_shape,
+    check=_check,
+    third_order=True,
+    series=_fields,
+)
+"""A leaf spring as a solid model has it, one element for the whole of it.
+
+Near clamped ends it bends and stretches as a plate, and its middle flattens as its curvature grows. Which ends are
+clamped is found when the model is built: those whose rotation is held, those joined to a rigid element, a hinge, a body
+or a part at least three times as thick, and folds.
+
+Deformations: those of ``planar.spectral_beam``.
+Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
+first end and its last are clamped, such as (True, False), where that shall not be found.
+Options: order, the number of coefficients of each strain, 5 unless given.
+
+Source: THEORY.md 2, eq. (2.22) and (2.23).
+"""

@@ -1,0 +1,122 @@
+"""Leaf spring in space: a spectral beam whose warping is a coordinate; what it shares stands in ``leaf``."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from . import beams, spectral_spatial
+from .element import Element
+from .leaf import faults_of_leaf, leaf_of
+from .nodes import Point3, Rotation3, Series3, Static, Warping
+from .section import Damping, Section
+from .spectral import fields_after
+from .spectral_spatial import FIELDS
+
+# Deformations: the closure, the warping of both ends, and the coefficients of the strains.
+CLOSURE, WARPINGS = 6, 2
+
+
+def _spectral(nodes, ref):
+    """Coordinates of a spectral beam whose last coefficients are the warpings, times length."""
+    p, rot_p, warp_p, q, rot_q, warp_q, c = nodes
+    return p, rot_p, q, rot_q, jnp.concatenate([c, beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])])
+
+
+def _leaf_spring(
+    p: Point3,
+    rot_p: Rotation3,
+    warp_p: Warping,
+    q: Point3,
+    rot_q: Rotation3,
+    warp_q: Warping,
+    c: Series3,
+    *,
+    ref,
+    section: Section,
+    order: Static[int] = 5,
+    clamped: tuple[bool, bool] | bool | None = None,
+    y: Float[Array, "3"] | None = None,
+) -> Float[Array, "n_e"]:
+    """Closure at q, warping of both ends, then the coefficients."""
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
+    warping = beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])
+    # Which motions are allowed does not depend on how strains are spread: that is asked without a section.
+    coefficients = c if section is None else jnp.concatenate([c, warping])
+    e = spectral_spatial._spectral_beam(p, rot_p, q, rot_q, coefficients, ref=ref, **own)
+    return jnp.concatenate([e[:CLOSURE], warping, c])
+
+
+def _fields(*, order):
+    return fields_after(CLOSURE + WARPINGS, len(FIELDS), order)
+
+
+def _matrix(of, leaf, order, ref):
+    found = leaf.matrix(of, order, beams.beam_length(ref), FIELDS)
+    return jnp.pad(jnp.roll(found, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
+
+
+def _stiffness(*, ref, section: Section, order, clamped=None):
+    return _matrix(None, leaf_of(section, clamped), order, ref)
+
+
+def _damping(*, ref, damping: Damping, order, section: Section, clamped=None):
+    return _matrix(damping, leaf_of(section, clamped), order, ref)
+
+
+def _energy(e, *, ref, section: Section, order, clamped=None):
+    """Of the flattening at large curvature, and of the tension that twist gives the edges."""
+    return leaf_of(section, clamped).energy(order, jnp.roll(e[CLOSURE:], -WARPINGS), beams.beam_length(ref), FIELDS)
+
+
+def _inertia(*nodes, ref, section: Section, order, clamped=None, y=None):
+    """Positions and triads at the ends of the steps."""
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
+    return spectral_spatial._inertia(*_spectral(nodes, ref), ref=ref, **own)
+
+
+def _resultants(*nodes, ref, place, sigma, section: Section, order, fall=None, clamped=None, y=None):
+    """Statics of the part beyond the place."""
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y, "sigma": sigma, "fall": fall}
+    return spectral_spatial._resultants(*_spectral(nodes, ref), ref=ref, place=place, **own)
+
+
+def _shape(*nodes, ref, place, section: Section, order, clamped=None, y=None):
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
+    return spectral_spatial._shape(*_spectral(nodes, ref), ref=ref, place=place, **own)
+
+
+def _check(*, ref, section=None, y=None) -> list[str]:
+    faults = beams.check_length(ref=ref) or beams.check_across(ref, y)
+    return faults or ([] if section is None else faults_of_leaf(section))
+
+
+leaf_spring = Element(
+    _leaf_spring,
+    stiffness=_stiffness,
+    energy=_energy,
+    damping=_damping,
+    inertia=_inertia,
+    resultants=_resultants,
+    shape=_shape,
+    check=_check,
+    measured=(7, 8),
+    third_order=True,
+    series=_fields,
+)
+"""A leaf spring as a solid model has it, one element for the whole of it.
+
+Beside what a spectral beam has it counts shear, warping that clamps restrain and neighbours share, bending and
+stretching as a plate near clamps, flattening of its middle as its curvature grows, and the tension of its edges where
+it twists. Which ends are clamped is found when the model is built: those whose rotation is held, those joined to a
+rigid element, a hinge, a body or a part at least three times as thick; at a fold the curvature is kept flat and the
+warping shared.
+
+Deformations: 1 to 6 the closure at q, FIXED; 7 and 8 the twist rates of both ends times length [rad], which the nodes'
+warping coordinates give; then ``order`` coefficients of each strain, times length, as ``spatial.spectral_beam`` with
+shear has them.
+Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; y (vector that fixes
+local y, along the width); clamped, whether its first end and its last are clamped, such as (True, False), where that
+shall not be found.
+Options: order, the number of coefficients of each strain, 5 unless given.
+
+Source: THEORY.md 2, eq. (2.22) to (2.25).
+"""
