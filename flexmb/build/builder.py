@@ -23,7 +23,7 @@ from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
 from .properties import complete as complete_properties
-from .properties import element_type, number_of_deformations, with_options
+from .properties import element_type, number_of_deformations, with_material_damping, with_options
 
 
 class Builder(Description):
@@ -147,7 +147,7 @@ class Builder(Description):
         for node, kind in zip(resolved, kinds, strict=True):
             if node not in self.nodes:
                 self._new_node(node, kind, list(kind.start))
-        self.members[name] = Member(element, resolved, properties, roles)
+        self.members[name] = Member(element, resolved, with_material_damping(element, properties), roles)
         return name
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------

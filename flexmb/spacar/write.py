@@ -15,6 +15,7 @@ from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
+from ..elements.sections import MaterialDamping
 from ..errors import ModelError, clean
 from ..files import write_whole
 from ..model.roles import Role
@@ -260,6 +261,8 @@ class _Writer:
             )
             lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
             lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
+        if isinstance(damping, MaterialDamping):
+            damping = damping.rigidities(section)
         if damping is not None:
             values = [float(np.asarray(getattr(damping, n))) for n in kind.damping]
             lines.append(_line("EDAMP", number, *_trimmed(values)))
