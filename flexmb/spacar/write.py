@@ -146,6 +146,11 @@ class _Writer:
         for m in self.builder.members.values():
             if m.element in (planar.follower_force, spatial.follower_force, spatial.follower_moment):
                 raise ModelError(f"The load that follows node '{m.nodes[0]}' cannot be expressed in a SPACAR file.")
+            if m.element in (planar.body, spatial.body):
+                raise ModelError(
+                    f"The body on node '{m.nodes[0]}' cannot be expressed in a SPACAR file: put its mass and inertia on"
+                    " a node in its centre, which a rigid beam joins."
+                )
         for name, m in self.shown.items():
             self._check_closure(name, m)
         for name, node in self.builder.nodes.items():
