@@ -183,9 +183,9 @@ def _faults_of_material(material: Material) -> list[str]:
     ratio = np.asarray(material.E) / (2 * np.asarray(material.G)) - 1
     if nu is None and np.any(ratio > 0.5 + ROUND_OFF):
         found.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
-    limits = material.fatigue, material.strength
-    if None not in limits and np.any(np.asarray(limits[0]) > np.asarray(limits[1])):
-        found.append(f"fatigue = {limits[0]}, but it cannot be above the strength {limits[1]}")
+    fatigue, strength = material.fatigue, material.strength
+    if fatigue is not None and strength is not None and np.any(np.asarray(fatigue) > np.asarray(strength)):
+        found.append(f"fatigue = {fatigue}, but it cannot be above the strength {strength}")
     return found
 
 

@@ -180,3 +180,17 @@ def test_derivatives_of_the_utilisation():
     by_strength, by_thickness = jax.grad(used, (0, 1))(200e6, THICKNESS)
     assert by_strength == pytest.approx(-value / 200e6, rel=1e-8)
     assert by_thickness == pytest.approx(-value / THICKNESS, rel=1e-8)
+
+
+def test_designs_with_materials_and_bodies_that_cannot_be_are_refused():
+    """Of many designs at once, as of one: a fatigue limit above the strength, an inertia below zero."""
+
+    def build(fatigue, inertia):
+        b = two_rods(STRONG, dataclasses.replace(STRONG, fatigue=fatigue), 1.0)
+        b.body("2", MASS, center=(0.01, 0.0), inertia=inertia)
+        b.fix("2.rotation", "phi")
+        return b.build()
+
+    designs = {"fatigue": np.array([100e6, 500e6, 100e6]), "inertia": np.array([1e-3, 1e-3, -1e-3])}
+    swept = fm.sweep(build, {"mass": fm.mass}, designs)
+    assert [bool(np.isfinite(mass)) for mass in swept["mass"]] == [True, False, False]
