@@ -144,6 +144,28 @@ def test_a_body_is_a_mass_at_the_end_of_a_rigid_beam():
     np.testing.assert_allclose(fm.frequencies(one), fm.frequencies(other), rtol=1e-7)
 
 
+def test_steady_precession_of_a_heavy_top():
+    """m g d = C w3 W - (A + m d^2) W^2 cos(tilt): its axis goes round the vertical at W."""
+    mass, depth, a, c, tilt, rate = 1.0, 0.1, 4e-3, 2e-3, 0.7, 8.0
+    spin = (mass * G * depth + (a + mass * depth**2) * rate**2 * np.cos(tilt)) / (c * rate)
+    axis = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    b = fm.Builder()
+    b.node("pivot", (0, 0, 0))
+    b.fix("pivot", "position")
+    b.body("pivot", mass, center=depth * axis, inertia=a * np.eye(3) + (c - a) * np.outer(axis, axis))
+    b.gravity((0, 0, -G))
+    b.dof("pivot.rotation", 2, 3, 4)
+    turning = rate * np.array([0, 0, 1.0]) + (spin - rate * np.cos(tilt)) * axis
+    for i in range(3):
+        b.start("pivot.rotation", i + 2, 0.0, turning[i] / 2)
+    model, times = b.build(), np.linspace(0, 0.05, 3)
+    motion = fm.simulate(model, times, rtol=1e-9, atol=1e-11)
+    turned = Rotation.from_quat(np.asarray(motion.x)[:, model.labels.coordinates("pivot.rotation")], scalar_first=True)
+    round_ = Rotation.from_rotvec(np.outer(rate * times, [0, 0, 1]))
+    # Ten times the tolerance.
+    np.testing.assert_allclose(turned.apply(axis), round_.apply(axis), rtol=0, atol=1e-8)
+
+
 WRONG = {
     "no mass": ({}, "needs a mass .*, or a STEP file"),
     "no weight": ({"mass": 0.0}, "has a mass of 0.0, but it must be positive"),

@@ -158,6 +158,31 @@ def test_stress_above_strength_is_told_by_name():
     assert "without strength: rod 0" in repr(found)
 
 
+def test_strength_along_a_beam_that_varies():
+    """A cantilever that is twice as thick at its foot: stress and strength of the section at each place."""
+    strong = fm.Rectangle(WIDTH, 2 * THICKNESS, dataclasses.replace(STRONG, strength=800e6))
+    thin = dataclasses.replace(strong, thickness=THICKNESS, material=STRONG)
+    b = cantilever(planar.spectral_beam(2), 2, fm.sections.taper(strong, thin))
+    b.force("tip", (0.0, 1e-3))
+    found = fm.stress(b.build(), points=3)
+    places = np.asarray(found.places)
+    thickness, strength = THICKNESS * (2 - places), 400e6 * (2 - places)
+    expected = 6 * 1e-3 * LENGTH * (1 - places) / (WIDTH * thickness**2) / strength
+    # But for the tip, where the shear force alone is left.
+    used = found.quantities()["utilisation"][0][0]
+    np.testing.assert_allclose(used[:2], expected[:2], rtol=1e-6)
+    assert found.utilisation[0] == pytest.approx(expected[1], rel=1e-6)
+
+
+def test_a_spacar_file_has_the_damping_of_the_material(tmp_path):
+    b = cantilever(planar.beam, 2, LEAF)
+    fm.write_spacar(b, tmp_path / "leaf.dat")
+    read = fm.read_spacar(tmp_path / "leaf.dat").builder.build()
+    model = b.build()
+    found, expected = (np.asarray(element_damping(*_parts(one))) for one in (read, model))
+    np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
 def test_without_a_strength_there_is_no_utilisation():
     found = fm.stress(two_rods(mechanisms.steel(), mechanisms.steel(), 1.0).build())
     with pytest.raises(fm.ModelError, match="No material of the elements states its strength"):
