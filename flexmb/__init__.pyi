@@ -18,6 +18,7 @@ from .design.sensitivities import sensitivities as sensitivities
 from .design.sensitivities import tolerances as tolerances
 from .design.sweep import sweep as sweep
 from .design.tune import tune as tune
+from .elements import materials as materials
 from .elements import planar as planar
 from .elements import sections as sections
 from .elements import spatial as spatial

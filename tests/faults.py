@@ -557,6 +557,27 @@ FAULTS = [
         "damping.EIy / l0, *beams.bending",
         "elements/test_damping.py",
     ),
+    Fault("elements/spatial.py", "(p + center @ axes)", "(p + axes @ center)", "elements/test_bodies.py"),
+    Fault("elements/planar.py", "[p + axes @ center,", "[p - axes @ center,", "elements/test_bodies.py"),
+    Fault(
+        "elements/section.py",
+        "(np.asarray(nu) < 0.5)",
+        "(np.asarray(nu) <= 0.5)",
+        "build/test_builder.py -k sections_that_cannot_be",
+    ),
+    Fault("build/step.py", "axis=0) + parallel -", "axis=0) -", "build/test_step.py -k parallel"),
+    Fault(
+        "mechanics/blocks.py",
+        'own["damping"].time * stiffness',
+        'own["damping"].time**2 * stiffness',
+        "elements/test_materials.py -k damping_is",
+    ),
+    Fault(
+        "linear/stress.py",
+        "jnp.max(self.von_mises, axis=2) / self._limit(quantity)",
+        'jnp.max(self.von_mises, axis=2) / self._limit("strength")',
+        "elements/test_materials.py -k by_name",
+    ),
     Fault(
         "elements/spatial.py",
         "bending_z = beams.bending_coefficients(d.EIz",

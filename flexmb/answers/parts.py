@@ -75,7 +75,8 @@ def _stress(lin: Linearization) -> dict[str, Any]:
         return {}
     found = stress(lin.model, at=lin)
     element, place, _ = found.where
-    return {"stress": {"maximum": float(found.maximum), "element": number(element), "place": place}}
+    used = {} if found.strength is None else {"utilisation": float(np.max(found.utilisation))}
+    return {"stress": {"maximum": float(found.maximum), "element": number(element), "place": place, **used}}
 
 
 def matrices(lin: Linearization) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from ..arguments import is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.profile import Profile
-from ..elements.sections import Rigidity
+from ..elements.sections import MaterialDamping, Rigidity
 from ..math.indices import put
 from ..mechanics.blocks import with_meaning
 from ..model.model import Entry, Labels, Model, Signal
@@ -138,7 +138,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
             # Nothing stiff is asked of an element whose deformations are all FIXED, and no stress where no section is.
             if not (rigid and c in ("stiffness", "damping", "resultants", *NONLINEAR))
             and (c != "resultants" or properties.get("section") is not None)
-            and element.arguments(getattr(element, c), properties) is not None
+            and element.arguments(getattr(element, _source(c, properties)), properties) is not None
         )
         key = (element, _structure(element.of_deformation(properties)))
         groups.setdefault(key, []).append(_Piece(name, x, e, splits, properties, present))
@@ -158,6 +158,12 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
             if companions:
                 found.append(_block(element, companions, own))
     return tuple(f[0] for f in found), tuple(f[1] for f in found), tuple(f[2] for f in found)
+
+
+def _source(companion: str, properties: dict[str, Any]) -> str:
+    """The companion that another one is made of: damping by the material, of the stiffness."""
+    by_material = companion == "damping" and isinstance(properties.get("damping"), MaterialDamping)
+    return "stiffness" if by_material else companion
 
 
 def _structure(properties: dict[str, Any]) -> Any:

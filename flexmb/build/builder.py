@@ -24,7 +24,8 @@ from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
 from .properties import complete as complete_properties
-from .properties import element_type, number_of_deformations, with_options
+from .properties import element_type, number_of_deformations, with_material_damping, with_options
+from .step import body_of_step
 
 
 class Builder(Description):
@@ -32,8 +33,8 @@ class Builder(Description):
 
     A node has a position; its rotation, named "name.rotation", exists once an element asks for it. Everything that is
     a number may be traced, so that a function that builds a model can be differentiated and batched. Checks of values
-    run on concrete numbers only. Forces, moments and masses that are given twice add up; what is prescribed, gravity,
-    prestress, strains and start values have the value that was given last.
+    run on concrete numbers only. Forces, moments, masses and bodies that are given twice add up; what is prescribed,
+    gravity, prestress, strains and start values have the value that was given last.
 
     Example:
         >>> b = Builder()
@@ -148,7 +149,7 @@ class Builder(Description):
         for node, kind in zip(resolved, kinds, strict=True):
             if node not in self.nodes:
                 self._new_node(node, kind, list(kind.start))
-        self.members[name] = Member(element, resolved, properties, roles)
+        self.members[name] = Member(element, resolved, with_material_damping(element, properties), roles)
         return name
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
@@ -263,6 +264,66 @@ class Builder(Description):
         """
         rotation, own = self._inertia(node, inertia)
         self._add_hidden("inertia", rotation, inertia=own)
+
+    def body(
+        self,
+        node: str,
+        mass: Any = None,
+        *,
+        center: Any = None,
+        inertia: Any = None,
+        step: Any = None,
+        material: Any = None,
+        at: Any = None,
+    ) -> None:
+        """Fix a body to a node, which turns with the node's rotation: from numbers, or from a STEP file.
+
+        Gravity acts at its centre of mass. Several bodies on one node add up, with what :meth:`mass` puts there.
+
+        Args:
+            node: Name of the node.
+            mass: () [kg]. Of a STEP file volume times density.
+            center: Centre of mass, from the node, along the global axes of the undeformed mechanism, (2,) or (3,) [m];
+                at the node unless given.
+            inertia: About the centre of mass, in the plane () and in space as :meth:`mass` takes it [kg m^2]; zero
+                unless given.
+            step: Path of a STEP file, whose solids are the body, in its own units; its axes are the global ones, in the
+                plane x and y of them. Takes build123d: pip install 'flexmb[cad]'.
+            material: With ``step``: a Material, whose density counts, or a density, () [kg/m^3].
+            at: With ``step``: where its origin is, from the node, (2,) or (3,) [m]; at the node unless given.
+
+        Raises:
+            ModelError: A mass that is not positive, an inertia that no body has, numbers beside a STEP file, a file
+                that is missing or has no solids.
+            ImportError: build123d is not installed.
+
+        Source:
+            THEORY.md 3, its table.
+        """
+        part, rotation = self._position(node), self._rotation_name(str(node))
+        what, dimension = f"The body on node '{node}'", self.dimension or 2
+        if step is not None:
+            if beside := [n for n, v in (("mass", mass), ("center", center), ("inertia", inertia)) if v is not None]:
+                raise ModelError(f"{what}: a STEP file says its {' and '.join(beside)}; leave out one of them.")
+            mass, origin, inertia = body_of_step(what, step, material)
+            center, inertia = origin[:dimension], inertia[2, 2] if dimension == 2 else inertia
+            if at is not None:
+                check_numbers(f"{what}: at", at, (dimension,), ModelError)
+                center = stack([a + c for a, c in zip(at, center, strict=True)])
+        elif given := [n for n, v in (("material", material), ("at", at)) if v is not None]:
+            raise ModelError(f"{what}: {' and '.join(given)} goes with a STEP file alone: give step= too.")
+        if mass is None:
+            raise ModelError(f"{what} needs a mass [kg], or a STEP file and its material.")
+        center = [0.0] * dimension if center is None else center
+        inertia = (0.0 if dimension == 2 else [0.0] * 6) if inertia is None else inertia
+        check_numbers(f"{what}: its mass", mass, (), ModelError)
+        check_numbers(f"{what}: its center", center, (dimension,), ModelError)
+        own = {"mass": mass, "center": center, "inertia": self._inertia(node, inertia)[1]}
+        if is_concrete((mass, own["inertia"])):
+            check: Any = (planar.body if dimension == 2 else spatial.body).check
+            for fault in check(ref=None, mass=mass, inertia=own["inertia"]):
+                raise ModelError(f"{what} {fault}.")
+        self._add_hidden("body", part, rotation, **own)
 
     def _inertia(self, node: str, inertia: Any) -> tuple[str, Any]:
         """Name of a node's rotation, and its inertia as it is kept."""

@@ -1,6 +1,7 @@
 """What a Builder describes that does nothing."""
 
 from ..arguments import is_concrete
+from ..elements.sections import MaterialDamping
 from ..errors import warn
 from ..model.roles import Role
 from .description import Description
@@ -25,6 +26,9 @@ def warn_of_idle(builder: Description) -> None:
                         " deformation, or leave it out."
                     )
     for of, member in builder.members.items():
+        if isinstance(member.properties.get("damping"), MaterialDamping):
+            # Of a material that is stated once and held here.
+            continue
         dampers = [getattr(member.element, kind) for kind in ("damping", "dissipation")]
         damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
         if damped and member.roles and all(role in HELD for role in member.roles):

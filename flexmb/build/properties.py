@@ -103,6 +103,23 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
     return found
 
 
+def with_material_damping(element: Element, properties: dict[str, Any]) -> dict[str, Any]:
+    """Properties of an element with the damping of its material, where it is elastic and none is given.
+
+    Args:
+        properties: Its properties, complete.
+    """
+    section = properties.get("section")
+    if not isinstance(section, Section) or properties.get("damping") is not None:
+        return properties
+    if (found := section.material_damping()) is None:
+        return properties
+    if element.arguments(element.stiffness, properties) is not None:
+        return {**properties, "damping": found}
+    # Belts state an energy instead, whose damper takes rigidities.
+    return {**properties, "damping": found.rigidities(section)} if "damping" in properties else properties
+
+
 def _check_whole(element: Element, name: str, given: set[str], found: dict[str, Any], needed: set[str]) -> None:
     """Refuse some but not all properties of a companion, which would be left out for want of the others."""
     for kind in (*COMPANIONS, "shape"):

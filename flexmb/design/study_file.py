@@ -172,7 +172,7 @@ class _Reader:
         value, more = given[kind], None
         if kind in ("frequency", "load_multiplier"):
             value = self.whole(f"{key}: {kind}", value)
-        elif kind in ("mass", "stress"):
+        elif kind in ("mass", "stress", "utilisation"):
             if value is not True:
                 raise self.fault(f"{key}: {kind}", f" must be true, but is {clean(repr(value))}: leave the answer out.")
         elif isinstance(value, bool) or not isinstance(value, str | int):

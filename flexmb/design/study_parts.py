@@ -227,6 +227,9 @@ class Asked:
     def _stress(self, model: Model) -> Any:
         return stress(model).maximum
 
+    def _utilisation(self, model: Model) -> Any:
+        return jnp.max(stress(model).utilisation)
+
     def _stiffness(self, model: Model) -> Any:
         self._coordinates(model)
         return stiffness(model, str(self.value), self.more)
@@ -257,4 +260,5 @@ KINDS: dict[str, tuple[str, ...]] = {
     "stiffness": ("axis",),
     "coordinate": ("component",),
     "stress": (),
+    "utilisation": (),
 }

@@ -1,5 +1,6 @@
 """Names that this room offers beside those of flexmb itself."""
 
+from . import materials as materials
 from . import planar as planar
 from . import sections as sections
 from . import spatial as spatial

@@ -193,6 +193,11 @@ def check_mass(*, ref, mass: float) -> list[str]:
     return [f"has a mass of {mass}, but it cannot be negative"] if np.any(np.asarray(mass) < 0) else []
 
 
+def check_body_mass(mass: float) -> list[str]:
+    """Faults of the mass of a body, or of many."""
+    return [] if np.all(np.asarray(mass) > 0) else [f"has a mass of {mass}, but it must be positive"]
+
+
 def check_across(ref, y) -> list[str]:
     """Faults of the vector that fixes the local y axis of an element with end positions ``ref.p`` and ``ref.q``."""
     if y is None:

@@ -254,3 +254,25 @@ def _follower_force(p: Point2, rot: Angle, *, ref, force: Float[Array, "2"]) -> 
 
 follower_force = Element(_nothing_between, force=_follower_force)
 """Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""
+
+
+def _body(p: Point2, rot: Angle, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _body_inertia(p: Point2, rot: Angle, *, ref, mass: float, center: Float[Array, "2"], inertia: float):
+    """Centre of mass, and an axis that turns with the body: its rate is that of the rotation."""
+    axes = rotation_plane(rot[0] - ref.rot[0])
+    return jnp.stack([p + axes @ center, axes[:, 0]]), jnp.diag(jnp.stack([jnp.asarray(mass), jnp.asarray(inertia)]))
+
+
+def _check_body(*, ref, mass: float, inertia: float) -> list[str]:
+    negative = np.any(np.asarray(inertia) < 0)
+    found = [f"has an inertia of {inertia}, but it cannot be negative"] if negative else []
+    return beams.check_body_mass(mass) + found
+
+
+body = Element(_body, inertia=_body_inertia, check=_check_body)
+"""Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
+(about the centre) [kg m^2].
+"""

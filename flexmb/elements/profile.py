@@ -9,12 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import shown
+from ..arguments import is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
 from ..math.quadrature import gauss
-from .section import Rigidity, Scalar, Section
+from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Where a profile is looked at for faults, in each of its pieces.
 PLACES = np.linspace(0.02, 0.98, 13)
@@ -22,6 +22,8 @@ PLACES = np.linspace(0.02, 0.98, 13)
 RULES, SMOOTH = (24, 17), 1e-3
 # Breaks that round-off puts before 0 or beyond 1 are at the ends.
 SMALL = 1e-9
+# Two values that agree to round-off.
+SAME = 1e-12
 # What bends, stretches and twists without these does not exist; the other numbers may be zero.
 STIFF = ("EA", "EIy", "EIz", "GIt")
 
@@ -87,8 +89,36 @@ class Profile(Section):
     @property
     def has_shape(self) -> bool:
         """Whether the sections have a stress."""
+        return self._kind().has_shape
+
+    def states(self, quantity: str) -> bool:
+        """Whether the material of the sections states a quantity.
+
+        Args:
+            quantity: Attribute of :class:`flexmb.Material`.
+        """
+        return self._kind().states(quantity)
+
+    def material_damping(self) -> MaterialDamping | None:
+        """Damping of the material, which must be the same everywhere.
+
+        Raises:
+            ModelError: It varies.
+        """
+        if not self.states("damping"):
+            return None
+        times = jax.vmap(lambda place: jnp.asarray(self.at(place, 1.0).stated("damping"), float))(PLACES)
+        if is_concrete(times) and np.ptp(np.asarray(times)) > SAME * np.max(np.asarray(times)):
+            raise ModelError(
+                "The damping of the material varies along the section of a beam. Give a material whose damping is the"
+                " same everywhere, or give the beam a damping of its own."
+            )
+        return MaterialDamping(times[0])
+
+    def _kind(self) -> Section:
+        """A section of the kind that there is everywhere; its numbers mean nothing."""
         code: Any = self.function
-        return jax.tree.unflatten(code.code.results, [0.0] * code.code.results.num_leaves).has_shape
+        return jax.tree.unflatten(code.code.results, [0.0] * code.code.results.num_leaves)
 
     def faults(self) -> list[str]:
         """None that does not depend on the beam: see :meth:`faults_along`."""

@@ -18,22 +18,35 @@ from ..errors import ModelError
 from . import surface
 
 Scalar = float | Float[Array, ""]
+# By which E/(2 G) - 1 may be above 0.5.
+ROUND_OFF = 1e-9
 
 
 class Material(Record):
-    """Isotropic linear material.
+    """Isotropic linear material; :mod:`flexmb.materials` holds some.
 
     Attributes:
         E: Young's modulus [Pa].
         G: Shear modulus [Pa].
         rho: Density [kg/m^3].
         nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
+        alpha: Coefficient of thermal expansion [1/K]; not stated unless given.
+        strength: Yield stress, or fracture stress of what is brittle [Pa]; not stated unless given. The stress of
+            elements is compared with it, see :class:`flexmb.linear.Stress`.
+        fatigue: Largest stress that may reverse fully without end [Pa]; not stated unless given.
+        damping: Time constant of Kelvin and Voigt [s]: the stress is E (strain + damping * its rate), THEORY.md 2,
+            eq. (2.41). Elements of the material that are given no ``damping`` of their own are damped so. A vibration
+            of angular frequency w has the damping ratio damping * w/2. None: no damping.
     """
 
     E: Scalar
     G: Scalar
     rho: Scalar = 0.0
     nu: Scalar | None = None
+    alpha: Scalar | None = None
+    strength: Scalar | None = None
+    fatigue: Scalar | None = None
+    damping: Scalar | None = None
 
     def poisson(self) -> Scalar:
         """Poisson's ratio, () [-]."""
@@ -102,9 +115,30 @@ class Section(Record):
         """Whether :meth:`stress` answers."""
         return type(self).stress is not Section.stress
 
+    def stated(self, quantity: str) -> Any:
+        """What the material states; None where it states nothing, or there is none.
+
+        Args:
+            quantity: Attribute of :class:`Material`, such as "strength".
+        """
+        return getattr(getattr(self, "material", None), quantity, None)
+
+    def states(self, quantity: str) -> bool:
+        """Whether the material states a quantity.
+
+        Args:
+            quantity: Attribute of :class:`Material`.
+        """
+        return self.stated(quantity) is not None
+
+    def material_damping(self) -> "MaterialDamping | None":
+        """Damping of the material; None where it states none."""
+        time = self.stated("damping")
+        return None if time is None else MaterialDamping(time)
+
     def faults(self) -> list[str]:
         """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
-        return faults_of(self, at_least_zero=("rho",))
+        return faults_of(self, at_least_zero=("rho", "damping"))
 
 
 class Rigidity(Section):
@@ -152,17 +186,29 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
     found = []
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu"):
+        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu", "alpha"):
             continue
         if isinstance(value, Record):
             found += faults_of(value, at_least_zero)
-            nu = value.nu if isinstance(value, Material) else None
-            if nu is not None and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)):
-                found.append(f"nu = {nu}, but it must be above -1 and at most 0.5")
+            found += _faults_of_material(value) if isinstance(value, Material) else []
         elif field.name in at_least_zero:
             found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
         elif not np.all(np.asarray(value) > 0):
             found.append(f"{field.name} = {value}, but it must be positive")
+    return found
+
+
+def _faults_of_material(material: Material) -> list[str]:
+    """What does not go together in a material of concrete numbers."""
+    found, nu = [], material.nu
+    if nu is not None and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) < 0.5)):
+        found.append(f"nu = {nu}, but it must be above -1 and below 0.5")
+    ratio = np.asarray(material.E) / (2 * np.asarray(material.G)) - 1
+    if nu is None and np.any(ratio > 0.5 + ROUND_OFF):
+        found.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
+    fatigue, strength = material.fatigue, material.strength
+    if fatigue is not None and strength is not None and np.any(np.asarray(fatigue) > np.asarray(strength)):
+        found.append(f"fatigue = {fatigue}, but it cannot be above the strength {strength}")
     return found
 
 
@@ -184,3 +230,25 @@ class Damping(Record):
     def faults(self) -> list[str]:
         """What is wrong with the numbers, all concrete: none is negative."""
         return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self)))
+
+
+class MaterialDamping(Record):
+    """Damping of an element by its material, in place of ``damping`` where none is given: S_d = time * S.
+
+    Attributes:
+        time: Time constant of Kelvin and Voigt [s].
+
+    Source:
+        THEORY.md 2, eq. (2.41).
+    """
+
+    time: Scalar
+
+    def rigidities(self, section: Any) -> Damping:
+        """Damping rigidities of a section that does not vary.
+
+        Args:
+            section: A :class:`Section` of this material.
+        """
+        s = section.rigidity()
+        return Damping(*(self.time * rigidity for rigidity in (s.EA, s.EIy, s.EIz, s.GIt)))

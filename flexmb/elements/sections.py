@@ -14,6 +14,7 @@ from .profile import stepped as stepped
 from .profile import taper as taper
 from .section import Damping as Damping
 from .section import Material as Material
+from .section import MaterialDamping as MaterialDamping
 from .section import Rigidity as Rigidity
 from .section import Scalar
 from .section import Section as Section

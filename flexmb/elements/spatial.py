@@ -235,8 +235,13 @@ def _nothing_on(rot: Rotation3, *, ref) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
+# Where each component of an inertia tensor is among its six numbers.
+TENSOR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+
+
 def _inertia_inertia(rot: Rotation3, *, ref, inertia: Float[Array, "6"]):
-    tensor = inertia[np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])]
+    """Axes that turn with the body, and the second moments of its mass."""
+    tensor = inertia[TENSOR]
     return turned(rot, ref.rot, jnp.eye(3)).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
 
 
@@ -271,3 +276,41 @@ def _follower_moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float
 
 follower_moment = Element(_nothing_on, force=_follower_moment)
 """Moment that turns with its body. Properties: moment (as it points in the undeformed mechanism) [N m]."""
+
+
+def _body(p: Point3, rot: Rotation3, *, ref) -> Float[Array, "0"]:
+    return jnp.zeros(0)
+
+
+def _body_inertia(
+    p: Point3, rot: Rotation3, *, ref, mass: float, center: Float[Array, "3"], inertia: Float[Array, "6"]
+):
+    """Centre of mass, and axes that turn with the body."""
+    axes, moments = _inertia_inertia(rot, ref=ref, inertia=inertia)
+    h = jnp.zeros((4, 4)).at[0, 0].set(mass).at[1:, 1:].set(moments)
+    return jnp.concatenate([(p + center @ axes)[None], axes]), h
+
+
+def _check_body(*, ref, mass: float, inertia: Float[Array, "6"]) -> list[str]:
+    found, own = beams.check_body_mass(mass), np.asarray(inertia, float)
+    if not np.all(np.isfinite(own)):
+        return found
+    moments = np.linalg.eigvalsh(own[..., TENSOR])
+    # A needle has one that is zero, and two that are equal; a plate one that is the sum of the others.
+    slack = ROUND_OFF * moments[..., 2]
+    if np.any((moments[..., 0] < -slack) | (moments[..., 0] + moments[..., 1] < moments[..., 2] - slack)):
+        told = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
+        found.append(
+            f"has the principal moments of inertia {told}, which no body has: none is negative, and none is more than"
+            " the sum of the others"
+        )
+    return found
+
+
+# Of principal moments, by which they may fail to be those of a body.
+ROUND_OFF = 1e-9
+
+body = Element(_body, inertia=_body_inertia, check=_check_body)
+"""Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
+((Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about the centre and global axes, undeformed) [kg m^2].
+"""

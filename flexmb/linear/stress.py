@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_whole
+from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
-from ..display import Result, Summary, counted, span
+from ..display import Result, Summary, counted, listed, span
 from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, von_mises
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -64,7 +64,7 @@ def _extremes(quantities: dict[str, tuple[np.ndarray, str]], names, places) -> d
     for name, (values, unit) in quantities.items():
         element, place = np.unravel_index(np.argmax(np.abs(values)), values.shape)
         where = f", largest in '{names[element]}' at {float(places[place]):g}" if np.any(values) else ""
-        rows[name] = span(values, unit) + where
+        rows[name] = span(values, unit.strip("-")) + where
     return rows
 
 
@@ -91,27 +91,39 @@ class Stress(Result, Record):
         tau: Shear stress along the surface, counter-clockwise about x, (elements, places, 8) [Pa].
         von_mises: sqrt(sigma_x^2 + 3 tau^2), (elements, places, 8) [Pa].
         resultants: Force and moment in the sections.
+        strength: What the material bears, (elements, places) [Pa]; infinite where it states none, None where no
+            material does.
+        fatigue: Its fatigue limit, likewise.
     """
 
     sigma_x: Float[Array, "elements places 8"]
     tau: Float[Array, "elements places 8"]
     von_mises: Float[Array, "elements places 8"]
     resultants: SectionResultants
+    strength: Float[Array, "elements places"] | None = None
+    fatigue: Float[Array, "elements places"] | None = None
     one_axis = "resultants.places"
 
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
-        """Each stress, of the points of a section the largest with its sign, and each force, (elements, places)."""
+        """Each stress, of the points of a section the largest with its sign, and each force, (elements, places).
+
+        Where a material states its strength, also the largest von Mises stress over it, "utilisation".
+        """
         found = {}
         for name, values in (("von Mises", self.von_mises), ("sigma_x", self.sigma_x), ("tau", self.tau)):
             at_points = np.asarray(values)
             largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
             found[name] = (np.take_along_axis(at_points, largest, axis=2)[:, :, 0], "Pa")
+        if self.strength is not None:
+            found["utilisation"] = (np.asarray(self._over("strength")), "-")
         return {**found, **self.resultants.quantities()}
 
     def summary(self) -> Summary:
         """Outcome, and the extremes of the stresses."""
-        found = {name: (values, "Pa") for name, (values, unit) in self.quantities().items() if unit == "Pa"}
+        found = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
         rows = {"result": RESULTS(int(self.resultants.result)).name, **_extremes(found, self.names, self.places)}
+        if self.strength is not None and (silent := self._without("strength")):
+            rows["without strength"] = listed(silent)
         count, places, points = self.von_mises.shape
         return Summary(f"Stress of {counted(count, 'element')} at {places} places, {points} points each", rows)
 
@@ -148,6 +160,62 @@ class Stress(Result, Record):
         element, place, point = np.unravel_index(np.argmax(found), found.shape)
         return Location(self.names[element], float(self.places[place]), int(point))
 
+    @property
+    def utilisation(self) -> Float[Array, "elements"]:
+        """Largest von Mises stress of each element over the strength of its material, (elements,) [-].
+
+        Above one it yields or breaks. Zero where the material states no strength.
+
+        Raises:
+            ModelError: No material states one.
+        """
+        return jnp.max(self._over("strength"), axis=1)
+
+    @property
+    def fatigue_utilisation(self) -> Float[Array, "elements"]:
+        """Largest von Mises stress of each element over the fatigue limit of its material, (elements,) [-].
+
+        It is that of a motion which reverses fully between this state and one with the opposite stress.
+
+        Raises:
+            ModelError: No material states one.
+        """
+        return jnp.max(self._over("fatigue"), axis=1)
+
+    def _limit(self, quantity: str) -> Float[Array, "elements places"]:
+        found = getattr(self, quantity)
+        if found is None:
+            raise ModelError(
+                f"No material of the elements states its {quantity}: give {quantity}=.. to Material, or take one of"
+                " fm.materials that does."
+            )
+        return found
+
+    def _over(self, quantity: str) -> Float[Array, "elements places"]:
+        return jnp.max(self.von_mises, axis=2) / self._limit(quantity)
+
+    def _without(self, quantity: str) -> list[str]:
+        """Names of elements whose material states no such quantity."""
+        unknown = np.all(np.isinf(np.asarray(self._limit(quantity))), axis=1)
+        return [name for name, missing in zip(self.names, unknown, strict=True) if missing]
+
+    def smooth_utilisation(self, sharpness: float = 50.0) -> Float[Array, ""]:
+        """Upper estimate of the largest :attr:`utilisation` whose derivative has no jumps.
+
+        Args:
+            sharpness: As for :meth:`smooth_maximum`, () [-].
+
+        Returns:
+            () [-].
+
+        Raises:
+            ModelError: No material states a strength.
+
+        Source:
+            As :meth:`smooth_maximum`.
+        """
+        return self._smooth(sharpness, self._limit("strength")[:, :, None])
+
     def smooth_maximum(self, sharpness: float = 50.0) -> Float[Array, ""]:
         """Upper estimate of the largest von Mises stress whose derivative has no jumps: the norm of high order.
 
@@ -163,9 +231,13 @@ class Stress(Result, Record):
         Source:
             Norms of order p and infinity of a vector.
         """
+        return self._smooth(sharpness, 1.0)
+
+    def _smooth(self, sharpness: float, limit: Float[Array, "elements places 1"] | float) -> Float[Array, ""]:
+        """Norm of high order of the von Mises stress over a limit."""
         if not isinstance(sharpness, jax.core.Tracer) and not sharpness >= 2:
             raise ValueError(f"Argument `sharpness` must be at least 2, but is {sharpness}.")
-        square = self.sigma_x**2 + 3 * self.tau**2
+        square = (self.sigma_x**2 + 3 * self.tau**2) / limit**2
         # Scaled by the largest, so that no power overflows; the value does not depend on the scale.
         largest = jax.lax.stop_gradient(jnp.max(square))
         largest = jnp.where(largest > 0, largest, 1.0)
@@ -218,17 +290,31 @@ def _resultants(topology: Topology, parameters: Parameters, x, sigma, felt, plac
     return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, felt, places))[rows]
 
 
+def _limits(stack, lengths, places, quantity: str) -> Float[Array, "n places"]:
+    """What the material of stacked sections bears; infinite where it does not say."""
+    if not stack.states(quantity):
+        return jnp.full((lengths.shape[0], places.shape[0]), jnp.inf)
+
+    def at(section, length, place):
+        return jnp.asarray(section.at(place, length).stated(quantity), float)
+
+    return jax.vmap(jax.vmap(at, (None, None, 0)), (0, 0, None))(stack, lengths, places)
+
+
 @jit
 def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
     found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
     blocks = zip(topology.blocks, parameters.properties, strict=True)
     given = [(b, p) for b, p in blocks if "resultants" in b.companions]
-    pieces = []
+    stated = [q for q in ("strength", "fatigue") if any(s.states(q) for _, p in given for s in _sections(p))]
+    pieces, limits = [], {quantity: [] for quantity in stated}
     for values, (block, properties) in zip(found, given, strict=True):
         lengths, start = _lengths(block, properties, parameters.reference), 0
         for stack in _sections(properties):
             own, length = (all_[start : start + _count(stack)] for all_ in (values, lengths))
             start += _count(stack)
+            for quantity in stated:
+                limits[quantity].append(_limits(stack, length, places, quantity))
             if stack.has_shape:
                 at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
                 pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, places, own))
@@ -236,7 +322,8 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, 
                 # A rigid element in a block with flexible ones has no stress; ``rows`` leaves these zeros out.
                 pieces.append((jnp.zeros((*own.shape[:2], POINTS)),) * 2)
     sigma_x, tau = (jnp.concatenate(part)[rows] for part in zip(*pieces, strict=True))
-    return jnp.concatenate(found)[rows], sigma_x, tau, von_mises(sigma_x, tau)
+    borne = {quantity: jnp.concatenate(own)[rows] for quantity, own in limits.items()}
+    return jnp.concatenate(found)[rows], sigma_x, tau, von_mises(sigma_x, tau), borne
 
 
 def _state(model: Model, points: int, at, load_factor: float, increment: float | None, throw: bool, function: str):
@@ -323,7 +410,11 @@ def stress(
         throw: Raise where the equilibrium fails; otherwise the code is in ``resultants.result``.
 
     Returns:
-        Stress with sigma_x, tau and von_mises (elements, places, 8) [Pa].
+        Stress with sigma_x, tau and von_mises (elements, places, 8) [Pa], and its utilisation of the strength that
+        materials state, (elements,) [-].
+
+    Warns:
+        FlexmbWarning: The stress is above the strength of a material.
 
     Raises:
         ModelError: An element has a section without a shape, or none has a section.
@@ -339,5 +430,20 @@ def stress(
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
     names, places, inputs, result = _state(model, points, at, load_factor, increment, throw, "stress")
-    values, sigma_x, tau, equivalent = _stress(*inputs)
-    return Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names))
+    values, sigma_x, tau, equivalent, borne = _stress(*inputs)
+    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names), **borne)
+    if found.strength is not None and is_concrete(found):
+        _warn_of_failure(found)
+    return found
+
+
+def _warn_of_failure(found: Stress) -> None:
+    """Warn of elements whose material does not bear the stress."""
+    used = np.asarray(found.utilisation)
+    failing = [name for name, one in zip(found.names, used, strict=True) if one > 1]
+    if failing:
+        worst = int(np.nanargmax(used))
+        warn(
+            f"The stress is above the strength of the material in {listed([repr(name) for name in failing])}: by a"
+            f" factor of {used[worst]:.4g} in '{found.names[worst]}'."
+        )

@@ -15,7 +15,7 @@ from ..compilation.kept import described
 from ..compilation.program import Captured, Code, captured, digest
 from ..elements.element import NONLINEAR, Element
 from ..elements.profile import Profile
-from ..elements.sections import Rigidity, Section
+from ..elements.sections import MaterialDamping, Rigidity, Section
 from ..errors import ModelError
 from ..math.indices import accumulate
 from ..model.parameters import Parameters
@@ -77,7 +77,10 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
     if companion not in block.companions:
         return None, properties
     properties = with_rigidities(deforming(block, properties) if companion == "deformation" else properties)
-    function = element_function(block, getattr(block.element, companion), properties)
+    if companion == "damping" and isinstance(properties.get("damping"), MaterialDamping):
+        function = _damped(element_function(block, block.element.stiffness, properties))
+    else:
+        function = element_function(block, getattr(block.element, companion), properties)
     then = dict(block.meaning or ()).get(companion)
     if isinstance(then, Code):
         return _with_numbers(then, companion), properties
@@ -87,6 +90,15 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
             " was built. Build the model again, or make the number a property of the element."
         )
     return function, properties
+
+
+def _damped(stiffness):
+    """Damping of one element by its material, from its stiffness; THEORY.md 2, eq. (2.41)."""
+
+    def function(x, ref, own, **extra):
+        return own["damping"].time * stiffness(x, ref, own, **extra)
+
+    return function
 
 
 def deforming(block: Block, properties: dict[str, Any]) -> dict[str, Any]:

@@ -143,12 +143,12 @@ def scaled_lines(
 
 
 def masses(model: Model) -> list[np.ndarray]:
-    """Indices in x of every point that carries a lumped mass."""
+    """Indices in x of every point that carries a lumped mass, or a body."""
     found = []
     for block in model.topology.blocks:
-        kinds = list(block.element.nodes.values())
-        if block.e.shape[1] == 0 and "inertia" in block.companions and [k.part for k in kinds] == ["position"]:
-            found += list(np.asarray(block.x))
+        first = next(iter(block.element.nodes.values()))
+        if block.e.shape[1] == 0 and "inertia" in block.companions and first.part == "position":
+            found += list(np.asarray(block.x)[:, : first.size])
     return found
 
 

@@ -33,7 +33,8 @@ def stress(
     Args:
         found: Stress or section resultants.
         shown: What it is the stress of: Linearization, Model (drawn undeformed), or Path with ``step``.
-        quantity: "von Mises", "sigma_x" or "tau" of a Stress; "normal force", "shear force y", "shear force z",
+        quantity: "von Mises", "sigma_x" or "tau" of a Stress, "utilisation" of one whose materials state their
+            strength; "normal force", "shear force y", "shear force z",
             "torque", "bending moment y" or "bending moment z" of both. Von Mises or bending moment y unless given.
         step: Which step of a path; the last unless given.
         scale: Factor of the displacements.
@@ -106,4 +107,5 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
 def colours_of(values: np.ndarray, label: str) -> tuple[str, float, float]:
     """Name of the colours for values, and the values at their ends: from zero, or to both sides of it."""
     largest = float(np.max(np.abs(values))) or 1.0
-    return ("viridis", 0.0, largest) if label.startswith("von Mises") else ("coolwarm", -largest, largest)
+    positive = label.startswith(("von Mises", "utilisation"))
+    return ("viridis", 0.0, largest) if positive else ("coolwarm", -largest, largest)

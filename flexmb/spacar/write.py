@@ -15,6 +15,7 @@ from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
+from ..elements.sections import MaterialDamping
 from ..errors import ModelError, clean
 from ..files import write_whole
 from ..model.roles import Role
@@ -145,6 +146,11 @@ class _Writer:
         for m in self.builder.members.values():
             if m.element in (planar.follower_force, spatial.follower_force, spatial.follower_moment):
                 raise ModelError(f"The load that follows node '{m.nodes[0]}' cannot be expressed in a SPACAR file.")
+            if m.element in (planar.body, spatial.body):
+                raise ModelError(
+                    f"The body on node '{m.nodes[0]}' cannot be expressed in a SPACAR file: put its mass and inertia on"
+                    " a node in its centre, which a rigid beam joins."
+                )
         for name, m in self.shown.items():
             self._check_closure(name, m)
         for name, node in self.builder.nodes.items():
@@ -260,6 +266,8 @@ class _Writer:
             )
             lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
             lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
+        if isinstance(damping, MaterialDamping):
+            damping = damping.rigidities(section)
         if damping is not None:
             values = [float(np.asarray(getattr(damping, n))) for n in kind.damping]
             lines.append(_line("EDAMP", number, *_trimmed(values)))

@@ -154,7 +154,7 @@ OTHERS = {
     "a mass without mass": (lambda b: b.add(spatial.mass, "A", name="m"), r"'m' .*does nothing without .*'mass'"),
     "Poisson's ratio in percent": (
         lambda b: b.add(spatial.beam, "A", "B", name="s", section=fm.Circle(1e-3, fm.Material(1e9, 1e9, nu=30.0))),
-        r"section of element 's' has nu = 30.0, but it must be above -1 and at most 0.5",
+        r"section of element 's' has nu = 30.0, but it must be above -1 and below 0.5",
     ),
     "measured deformations that are not there": (
         lambda b: b.add(fm.Element(spatial.truss.deformation, measured=(2,)), "A", "B", name="t"),

@@ -7,7 +7,7 @@ import scipy.linalg
 from flexmb.design.study_file import read_study
 
 L, W, T, E, RHO = 0.2, 0.02, 2e-3, 200e9, 8000.0
-MASS, INERTIA = 0.3, 4e-4
+MASS, INERTIA, STRENGTH = 0.3, 4e-4, 5e8
 # So small that they neither stiffen the beam nor turn its end: by 1e-4 rad, and a 1e-4 of the buckling load.
 MOMENT = 1e-4 * E * W * T**3 / 12 / L
 FORCE = 1e-4 * E * W * T**3 / 12 / L**2
@@ -19,7 +19,7 @@ def arm(length):
     b = fm.Builder()
     b.node("foot", (0, 0))
     b.node("tip", (length, 0))
-    section = fm.Rectangle({W}, {T}, fm.Material(E={E}, G={E} / 2.6, rho={RHO}), rotary=False)
+    section = fm.Rectangle({W}, {T}, fm.Material(E={E}, G={E} / 2.6, rho={RHO}, strength={STRENGTH}), rotary=False)
     b.add(fm.planar.beam, "foot", "tip", name="arm", section=section, released=(2, 3))
     b.fix("foot")
     b.mass("tip", {MASS}, inertia={INERTIA})
@@ -45,6 +45,7 @@ turn = {{ stiffness = "tip", axis = "phi" }}
 raised = {{ coordinate = "tip", component = 2 }}
 reached = {{ coordinate = "tip", component = 1 }}
 stress = {{ stress = true }}
+used = {{ utilisation = true }}
 own = "own:twice"
 [tune]
 minimize = "mass"
@@ -80,6 +81,7 @@ def expected():
         "raised": MOMENT * L**2 / (2 * ei),
         "reached": L,
         "stress": 6 * MOMENT / (W * T**2) + FORCE / (W * T),
+        "used": (6 * MOMENT / (W * T**2) + FORCE / (W * T)) / STRENGTH,
         "own": 2 * (m + MASS),
     }
 

@@ -104,6 +104,7 @@ PROPERTIES = {
     "stiffness": lambda hint: POSITIVE,
     "mass": lambda hint: POSITIVE,
     "inertia": lambda hint: POSITIVE if hint is float else inertia_tensors(),
+    "center": lambda hint: vectors(dimension_of(hint)),
     "moment": lambda hint: vectors(3),
     "force": lambda hint: vectors(dimension_of(hint)),
     "axis": lambda hint: vectors(dimension_of(hint)),
@@ -649,11 +650,15 @@ def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
             own = np.diag([float(s.Jx), float(s.Jy), float(s.Jz)])
             own[1, 2] = own[2, 1] = s.Jyz
             tensor += length(sample) * frame @ own @ frame.T
-    elif element is planar.inertia:
+    elif element in (planar.inertia, planar.body):
         tensor[2, 2] = sample.properties["inertia"]
-    elif element is spatial.inertia:
+    elif element in (spatial.inertia, spatial.body):
         tensor[np.triu_indices(3)] = sample.properties["inertia"]
         tensor = tensor + np.triu(tensor, 1).T
+    if "center" in sample.properties:
+        arm = np.zeros(3)
+        arm[: sample.ref[0].size] = sample.properties["center"]
+        tensor += sample.properties["mass"] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     found = energy(sample, rigid_velocity(sample, np.zeros(3), omega))
     assert found == pytest.approx(0.5 * omega @ tensor @ omega, rel=1e-12, abs=1e-12)
 

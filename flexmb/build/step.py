@@ -1,0 +1,76 @@
+"""Mass, centre and inertia of a part from a STEP file, by build123d."""
+
+import importlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..elements.sections import Material
+from ..errors import ModelError, clean
+
+# build123d gives millimetres, whatever the units of the file are.
+MILLIMETRE = 1e-3
+
+
+def body_of_step(what: str, step: Any, material: Any) -> tuple[Any, np.ndarray, Any]:
+    """Mass, centre of mass and inertia of all solids of a STEP file, in its axes.
+
+    Args:
+        what: What it is for, for messages.
+        step: Path of the file.
+        material: Material, whose density counts, or a density, () [kg/m^3].
+
+    Returns:
+        Mass () [kg], centre (3,) [m] and inertia about the centre, (3, 3) [kg m^2].
+
+    Raises:
+        ImportError: build123d is not installed.
+        ModelError: There is no such file, it has no solids, or there is no density.
+
+    Source:
+        Volume integrals over each solid by Open CASCADE; parallel axes.
+    """
+    density = _density(what, material)
+    path = Path(os.fspath(step)) if isinstance(step, str | os.PathLike) else None
+    if path is None or not path.is_file():
+        raise ModelError(f"{what}: there is no STEP file {shown(str(step))}.")
+    volumes, centers, inertias = _solids(what, path)
+    volume = np.sum(volumes)
+    center = volumes @ centers / volume
+    arms = centers - center
+    parallel = np.einsum("s,s,ij->ij", volumes, np.sum(arms**2, axis=1), np.eye(3))
+    inertia = np.sum(inertias, axis=0) + parallel - np.einsum("s,si,sj->ij", volumes, arms, arms)
+    return density * volume, center, density * (inertia + inertia.T) / 2
+
+
+def _density(what: str, material: Any) -> Any:
+    if material is None:
+        raise ModelError(f"{what}: a STEP file has volumes alone. Give material=, a Material or a density [kg/m^3].")
+    density = material.rho if isinstance(material, Material) else material
+    check_numbers(f"{what}: the density", density, (), ModelError)
+    if is_concrete(density) and not density > 0:
+        raise ModelError(f"{what}: the density of its material is {density}, but it must be positive.")
+    return density
+
+
+def _solids(what: str, path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Volumes (n,) [m^3], centres (n, 3) [m] and inertias over density (n, 3, 3) [m^5] of the solids of a file."""
+    try:
+        cad: Any = importlib.import_module("build123d")
+    except ImportError:
+        raise ImportError(f"{what}: a STEP file needs build123d: pip install 'flexmb[cad]'.") from None
+    try:
+        solids = cad.import_step(path).solids()
+    except Exception as fault:
+        raise ModelError(f"{what}: cannot read '{clean(path)}' as a STEP file: {clean(fault)}.") from fault
+    if not solids:
+        raise ModelError(f"{what}: the STEP file '{clean(path)}' has no solids, or is none. Surfaces have no mass.")
+    volumes = np.array([solid.volume for solid in solids])
+    if not np.all(volumes > 0):
+        raise ModelError(f"{what}: a solid in the STEP file '{clean(path)}' has no volume.")
+    centers = np.array([tuple(solid.center(cad.CenterOf.MASS)) for solid in solids])
+    inertias = np.array([solid.matrix_of_inertia for solid in solids])
+    return volumes * MILLIMETRE**3, centers * MILLIMETRE, inertias * MILLIMETRE**5
