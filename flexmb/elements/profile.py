@@ -85,8 +85,17 @@ class Profile(Section):
     @property
     def has_shape(self) -> bool:
         """Whether the sections have a stress."""
+        return self._kind().has_shape
+
+    @property
+    def expands(self) -> bool:
+        """Whether the coefficient of thermal expansion is stated."""
+        return self._kind().expands
+
+    def _kind(self) -> Section:
+        """A section of the kind that there is everywhere; its numbers mean nothing."""
         code: Any = self.function
-        return jax.tree.unflatten(code.code.results, [0.0] * code.code.results.num_leaves).has_shape
+        return jax.tree.unflatten(code.code.results, [0.0] * code.code.results.num_leaves)
 
     def faults(self) -> list[str]:
         """None that does not depend on the beam: see :meth:`faults_along`."""

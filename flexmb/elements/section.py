@@ -26,12 +26,15 @@ class Material(Record):
         G: Shear modulus [Pa].
         rho: Density [kg/m^3].
         nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
+        alpha: Coefficient of thermal expansion, of either sign [1/K]; None where it is not stated: what is made of the
+            material then takes no temperature.
     """
 
     E: Scalar
     G: Scalar
     rho: Scalar = 0.0
     nu: Scalar | None = None
+    alpha: Scalar | None = None
 
     def poisson(self) -> Scalar:
         """Poisson's ratio, () [-]."""
@@ -79,6 +82,11 @@ class Section(Record):
         """Whether :meth:`stress` answers."""
         return type(self).stress is not Section.stress
 
+    @property
+    def expands(self) -> bool:
+        """Whether its coefficient of thermal expansion is stated."""
+        return getattr(getattr(self, "material", None), "alpha", None) is not None
+
     def faults(self) -> list[str]:
         """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
         return faults_of(self, at_least_zero=("rho",))
@@ -96,6 +104,7 @@ class Rigidity(Section):
         shear_y: EIz/(GAk) for displacement along y [m^2].
         mass: Mass per length [kg/m].
         Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
+        alpha: Coefficient of thermal expansion [1/K]; None where it is not stated.
     """
 
     EA: Scalar = 0.0
@@ -109,13 +118,19 @@ class Rigidity(Section):
     Jy: Scalar = 0.0
     Jz: Scalar = 0.0
     Jyz: Scalar = 0.0
+    alpha: Scalar | None = None
 
     def rigidity(self) -> "Rigidity":
         """The numbers themselves."""
         return self
 
+    @property
+    def expands(self) -> bool:
+        """Whether its coefficient of thermal expansion is stated."""
+        return self.alpha is not None
+
     def faults(self) -> list[str]:
-        """A rigidity or mass below zero; the product of inertia has either sign."""
+        """A rigidity or mass below zero; the product of inertia and the thermal expansion have either sign."""
         return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
 
 
@@ -129,7 +144,7 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
     found = []
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu"):
+        if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu", "alpha"):
             continue
         if isinstance(value, Record):
             found += faults_of(value, at_least_zero)

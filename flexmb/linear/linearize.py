@@ -13,7 +13,7 @@ from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import Felt, mass_matrix
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State
 from ..mechanics.stress_resultants import element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
@@ -224,15 +224,21 @@ def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) ->
         Matrices.
     """
     at, _, result, iterations = solve_state(topology, parameters, target)
-    return matrices_at(topology, parameters, at, iterations, result)
+    return matrices_at(topology, parameters, target, at, iterations, result)
 
 
 def matrices_at(
-    topology: Topology, parameters: Parameters, at: State, iterations: Int[Array, ""], result: Int[Array, ""]
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    at: State,
+    iterations: Int[Array, ""],
+    result: Int[Array, ""],
 ) -> Matrices:
     """Linearisation about a state that is in equilibrium.
 
     Args:
+        factors: Load factors of the state.
         iterations: What the equilibrium took.
         result: Its code of RESULTS.
 
@@ -241,7 +247,8 @@ def matrices_at(
     """
     z, dfe = at.transfer.DFx, at.transfer.DFe
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
-    _, damping = stress_tangents(topology, parameters, at.S, element_damping(topology, parameters), at.e)
+    damping = element_damping(topology, parameters)
+    _, damping = stress_tangents(topology, parameters, scaled_loads(parameters, factors), at.S, damping, at.e)
     at_rest = jnp.zeros_like(mass)
     k0, g0 = at.K0, at.G0
     finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))
