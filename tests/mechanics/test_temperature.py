@@ -227,6 +227,33 @@ def test_a_warm_spring_and_a_warm_rigid_arm_move_their_masses():
     np.testing.assert_allclose(observed.energy - observed.energy[0], work, atol=1e-4 * np.ptp(observed.energy))
 
 
+def test_what_temperature_cannot_drive_or_change_is_named():
+    b = stage((0.0, 0.1))
+    b.node("end", (0.2, L))
+    b.add(planar.rigid_beam, "top1", "end", name="arm", alpha=ALPHA)
+    b.temperature("arm", 0.0)
+    b.mass("top0", 1.0)
+    model, ramp = b.build(), fm.motion.Table(jnp.array([0.0, 1.0]), jnp.array([0.0, 1.0]))
+    cases = {
+        "leaf0.temperature": (
+            jnp.sin,
+            r"'leaf0.temperature': the element has no temperature.* temperature\('leaf0', 0.0\)",
+        ),
+        "arm.temperature": (ramp, "'arm.temperature' is a table, but deformations of the element are FIXED"),
+        "arm.gradient": (lambda t: jnp.stack([t, t]), r"'arm.gradient' must give one number, but gives shape \(2,\)"),
+        "leaf.temperature": (jnp.sin, "'leaf.temperature' names no coordinate"),
+    }
+    for name, (function, message) in cases.items():
+        with pytest.raises(fm.ModelError, match=message):
+            fm.simulate(model, [0.0, 1.0], loads={name: function})
+    with pytest.raises(fm.ModelError, match="one number, or 2, one for each end, but gives shape \\(3,\\)"):
+        fm.simulate(model, [0.0, 1.0], loads={"arm.temperature": lambda t: t * jnp.ones(3)})
+    for coordinate in (1, 2):
+        b.prescribe("arm", coordinate, 0.0)
+    with pytest.warns(fm.FlexmbWarning, match="Temperature of element 'arm': all of its deformations are PRESCRIBED"):
+        b.build()
+
+
 def bar(p: fm.Point2, q: fm.Point2, *, ref):
     """Elongation of a bar."""
     return (jnp.sqrt((q - p) @ (q - p)) - jnp.sqrt((ref.q - ref.p) @ (ref.q - ref.p)))[None]
