@@ -112,9 +112,9 @@ class Builder(Description):
             nodes: One name for each positional parameter of the element, or one for each end: a node that has a
                 position stands for its rotation too where the next parameter asks for one.
             name: Its name; by default the type and a number.
-            released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED at zero.
-                By default as the element type says: all of an elastic element, none of a rigid one. What an element
-                only measures is released in any case.
+            released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED, at zero or
+                what temperature makes of them. By default as the element type says: all of an elastic element, none of
+                a rigid one. What an element only measures is released in any case.
             properties: What the element type asks for, such as ``section``, and its options, such as ``order``.
 
         Returns:
