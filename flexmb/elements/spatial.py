@@ -208,7 +208,11 @@ def _rigid_thermal(
     return own * ((change[0] + change[1]) / 2 * offset - across / 2)
 
 
-rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=())
+def _check_rigid(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
+    return beams.check_across(ref, y)
+
+
+rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, check=_check_rigid, released=())
 """Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),

@@ -73,7 +73,8 @@ class ElementKind:
             numbers: Other numbers, by property.
         """
         found: dict[str, Any] = dict(numbers)
-        if vector is not None and "y" in self.element.properties:
+        rigid = "alpha" in self.element.properties
+        if vector is not None and "y" in self.element.properties and ("ALPHA" in lines or not rigid):
             found["y"] = stack(vector)
         if vector is not None and "axis" in self.element.properties:
             found["axis"] = stack(vector)
@@ -83,7 +84,6 @@ class ElementKind:
                     padded = stack(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
                     found[name] = padded if len(padded) > 1 else padded[0]
             return found
-        rigid = "alpha" in self.element.properties
         if "ALPHA" in lines and rigid:
             found["alpha"] = lines["ALPHA"][0]
         if "ESTIFF" in lines or "EM" in lines or ("ALPHA" in lines and not rigid):

@@ -189,7 +189,7 @@ class _Writer:
         lines = []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
-            if keyword == "RBEAM" or (keyword == "SBEAM" and vector is None):
+            if (keyword == "RBEAM" and vector is None) or (keyword == "SBEAM" and vector is None):
                 vector = self._across(m)
             nodes = [
                 self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if k.part != "internal"
