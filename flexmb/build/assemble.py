@@ -66,7 +66,8 @@ def assemble(builder: Description) -> Model:
         e_labels += [Entry(name, i + 1, f"{symbol}{i + 1}", kind) for i in range(len(roles))]
         e_roles += roles
 
-    blocks, properties, stressed = _blocks(builder, members, first_x)
+    warm = {of for sets in builder.loads.values() for _, of, _ in sets.get("temperature", {})}
+    blocks, properties, stressed = _blocks(builder, members, first_x, warm)
     points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
     axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
 
@@ -101,6 +102,7 @@ def assemble(builder: Description) -> Model:
         signals["output"],
         builder.dimension or 2,
         stressed,
+        tuple(name for name, *_ in elements if name in warm),
     )
     # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
     topology, parameters = jax.tree.map(lambda a: jax.device_put(a) if is_concrete(a) else a, (topology, parameters))
@@ -118,7 +120,7 @@ class _Piece(NamedTuple):
     companions: tuple[str, ...]
 
 
-def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int]):
+def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int], warm: set[str]):
     """Members stacked by type and by structure of their properties, in order of first appearance; and who has stress.
 
     Deformations and companions of elements of a type share a block, so that what both compute is computed once. Where
@@ -138,6 +140,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int])
             # Nothing stiff is asked of an element whose deformations are all FIXED, and no stress where no section is.
             if not (rigid and c in ("stiffness", "damping", "resultants", *NONLINEAR))
             and (c != "resultants" or properties.get("section") is not None)
+            and (c != "thermal" or name in warm)
             and element.arguments(getattr(element, _source(c, properties)), properties) is not None
         )
         key = (element, _structure(element.of_deformation(properties)))
@@ -235,15 +238,15 @@ def _concatenate(parts: list[list]) -> Any:
 
 
 def _sparse(entries: dict | None, size: int, index: Callable[[Any], int]) -> Any:
-    """Vector with the given entries, or None if there are none."""
+    """Vector with the given entries, or matrix with the given rows, or None if there are none."""
     if not entries:
         return None
     places, values = np.array([index(key) for key in entries], int), stack(list(entries.values()))
     if isinstance(values, np.ndarray):
-        dense = np.zeros(size)
+        dense = np.zeros((size, *values.shape[1:]))
         dense[places] = values
         return dense
-    return put(jnp.zeros(size), places, values)
+    return put(jnp.zeros((size, *values.shape[1:])), places, values)
 
 
 def _loads(entries: dict, topology: Topology, index: Callable[[Any], int]) -> Loads:
@@ -260,4 +263,7 @@ def _loads(entries: dict, topology: Topology, index: Callable[[Any], int]) -> Lo
         prestress=_sparse(entries.get("prestress"), topology.n_e, index),
         x=chosen["x"],
         e=chosen["e"],
+        temperature=_sparse(
+            {key: stack(row) for key, row in entries.get("temperature", {}).items()}, topology.n_e, index
+        ),
     )

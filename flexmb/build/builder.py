@@ -34,7 +34,7 @@ class Builder(Description):
     A node has a position; its rotation, named "name.rotation", exists once an element asks for it. Everything that is
     a number may be traced, so that a function that builds a model can be differentiated and batched. Checks of values
     run on concrete numbers only. Forces, moments, masses and bodies that are given twice add up; what is prescribed,
-    gravity, prestress, strains and start values have the value that was given last.
+    gravity, prestress, strains, temperatures and start values have the value that was given last.
 
     Example:
         >>> b = Builder()
@@ -114,9 +114,9 @@ class Builder(Description):
             nodes: One name for each positional parameter of the element, or one for each end: a node that has a
                 position stands for its rotation too where the next parameter asks for one.
             name: Its name; by default the type and a number.
-            released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED at zero.
-                By default as the element type says: all of an elastic element, none of a rigid one. What an element
-                only measures is released in any case.
+            released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED, at zero or
+                what temperature makes of them. By default as the element type says: all of an elastic element, none of
+                a rigid one. What an element only measures is released in any case.
             properties: What the element type asks for, such as ``section``, and its options, such as ``order``.
 
         Returns:
@@ -445,6 +445,48 @@ class Builder(Description):
                 )
         self._load("strain", False).update(found)
 
+    def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
+        """Change the temperature of an element, which expands and, where one side is warmer, bends towards the other.
+
+        A free element is then without stress. Deformations that are FIXED expand too: a rigid beam gets longer.
+
+        Args:
+            element: Name of the element; its material, its section or the rigid element itself states ``alpha``, the
+                coefficient of thermal expansion.
+            change: From the temperature of the undeformed mechanism, () [K]; or at the first and the last end, linear
+                in between, (2,) [K].
+            gradient: By how much it grows across the element: in space per metre along local y and z, (2,); in the
+                plane along the section's local z, which is to the left of the way from the first end to the last, ()
+                [K/m]. None: it does not.
+            increment: Whether the change belongs to the incremental loads.
+
+        Raises:
+            ModelError: No such element, one that no temperature deforms, or whose ``alpha`` is not stated; a gradient
+                across what does not bend; numbers that are none, or too many of them.
+        """
+        check_flag("increment", increment, ModelError)
+        name, member = str(element), self._member(element)
+        what = f"Temperature of element '{name}'"
+        if member.element.thermal is None:
+            raise ModelError(
+                f"{what}: no temperature deforms one of type {member.element.name}. Trusses, beams, spectral beams and"
+                " rigid beams expand, and elements of your own with a companion `thermal`."
+            )
+        if not member.element.expands(member.properties):
+            raise ModelError(
+                f"{what}: its coefficient of thermal expansion is not stated. Give its material alpha, as in"
+                " Material(.., alpha=11.5e-6), or a section or rigid element that has no material alpha itself."
+            )
+        ends = self._numbers_of(what, change, (1, 2), "one number, or two for its ends")
+        axes = (self.dimension or 2) - 1
+        across = [0.0] * axes
+        if gradient is not None:
+            if not member.element.bends_by_heat:
+                raise ModelError(f"{what}: one of type {member.element.name} does not bend. Leave the gradient out.")
+            told = "two numbers in space, along local y and z" if axes == 2 else "one number in the plane"
+            across = self._numbers_of(f"Gradient of the temperature of element '{name}'", gradient, (axes,), told)
+        self._load("temperature", increment)["element", name, 1] = [ends[0], ends[-1], *across]
+
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
     def input(
@@ -651,6 +693,16 @@ class Builder(Description):
         for i, value in enumerate(some_of(what.lower(), element, values), 1):
             check_numbers(f"{what} of element '{element}'", value, (), ModelError)
             found.append((self._entry(element, i, "element"), value))
+        return found
+
+    @staticmethod
+    def _numbers_of(what: str, given: Any, counts: tuple[int, ...], wanted: str) -> list:
+        """One number or several as a list of as many as there may be."""
+        check_numbers(what, given, fault=ModelError)
+        alone = not isinstance(given, list | tuple) and np.ndim(given) == 0
+        found = [given] if alone else listed(what, given)
+        if len(found) not in counts:
+            raise ModelError(f"{what} must be {wanted}, not {shown(given)}.")
         return found
 
     def _check_gravity(self, acceleration: list | None) -> None:

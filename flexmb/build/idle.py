@@ -25,6 +25,10 @@ def warn_of_idle(builder: Description) -> None:
                         f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
                         " deformation, or leave it out."
                     )
+    for sets in builder.loads.values():
+        for _, of, _ in sets.get("temperature", {}):
+            if all(role is Role.PRESCRIBED for role in builder.members[of].roles):
+                warn(f"Temperature of element '{of}': all of its deformations are PRESCRIBED, so that it does nothing.")
     for of, member in builder.members.items():
         if isinstance(member.properties.get("damping"), MaterialDamping):
             # Of a material that is stated once and held here.

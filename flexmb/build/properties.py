@@ -18,13 +18,14 @@ from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
 from ..elements.sections import Damping, Section
 from ..errors import ModelError
+from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
 
 EMPTY = inspect.Parameter.empty
 # Annotation of what is true or not of each end.
 ENDS = tuple[bool, bool]
 # Companions whose shapes follow from no property: those of the package are right.
-SURE = ("inertia", "force", "resultants")
+SURE = ("inertia", "force", "resultants", "thermal")
 
 
 def element_type(given: Any) -> Element:
@@ -317,12 +318,21 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         told = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
         if any(not 1 <= i <= n for i in told):
             raise _WrongFunction(f"`{name}` names deformations {told}, but it has {n}.")
-    of = {"stiffness": [], "damping": [], **{k: [vector(n), vector(n)] for k in NONLINEAR}, "energy": [vector(n)]}
+    heat = [vector(size) for size in heat_sizes(element)]
+    of = {
+        "thermal": heat,
+        "stiffness": [],
+        "damping": [],
+        **{k: [vector(n), vector(n)] for k in NONLINEAR},
+        "energy": [vector(n)],
+    }
     wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
-    wanted |= {"force": (sum(kind.size for kind in element.nodes.values()),), "resultants": (6,)}
+    wanted |= {"force": (sum(kind.size for kind in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
     for kind in COMPANIONS:
         companion = getattr(element, kind)
         if companion is None or (kind in SURE and companion.__module__.startswith("flexmb.")):
+            continue
+        if kind == "thermal" and not element.expands({**numbers, **options}):
             continue
         extra = {"place": jax.ShapeDtypeStruct((), float), "sigma": vector(n)} if kind == "resultants" else {}
         answer = returned(kind, companion, of.get(kind, nodes), **extra)

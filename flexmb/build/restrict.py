@@ -61,10 +61,13 @@ class Restriction(Record):
             properties = (*properties, {"weights": self.weights, "of": of})
 
         def longer(values):
-            return None if values is None else jnp.concatenate([values, jnp.zeros(more)])
+            return None if values is None else jnp.concatenate([values, jnp.zeros((more, *values.shape[1:]))])
 
         def loads(given: Loads | None):
-            return None if given is None else dataclasses.replace(given, prestress=longer(given.prestress))
+            if given is None:
+                return None
+            prestress, temperature = longer(given.prestress), longer(given.temperature)
+            return dataclasses.replace(given, prestress=prestress, temperature=temperature)
 
         parameters = Parameters(
             own.reference, properties, loads(own.loads) or Loads(), loads(own.increment), longer(own.strain), None

@@ -6,7 +6,7 @@ from jaxtyping import Array, Float
 from numpy.polynomial import polynomial
 
 from .nodes import length
-from .sections import Damping, Section
+from .sections import Damping, Scalar, Section
 
 # Mass of cubics in the end positions and end slopes times length, over m l / 420 (REFERENCES.md T4: axially too).
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
@@ -96,6 +96,31 @@ def truss_stiffness(*, ref, section: Section) -> Float[Array, "1 1"]:
 def truss_damping(*, ref, damping: Damping) -> Float[Array, "1 1"]:
     """Axial damping EdA/l0, (1, 1) [N s/m]; tutorial (2.12)."""
     return (damping.EA / beam_length(ref)).reshape(1, 1)
+
+
+def thermal_elongation(change, length, alpha) -> Float[Array, ""]:
+    """Elongation of a free bar by temperature, () [m].
+
+    Args:
+        change: Of the temperature at both ends, (2,) [K].
+        length: () [m].
+        alpha: Coefficient of thermal expansion, () [1/K].
+
+    Source:
+        THEORY.md 2, eq. (2.32).
+    """
+    return alpha * length * (change[0] + change[1]) / 2
+
+
+def truss_thermal(change, *, ref, section: Section) -> Float[Array, "1"]:
+    """Elongation by temperature, (1,) [m]."""
+    return thermal_elongation(change, beam_length(ref), expansion_of(section))[None]
+
+
+def expansion_of(section: Section | None, alpha: Scalar | None = None) -> Scalar:
+    """Coefficient of thermal expansion, () [1/K]: of a section, unless the element states its own."""
+    stated = alpha if alpha is not None or section is None else section.rigidity().alpha
+    return 0.0 if stated is None else stated
 
 
 def line_inertia(p, q, *, ref, section: Section):

@@ -25,7 +25,7 @@ ALL = "all"
 # Companions by what makes them: stress resultants from deformations, and the rest.
 ELASTIC = ("stiffness", "energy", "law")
 NONLINEAR = ("energy", "dissipation", "law")
-COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", "resultants")
+COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", "resultants", "thermal")
 # Keyword-only parameters that are handed to an element's functions and are no properties of it.
 GIVEN = ("ref", "near", "place", "sigma", "fall")
 
@@ -65,6 +65,12 @@ class Element:
             so that a positive normal force pulls. Asked of flexible elements with a section. One that names ``fall``
             is also given what acts on its mass: the acceleration of free fall less its own of each vector s, (k, d)
             [m/s^2], or None where nothing acts. Without it distributed loads are taken to act on the ends.
+        thermal: ``f(change, gradient, *, ref, **properties) -> (n_e,)``, the deformations that a change of temperature
+            gives to the free element: there it is without stress, and deformations that are FIXED are held there.
+            ``change`` is that of the first and of the last end, linear in between, (2,) [K]; ``gradient`` what it
+            grows by across the element, along the section's local y and z in space, (2,), along its local z in the
+            plane, to the left of the way from the first end to the last, (1,) [K/m]. An element that does not bend
+            leaves ``gradient`` out. Asked of elements that are given a temperature.
         shape: ``f(*nodes, ref, place, **properties) -> (d,)``, where a point of the element is, 0 at its first end and
             1 at its last, for pictures; its properties are among those of the deformation. Without it an element with
             two points and two rotations is drawn as a cubic, another as a line between its points.
@@ -91,6 +97,7 @@ class Element:
     dissipation: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
     resultants: Callable[..., Any] | None = None
+    thermal: Callable[..., Any] | None = None
     shape: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
@@ -192,6 +199,22 @@ class Element:
     def feels_fall(self) -> bool:
         """Whether the section resultants ask for ``fall``: what acts on the mass along the element."""
         return self.resultants is not None and "fall" in inspect.signature(self.resultants).parameters
+
+    @property
+    def bends_by_heat(self) -> bool:
+        """Whether the thermal deformations ask for ``gradient``."""
+        return self.thermal is not None and len(_positional(self.thermal)) > 1
+
+    def expands(self, properties: dict[str, Any]) -> bool:
+        """Whether a coefficient of thermal expansion is stated: of the element itself, or of its section.
+
+        Args:
+            properties: All properties of the element.
+        """
+        if self.thermal is None or self.arguments(self.thermal, properties) is None:
+            return False
+        wanted = [properties.get(name) for name in ("alpha", "section") if name in self.wanted(self.thermal)]
+        return not wanted or any(one is not None and getattr(one, "expands", True) for one in wanted)
 
     def is_elastic(self, properties: dict[str, Any]) -> bool:
         """Whether deformations are stressed at rest.
@@ -325,6 +348,13 @@ def _keywords(function) -> dict[str, inspect.Parameter]:
     """Keyword-only parameters but for those that are given."""
     parameters = inspect.signature(function).parameters.items()
     return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in GIVEN}
+
+
+@functools.cache
+def _positional(function) -> tuple[str, ...]:
+    """Names of the positional parameters."""
+    parameters = inspect.signature(function).parameters.items()
+    return tuple(n for n, p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))
 
 
 @functools.cache

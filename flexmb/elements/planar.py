@@ -27,6 +27,7 @@ truss = Element(
     damping=beams.truss_damping,
     inertia=beams.line_inertia,
     resultants=beams.truss_resultants,
+    thermal=beams.truss_thermal,
     check=beams.check_length,
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
@@ -124,12 +125,20 @@ def _beam_resultants(
     return jnp.stack([resultants[0], zero, resultants[1], zero, resultants[2], zero])
 
 
+def _beam_thermal(change, gradient, *, ref, section: Section) -> Float[Array, "3"]:
+    """Elongation, and the bendings of an arc that the warmer side makes longer."""
+    l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
+    elongation = beams.thermal_elongation(change, l0, alpha)
+    return jnp.concatenate([elongation[None], jnp.broadcast_to(alpha * gradient * l0**2 / 2, (2,))])
+
+
 beam = Element(
     _beam,
     stiffness=_beam_stiffness,
     damping=_beam_damping,
     inertia=_beam_inertia,
     resultants=_beam_resultants,
+    thermal=_beam_thermal,
     check=beams.check_length,
 )
 """Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping.
@@ -148,8 +157,23 @@ def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]
     return turned.T @ (q - p) - (ref.q - ref.p)
 
 
-rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, released=())
-"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. Properties: section (mass)."""
+def _rigid_thermal(
+    change, gradient, *, ref, alpha: float | None = None, section: Section | None = None
+) -> Float[Array, "2"]:
+    """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
+    offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
+    # A pinned body has no length, whose derivative would not be finite.
+    square = offset @ offset
+    length = jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
+    across = length * jnp.stack([-offset[1], offset[0]])
+    return own * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
+
+
+rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=())
+"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED.
+
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
+"""
 
 
 pin_body = rigid_beam

@@ -115,6 +115,11 @@ class Profile(Section):
             )
         return MaterialDamping(times[0])
 
+    @property
+    def expands(self) -> bool:
+        """Whether the coefficient of thermal expansion is stated."""
+        return self._kind().expands
+
     def _kind(self) -> Section:
         """A section of the kind that there is everywhere; its numbers mean nothing."""
         code: Any = self.function

@@ -30,7 +30,8 @@ class Material(Record):
         G: Shear modulus [Pa].
         rho: Density [kg/m^3].
         nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
-        alpha: Coefficient of thermal expansion [1/K]; not stated unless given.
+        alpha: Coefficient of thermal expansion, of either sign [1/K]; None where it is not stated: what is made of the
+            material then takes no temperature.
         strength: Yield stress, or fracture stress of what is brittle [Pa]; not stated unless given. The stress of
             elements is compared with it, see :class:`flexmb.linear.Stress`.
         fatigue: Largest stress that may reverse fully without end [Pa]; not stated unless given.
@@ -136,6 +137,11 @@ class Section(Record):
         time = self.stated("damping")
         return None if time is None else MaterialDamping(time)
 
+    @property
+    def expands(self) -> bool:
+        """Whether its coefficient of thermal expansion is stated."""
+        return getattr(getattr(self, "material", None), "alpha", None) is not None
+
     def faults(self) -> list[str]:
         """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
         return faults_of(self, at_least_zero=("rho", "damping"))
@@ -153,6 +159,7 @@ class Rigidity(Section):
         shear_y: EIz/(GAk) for displacement along y [m^2].
         mass: Mass per length [kg/m].
         Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
+        alpha: Coefficient of thermal expansion [1/K]; None where it is not stated.
     """
 
     EA: Scalar = 0.0
@@ -166,13 +173,19 @@ class Rigidity(Section):
     Jy: Scalar = 0.0
     Jz: Scalar = 0.0
     Jyz: Scalar = 0.0
+    alpha: Scalar | None = None
 
     def rigidity(self) -> "Rigidity":
         """The numbers themselves."""
         return self
 
+    @property
+    def expands(self) -> bool:
+        """Whether its coefficient of thermal expansion is stated."""
+        return self.alpha is not None
+
     def faults(self) -> list[str]:
-        """A rigidity or mass below zero; the product of inertia has either sign."""
+        """A rigidity or mass below zero; the product of inertia and the thermal expansion have either sign."""
         return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
 
 

@@ -334,6 +334,7 @@ def _from_geometry(section, area, iy, iz, it, k) -> Rigidity:
         Jx=rho * (iy + iz),
         Jy=rho * iy,
         Jz=rho * iz,
+        alpha=material.alpha,
     )
 
 

@@ -27,6 +27,7 @@ truss = Element(
     damping=beams.truss_damping,
     inertia=beams.line_inertia,
     resultants=beams.truss_resultants,
+    thermal=beams.truss_thermal,
     check=beams.check_length,
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
@@ -156,12 +157,21 @@ def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
     return beams.check_length(ref=ref) or beams.check_across(ref, y)
 
 
+def _beam_thermal(change, gradient, *, ref, section: Section) -> Float[Array, "6"]:
+    """Elongation, and in both planes the bendings of an arc that the warmer side makes longer."""
+    l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
+    elongation = beams.thermal_elongation(change, l0, alpha)
+    bent = alpha * l0**2 / 2 * gradient
+    return jnp.stack([elongation, jnp.zeros_like(elongation), bent[1], bent[1], -bent[0], -bent[0]])
+
+
 beam = Element(
     _beam,
     stiffness=_beam_stiffness,
     damping=_beam_damping,
     inertia=_beam_inertia,
     resultants=_beam_resultants,
+    thermal=_beam_thermal,
     check=_check_beam,
 )
 """Flexible beam: e1 elongation, e2 torsion (l0 times twist), e3, e4 bending along z, e5, e6 along y [m].
@@ -181,8 +191,34 @@ def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, 
     return turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
 
 
-rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, released=())
-"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. Properties: section (mass)."""
+def _rigid_thermal(
+    change,
+    gradient,
+    *,
+    ref,
+    alpha: float | None = None,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+) -> Float[Array, "3"]:
+    """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
+    offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
+    square = offset @ offset
+    # A pinned body, whose ends lie in one place, has no axes.
+    along = jnp.where(square > 0, offset, np.array([1.0, 0, 0]))
+    across = square * initial_frame(jnp.zeros(3), along, y)[:, 1:] @ gradient
+    return own * ((change[0] + change[1]) / 2 * offset - across / 2)
+
+
+def _check_rigid(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
+    return beams.check_across(ref, y)
+
+
+rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, check=_check_rigid, released=())
+"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED.
+
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
+y (vector that fixes local y, along which a temperature may grow).
+"""
 
 
 pin_body = rigid_beam

@@ -11,7 +11,7 @@ Here is what the beam in the plane (``spectral_planar``) and that in space (``sp
 are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -218,6 +218,69 @@ def series_matrix(of: Section | Damping, section: Section | None, order: int, le
     own = jnp.einsum("nf,nfj,nfk->fjk", weighted, shapes, shapes)
     full = jnp.einsum("fjk,fg->fjgk", own, np.eye(len(names))).reshape(2 * (own.shape[0] * order,))
     return jnp.pad(full, (closure, 0))
+
+
+def series_of(
+    wanted: Callable[..., Any], section: Section, order: int, length: Float[Array, ""], closure: int, names
+) -> Float[Array, "n_e"]:
+    """Deformations of a beam whose sections are free to strain: its series come as near to given strains as they can.
+
+    Near is what leaves the least elastic energy. Of strains that do not vary, or vary linearly where there are two
+    coefficients at least, the pose of the last end comes out exactly, to first order, whatever the section does.
+
+    Args:
+        wanted: Strains times length at places (n,) from 0 to 1, (n, fields) [m, rad].
+        section: Of the beam.
+        order: Coefficients of each field.
+        length: Of the beam, () [m].
+        closure: Number of deformations before the fields, which stay zero.
+        names: Rigidities of the fields, as :func:`rigidities` takes them.
+
+    Returns:
+        (n_e,) [m, rad].
+
+    Source:
+        THEORY.md 2, eq. (2.33).
+    """
+    whole = pieces_of(section, length)
+    nodes, weights = gauss(NODES if isinstance(section, Profile) else order + 1)
+    places = whole.spread(nodes).ravel()
+    shapes, weights = strains(order, section, places, length, names), (whole.sizes[:, None] * weights).ravel()
+    if not isinstance(section, Profile):
+        found = (2.0 * np.arange(order) + 1)[:, None] * ((weights[:, None] * shapes[:, 0]).T @ wanted(places))
+        return jnp.concatenate([jnp.zeros(closure), found.T.ravel()])
+    weighted = (weights[:, None] / _compliance(section, places, length, names))[:, :, None] * shapes
+    matrix, right = (jnp.einsum("nfj,nf...->fj...", weighted, of) for of in (shapes, wanted(places)))
+    return jnp.concatenate([jnp.zeros(closure), jnp.linalg.solve(matrix, right[:, :, None]).ravel()])
+
+
+def thermal_series(
+    change, bends: dict[str, Any], section: Section, order: int, length: Float[Array, ""], closure: int, names
+) -> Float[Array, "n_e"]:
+    """Deformations of a free beam by temperature.
+
+    Args:
+        change: Of the temperature at both ends, (2,) [K].
+        bends: By the rigidity of a curvature, that curvature over the coefficient of thermal expansion, () [K/m].
+        section: Of the beam.
+        order: Coefficients of each field.
+        length: Of the beam, () [m].
+        closure: Number of deformations before the fields.
+        names: Rigidities of the fields.
+
+    Returns:
+        (n_e,) [m, rad].
+
+    Source:
+        THEORY.md 2, eq. (2.31) and (2.33).
+    """
+
+    def wanted(places):
+        along = {"EA": change[0] + places * (change[1] - change[0]), **bends}
+        each = jnp.stack([jnp.broadcast_to(along.get(name, 0.0), places.shape) for name in names], axis=1)
+        return length * rigidities(section, places, length, ("alpha",)) * each
+
+    return series_of(wanted, section, order, length, closure, names)
 
 
 def arc_length(chord: Float[Array, ""], half: Float[Array, ""]) -> Float[Array, ""]:

@@ -23,6 +23,7 @@ from .spectral import (
     rigidities,
     series_matrix,
     strains,
+    thermal_series,
 )
 
 # Fields in the order of the coefficients.
@@ -154,6 +155,12 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fal
     return jnp.stack([cosine * x + sine * y, zero, cosine * y - sine * x, zero, -bending, zero])
 
 
+def _thermal(change, gradient, *, ref, section: Section, order, curvature=None):
+    """Elongation, and the curvature by which the warmer side gets longer."""
+    bends = {"EIy": -gradient[0]}
+    return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS)
+
+
 def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section=None, curvature=None):
     length, axes, *_ = _line(rot_p, c, ref, order, section, curvature)
     return p + axes @ _to_place(c, length, order, section, curvature, place)[1]
@@ -170,6 +177,7 @@ spectral_beam = Element(
     damping=_damping,
     inertia=_inertia,
     resultants=_resultants,
+    thermal=_thermal,
     shape=_shape,
     check=_check,
     series=_fields,

@@ -28,6 +28,7 @@ from .spectral import (
     rigidities,
     series_matrix,
     strains,
+    thermal_series,
 )
 
 # Rigidities of the fields, the last two with shear alone, and the places of their strains in a six-vector (twist,
@@ -196,6 +197,12 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, she
     return (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
 
 
+def _thermal(change, gradient, *, ref, section: Section, order, shear, curvature=None):
+    """Elongation, and the curvature by which the warmer side gets longer."""
+    bends = {"EIy": gradient[1], "EIz": -gradient[0]}
+    return thermal_series(change, bends, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
+
+
 def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, shear, section=None, y=None, curvature=None):
     length = _length(ref, curvature)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
@@ -225,6 +232,7 @@ spectral_beam = Element(
     damping=_damping,
     inertia=_inertia,
     resultants=_resultants,
+    thermal=_thermal,
     shape=_shape,
     check=_check,
     series=_fields,

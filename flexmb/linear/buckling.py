@@ -14,8 +14,9 @@ from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
 from ..mechanics.extent import sizes_of
-from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces
+from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response
+from ..mechanics.stress_resultants import stress_of_loads
 from ..mechanics.transfer import multipliers
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
@@ -72,10 +73,10 @@ def geometric_stiffness_of_increment(
     no_preload = LoadFactors(0.0, 1.0)
     unloaded = dataclasses.replace(parameters, strain=None)
     force = nodal_forces(topology, parameters, no_preload, at.x)
-    increment = parameters.increment
     wanted_x, wanted_e = held_values(topology, unloaded, no_preload)
     shift = wanted_x - parameters.reference
-    extra = jnp.zeros(topology.n_e) if increment is None or increment.prestress is None else increment.prestress
+    extra = stress_of_loads(topology, unloaded, scaled_loads(unloaded, no_preload), at.S)
+    extra = jnp.zeros(topology.n_e) if extra is None else extra
     excess = at.jacobian @ shift - wanted_e
     dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
     elastic = at.S @ (at.jacobian @ dx) + extra

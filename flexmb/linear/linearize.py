@@ -13,7 +13,7 @@ from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import Felt, mass_matrix
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
@@ -224,15 +224,21 @@ def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) ->
         Matrices.
     """
     at, _, result, iterations = solve_state(topology, parameters, target)
-    return matrices_at(topology, parameters, at, iterations, result)
+    return matrices_at(topology, parameters, target, at, iterations, result)
 
 
 def matrices_at(
-    topology: Topology, parameters: Parameters, at: State, iterations: Int[Array, ""], result: Int[Array, ""]
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    at: State,
+    iterations: Int[Array, ""],
+    result: Int[Array, ""],
 ) -> Matrices:
     """Linearisation about a state that is in equilibrium.
 
     Args:
+        factors: Load factors of the state.
         iterations: What the equilibrium took.
         result: Its code of RESULTS.
 
@@ -243,7 +249,8 @@ def matrices_at(
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
     damping = element_damping(topology, parameters)
     if depends_on_rates(topology):
-        _, damping = stress_tangents(topology, parameters, at.S, damping, at.e)
+        loads = scaled_loads(parameters, factors)
+        _, damping = stress_tangents(topology, parameters, loads, at.S, damping, at.e)
     at_rest = jnp.zeros_like(mass)
     k0, g0 = at.K0, at.G0
     finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))

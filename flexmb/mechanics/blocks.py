@@ -35,18 +35,19 @@ def element_function(block: Block, companion, properties):
 
     Returns:
         ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. Where a companion takes no nodes, x_el are
-        the arguments that it takes in their place: deformations, and their rates; or nothing that matters.
+        the arguments that it takes in their place: deformations, and their rates; changes of temperature; or nothing
+        that matters.
     """
     element = block.element
     chosen = element.arguments(companion, {**dict(block.options), **properties})
     if chosen is None:
         return None
     takes_nothing = companion in (element.stiffness, element.damping)
-    takes_deformations = companion in [getattr(element, name) for name in NONLINEAR]
+    takes_all = companion in [getattr(element, name) for name in (*NONLINEAR, "thermal")]
 
     def function(x, ref, own, **extra):
         named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
-        taken = () if takes_nothing else x if takes_deformations else jnp.split(x, block.splits)
+        taken = () if takes_nothing else x if takes_all else jnp.split(x, block.splits)
         return companion(*taken, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
 
     return as_primitives(function)
@@ -173,11 +174,18 @@ def _taken(block: Block, companion: str, function, properties: dict[str, Any]) -
     n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
     e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
     own = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
-    taken: Any = {"energy": (e,), "dissipation": (e, e), "law": (e, e)}.get(companion, coordinates)
+    heat = tuple(jax.ShapeDtypeStruct((k,), float) for k in heat_sizes(block.element))
+    taken: Any = {"energy": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}.get(companion, coordinates)
     extra = {"place": place, "sigma": e} if companion == "resultants" else {}
     if companion == "deformation" and block.element.tracks_angle:
         extra["near"] = e
     return captured(lambda x, ref, own, extra: function(x, ref, own, **extra), taken, coordinates, own, extra)
+
+
+def heat_sizes(element: Element) -> tuple[int, ...]:
+    """How many numbers each argument of an element's thermal deformations has: the change, and the gradient."""
+    axes = next(iter(element.nodes.values())).dimension
+    return (2, axes - 1) if element.bends_by_heat else (2,)
 
 
 def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:
@@ -189,12 +197,16 @@ def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:
 @traced_once
 def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
     """Numbers of stacked sections of several kinds, one after the other, as one stack."""
+    # What does not state how it expands takes no temperature.
+    like = Rigidity(alpha=0.0)
 
     def numbers(section):
-        return jnp.stack([jnp.asarray(number, float) for number in jax.tree.leaves(section.rigidity())])
+        own = section.rigidity()
+        own = own if own.expands else dataclasses.replace(own, alpha=0.0)
+        return jnp.stack([jnp.asarray(number, float) for number in jax.tree.leaves(own)])
 
     columns = jnp.concatenate([jax.vmap(numbers)(stack) for stack in stacks])
-    return jax.tree.unflatten(jax.tree.structure(Rigidity()), list(columns.T))
+    return jax.tree.unflatten(jax.tree.structure(like), list(columns.T))
 
 
 def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array]]) -> Float[Array, "rows columns"]:

@@ -49,7 +49,7 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
         return first
     second = jax.tree.map(lambda a: factors.increment * a, parameters.increment)
     fields = {}
-    for name in ("force", "gravity", "prestress", "x", "e"):
+    for name in ("force", "gravity", "prestress", "x", "e", "temperature"):
         a, b = getattr(first, name), getattr(second, name)
         fields[name] = b if a is None else a if b is None else a + b
     return Loads(**fields)

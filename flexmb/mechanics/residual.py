@@ -92,7 +92,7 @@ def state(
     stressed = e if strained is None else strained
     loads = scaled_loads(parameters, factors)
     elastic = stress_resultants(topology, parameters, loads, stiffness, stressed)
-    stiffness, _ = stress_tangents(topology, parameters, stiffness, None, stressed)
+    stiffness, _ = stress_tangents(topology, parameters, loads, stiffness, None, stressed)
     sigma = multipliers(topology, tangent, jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, factors, x)

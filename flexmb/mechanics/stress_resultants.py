@@ -10,7 +10,7 @@ from ..compilation.compile import traced_once
 from ..elements.element import NONLINEAR
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
-from .blocks import each_block, scatter_matrix, scatter_vector
+from .blocks import each_block, heat_sizes, scatter_matrix, scatter_vector
 from .inertia import Felt, fall
 
 
@@ -178,13 +178,74 @@ def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array,
     return total
 
 
-def strain_of(parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+@traced_once
+def thermal_deformations(
+    topology: Topology, parameters: Parameters, temperature: Float[Array, "n_e _t"]
+) -> Float[Array, "n_e"]:
+    """Deformations that a change of temperature gives to free elements; those that are FIXED are held there.
+
+    Args:
+        temperature: As :class:`flexmb.model.parameters.Loads` has it, (n_e, 3 or 4) [K, K/m].
+
+    Returns:
+        (n_e,) [m, rad], linear in the temperature.
+
+    Source:
+        Each element's thermal companion; THEORY.md 2, eq. (2.31) to (2.33).
+    """
+    pieces = []
+    for block, function, *arguments in each_block(topology, parameters, "thermal"):
+        own = temperature[block.e[:, 0]]
+        change = (own[:, :2], own[:, 2:])[: len(heat_sizes(block.element))]
+        pieces.append((block.e, jax.vmap(function)(change, *arguments)))
+    return scatter_vector(topology.n_e, pieces)
+
+
+def free_deformations(topology: Topology, parameters: Parameters, loads: Loads) -> Float[Array, "n_e"] | None:
+    """Deformations at which the elements are free of stress: initial strains, and those of temperature.
+
+    Args:
+        loads: Loads, of which the temperature is used.
+
+    Returns:
+        (n_e,) [m, rad], or None: zero.
+    """
+    if loads.temperature is None:
+        return parameters.strain
+    warm = thermal_deformations(topology, parameters, loads.temperature)
+    return warm if parameters.strain is None else warm + parameters.strain
+
+
+def strain_of(topology: Topology, parameters: Parameters, loads: Loads, e: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
     """Deformations less those at which the elements are free of stress.
 
     Args:
+        loads: Loads, of which the temperature is used.
         e: Deformations, (n_e,) [m, rad].
     """
-    return e if parameters.strain is None else e - parameters.strain
+    free = free_deformations(topology, parameters, loads)
+    return e if free is None else e - free
+
+
+def stress_of_loads(
+    topology: Topology, parameters: Parameters, loads: Loads, stiffness: Float[Array, "n_e n_e"]
+) -> Float[Array, "n_e"] | None:
+    """Stress resultants that loads add where no deformation changes: prestress, less what temperature relieves.
+
+    Args:
+        loads: Loads, of which prestress and temperature are used.
+        stiffness: S, the tangent of what is not linear included, (n_e, n_e) [N/m, N m/rad].
+
+    Returns:
+        (n_e,) [N, N m], or None: zero.
+
+    Source:
+        Derivative of THEORY.md 5, eq. (5.4) by the loads.
+    """
+    if loads.temperature is None:
+        return loads.prestress
+    relieved = -stiffness @ thermal_deformations(topology, parameters, loads.temperature)
+    return relieved if loads.prestress is None else relieved + loads.prestress
 
 
 def stress_resultants(
@@ -195,10 +256,10 @@ def stress_resultants(
     e: Float[Array, "n_e"],
     ed: Float[Array, "n_e"] | None = None,
 ) -> Float[Array, "n_e"]:
-    """Stress resultants of the elements, sigma = S (e - strain) + nonlinear ones + prestress.
+    """Stress resultants of the elements, sigma = S (e - free) + nonlinear ones + prestress.
 
     Args:
-        loads: Loads, of which the prestress is used.
+        loads: Loads, of which prestress and temperature are used.
         stiffness: S, (n_e, n_e) [N/m, N m/rad].
         e: Deformations, (n_e,) [m, rad].
         ed: Their rates, (n_e,) [m/s, rad/s], for nonlinear elements; None: at rest.
@@ -209,7 +270,7 @@ def stress_resultants(
     Source:
         THEORY.md 5, eq. (5.4).
     """
-    strain = strain_of(parameters, e)
+    strain = strain_of(topology, parameters, loads, e)
     sigma = stiffness @ strain
     if is_nonlinear(topology):
         sigma = sigma + nonlinear_stress(topology, parameters, strain, jnp.zeros_like(e) if ed is None else ed)
@@ -219,6 +280,7 @@ def stress_resultants(
 def stress_tangents(
     topology: Topology,
     parameters: Parameters,
+    loads: Loads,
     stiffness: Float[Array, "n_e n_e"],
     damping: Float[Array, "n_e n_e"] | None,
     e: Float[Array, "n_e"],
@@ -227,6 +289,7 @@ def stress_tangents(
     """Derivatives of the stress resultants by the deformations and by their rates.
 
     Args:
+        loads: Loads, of which the temperature is used.
         stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
         damping: S_d of constant damping, (n_e, n_e) [N s/m, N m s/rad], or None.
         e: Deformations, (n_e,) [m, rad].
@@ -241,7 +304,7 @@ def stress_tangents(
     if not is_nonlinear(topology):
         return stiffness, damping
     at_rest = jnp.zeros_like(e) if ed is None else ed
-    by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(parameters, e), at_rest)
+    by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(topology, parameters, loads, e), at_rest)
     return stiffness + by_e, by_ed if damping is None else damping + by_ed
 
 

@@ -70,6 +70,7 @@ class Labels:
         dimension: 2 or 3.
         stressed: For each block of the topology, the name of each of its elements in the block's order; None for an
             element, or in a block, that section stresses are not asked of.
+        warm: Names of the elements that have a temperature.
     """
 
     x: tuple[Entry, ...]
@@ -79,6 +80,7 @@ class Labels:
     outputs: tuple[Signal, ...]
     dimension: int
     stressed: tuple[tuple[str | None, ...], ...]
+    warm: tuple[str, ...] = ()
 
     def coordinates(self, node: str) -> list[int]:
         """Indices in x of a node, or of the rotation of a node as "name.rotation"."""

@@ -16,6 +16,9 @@ class Loads(Record):
         prestress: Stress resultants added to those of the stiffness, (n_e,) [N, N m].
         x: Values of the PRESCRIBED coordinates, in their order [m, rad].
         e: Values of the PRESCRIBED deformations, in their order [m, rad].
+        temperature: Change of temperature of elements, in the row of the first deformation of each: at its first and
+            its last end [K], then what it grows by along the section's local y and z, in the plane z alone [K/m],
+            (n_e, 3 or 4).
     """
 
     force: Float[Array, "n_x"] | None = None
@@ -23,6 +26,7 @@ class Loads(Record):
     prestress: Float[Array, "n_e"] | None = None
     x: Float[Array, "_p"] | None = None
     e: Float[Array, "_p"] | None = None
+    temperature: Float[Array, "n_e _t"] | None = None
 
 
 class Parameters(Record):

@@ -20,6 +20,7 @@ from ..mechanics.stress_resultants import (
     is_nonlinear,
     stress_resultants,
     stress_tangents,
+    thermal_deformations,
 )
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -137,11 +138,15 @@ class CoordinatesForm(Record):
             x, e = self.parameters.reference, zero_m
             if drive.x is not None:
                 x = accumulate(x, top.x.prescribed, drive.x)
+            fixed = top.e.fixed
             if drive.e is not None:
-                e = jnp.concatenate([e[: top.e.fixed.shape[0]], drive.e])
+                e = jnp.concatenate([e[: fixed.shape[0]], drive.e])
+            if drive.loads.temperature is not None:
+                warm = thermal_deformations(top, self.parameters, drive.loads.temperature)[fixed]
+                e = jnp.concatenate([warm, e[fixed.shape[0] :]])
             return x, e
 
-        if not any(one.quantity in ("x", "e", "increment") for one in self.driven):
+        if not any(one.quantity in ("x", "e", "increment", "temperature") for one in self.driven):
             (x, e), (v, ed), (acc, edd) = prescribed(t), (zero_x, zero_m), (zero_x, zero_m)
         else:
 
@@ -191,14 +196,15 @@ class CoordinatesForm(Record):
 
         return stress
 
-    def tangents(self, e, ed):
+    def tangents(self, t, e, ed):
         """Derivatives of the stress resultants by deformations and by their rates, S and S_d; S_d may be None."""
-        return stress_tangents(self.topology, self.parameters, self.S, self.S_d, e, ed)
+        return stress_tangents(self.topology, self.parameters, self.drive(t).loads, self.S, self.S_d, e, ed)
 
-    def tangents_at(self, x, v, near):
+    def tangents_at(self, t, x, v, near):
         """As :meth:`tangents`, at a state of motion; S_d is zero where nothing depends on rates.
 
         Args:
+            t: Time [s].
             x: Nodal coordinates, (n_x,) [m, rad, -].
             v: Their velocities, (n_x,) [1/s].
             near: Deformations at the last accepted state, (n_e,) [m, rad].
@@ -206,7 +212,7 @@ class CoordinatesForm(Record):
         stiffness, damping = self.S, self.S_d
         if is_nonlinear(self.topology):
             e, jacobian = deformed(self.elements, x, near)
-            stiffness, damping = self.tangents(e, jacobian @ v)
+            stiffness, damping = self.tangents(t, e, jacobian @ v)
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
     def near(self, memory) -> Float[Array, "n_e"]:
@@ -276,7 +282,7 @@ class CoordinatesForm(Record):
 
         def following(e, ed):
             # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
-            return [None if of is None else put(of, held, 0.0) for of in self.tangents(e, ed)]
+            return [None if of is None else put(of, held, 0.0) for of in self.tangents(t, e, ed)]
 
         by_x = force_derivatives(self.elements, moving, self.falling, stress, following)
         drive = self.drive(t)

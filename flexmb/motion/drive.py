@@ -1,5 +1,6 @@
 """What depends on time: loads, prescribed motion, and the factor of the incremental loads."""
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ class Drive(NamedTuple):
     """What depends on time, at one time. What a scene does not have is None.
 
     Attributes:
-        loads: Constant and incremental loads together.
+        loads: Constant and incremental loads together, with the temperatures that depend on time.
         increment: Factor of the incremental loads, () [-].
         force: Nodal forces, (n_x,) [N, N m].
         turning: Nodal forces by coordinates, of moments about fixed axes and axes of bodies, (n_x, n_x) [N m].
@@ -43,14 +44,15 @@ class Driven(Record):
     """One function of time and what it drives.
 
     Attributes:
-        quantity: "increment", "force", "moment", "local moment" (about axes that turn with the body), "stress", "x" or
-            "e".
-        at: Indices of the coordinates or deformations; for "x" and "e" among the PRESCRIBED ones.
-        value: Function of time that gives one number for each.
+        quantity: "increment", "force", "moment", "local moment" (about axes that turn with the body), "stress",
+            "temperature", "x" or "e".
+        at: Indices of the coordinates or deformations; for "x" and "e" among the PRESCRIBED ones; for "temperature"
+            rows and columns of that of the loads, (2, k).
+        value: Function of time that gives one number for each; of a temperature one may serve all.
     """
 
     quantity: str = static()
-    at: Int[Array, "k"]
+    at: Int[Array, "*k"]
     value: Callable[..., Any]
 
 
@@ -92,6 +94,11 @@ def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, .
     }
     for one, value in values:
         if one.quantity == "increment":
+            continue
+        if one.quantity == "temperature":
+            temperature: Any = loads.temperature
+            warmer = jnp.broadcast_to(value, one.at.shape[1:])
+            loads = dataclasses.replace(loads, temperature=accumulate(temperature, tuple(one.at), warmer))
             continue
         moment = one.quantity in MOMENTS
         name = "turning" if moment else one.quantity

@@ -11,7 +11,9 @@ from jaxtyping import Array, ArrayLike, Float
 from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.program import Captured, captured
 from ..compilation.record import Record
+from ..elements.element import Element
 from ..errors import ModelError
+from ..mechanics.blocks import heat_sizes
 from ..model.model import Labels, Model
 from .drive import Driven, Table
 
@@ -22,7 +24,10 @@ class Drives(Record):
     Attributes:
         loads: Loads as functions of time, by name: a coordinate "tip.x" or a deformation "leaf.e2" (a stress that is
             added) with a number, a node "tip" with its force components [N], a rotation in space "tip.rotation" with
-            the moment about global axes [N m]. A :class:`Table` is a piecewise linear function.
+            the moment about global axes [N m]; "leaf.temperature", of an element that has one in the builder, with a
+            change of temperature or that of its two ends [K], "leaf.gradient" with what it grows by across, as
+            :meth:`flexmb.Builder.temperature` has it [K/m]; they add to what is constant. A :class:`Table` is a
+            piecewise linear function.
         motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations as functions of time, by
             name such as "tip.x", "tip.rotation" or "leaf.e1", twice differentiable.
         increment: Factor of the incremental loads as function of time; zero unless given.
@@ -65,7 +70,7 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
             raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
     x_names = {str(entry): i for i, entry in enumerate(model.labels.x)}
     e_names = {str(entry): i for i, entry in enumerate(model.labels.e) if entry.kind == "deformation"}
-    found = [_load(model.labels, x_names, e_names, name, value) for name, value in loads.items()]
+    found = [_load(model, x_names, e_names, name, value) for name, value in loads.items()]
     moved: dict[tuple[str, int], str] = {}
     for name, value in motion.items():
         quantity, place, value = _prescribed(model, x_names, e_names, name, value)
@@ -84,18 +89,49 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     return tuple(found)
 
 
-def _load(labels: Labels, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any) -> Driven:
-    """A load by the name of a coordinate, a deformation, a node or a rotation in space."""
+def _load(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any) -> Driven:
+    """A load by the name of a coordinate, a deformation, a node or a rotation in space; or a temperature."""
+    labels = model.labels
     nodes, what = labels.coordinates(name), f"Load '{name}'"
     if name in x_names:
         return Driven("force", jnp.array([x_names[name]]), _function(what, value, 1))
     if name in e_names:
         return Driven("stress", jnp.array([e_names[name]]), _function(what, value, 1))
+    element, _, quantity = str(name).rpartition(".")
+    if not nodes and quantity in ("temperature", "gradient") and element in [of for of, *_ in labels.elements]:
+        return _warmed(model, e_names[f"{element}.e1"], element, quantity, what, value)
     if not nodes:
         raise ModelError(f"{what} names no coordinate, deformation or node. There are: {_some(x_names, e_names)}.")
     turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
     value = _function(what, value, 3 if turned else len(nodes))
     return Driven("moment" if turned else "force", jnp.array(nodes), value)
+
+
+def _warmed(model: Model, first: int, element: str, quantity: str, what: str, value: Any) -> Driven:
+    """A change of temperature of an element, or its gradient across; ``first`` is its first deformation."""
+    if element not in model.labels.warm:
+        raise ModelError(
+            f"{what}: the element has no temperature. Say temperature('{element}', 0.0) of it in the builder."
+        )
+    block = next(b for b in model.topology.blocks if "thermal" in b.companions and first in np.asarray(b.e)[:, 0])
+    sizes = heat_sizes(block.element)
+    if quantity == "gradient" and len(sizes) == 1:
+        raise ModelError(f"{what}: an element of type {block.element.name} does not bend.")
+    held = set(np.asarray(model.topology.e.fixed).tolist()) - {first + n for n in range(_closure(block.element))}
+    row = np.asarray(block.e)[np.asarray(block.e)[:, 0] == first][0]
+    if isinstance(value, Table) and not held.isdisjoint(row.tolist()):
+        raise ModelError(
+            f"{what} is a table, but deformations of the element are FIXED: their velocity would jump. Give a smooth"
+            " function of time."
+        )
+    columns = np.arange(2) if quantity == "temperature" else 2 + np.arange(sizes[1])
+    numbers = _function(what, value, len(columns), one_for_all=quantity == "temperature")
+    return Driven("temperature", jnp.array([np.full(len(columns), first), columns]), numbers)
+
+
+def _closure(element: Element) -> int:
+    """How many deformations come before the strain fields of an element, and are zero at any temperature."""
+    return min((field[0] for field in element.fields), default=1) - 1
 
 
 def _prescribed(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any):
@@ -126,8 +162,8 @@ def _rotation_prescribed(labels: Labels, name: str) -> str:
     return f"turn of {name.removesuffix('.rotation')}.e1"
 
 
-def _function(what: str, value: Any, size: int) -> Captured | Table:
-    """A function of time as it is now, which gives as many numbers as are driven.
+def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Captured | Table:
+    """A function of time as it is now, which gives as many numbers as are driven, or if so said one for all.
 
     Raises:
         ModelError: It is no function, or gives another number of them.
@@ -145,8 +181,9 @@ def _function(what: str, value: Any, size: int) -> Captured | Table:
             first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
             raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
         shape = jax.eval_shape(taken, time).shape
-    if shape != (size,) and not (size == 1 and shape == ()):
+    if shape != (size,) and not ((size == 1 or one_for_all) and shape == ()):
         wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
+        wanted = f"one number, or {size}, one for each end" if one_for_all else wanted
         raise ModelError(f"{what} must give {wanted}, but gives shape {shape}.")
     return taken
 

@@ -15,7 +15,7 @@ from ..compilation.record import Record, static
 from ..display import Result, States, Summary, course, short
 from ..math.indices import put
 from ..mechanics.inertia import mass_matrix, work_of_weight
-from ..mechanics.stress_resultants import is_nonlinear, nonlinear_energy, strain_of
+from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.model import AtNodes, Labels, Model
 from ..results import RESULTS
 from .coordinates_form import coordinates_form
@@ -120,7 +120,8 @@ class Observed(Result, Record):
         kinetic: Kinetic energy, (n_t,) [J].
         elastic: Elastic energy, (n_t,) [J].
         potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
-        power: Power of all other loads and of prescribed motion, less what dampers and laws take, (n_t,) [W].
+        power: Power of all other loads, of prescribed motion and of thermal expansion, less what dampers and laws take,
+            (n_t,) [W].
     """
 
     xdd: Float[Array, "n_t n_x"]
@@ -158,7 +159,7 @@ def _observe(model, driven, t, x, xd, near, u):
         potential = jnp.array(0.0) if constant is None else -constant @ moving
         if gravity is not None:
             potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
-        stored = strain_of(parameters, kin.e)
+        stored = strain_of(topology, parameters, drive.loads, kin.e)
         # Stress that comes of stored energy, and that energy.
         conservative, elastic = form.S @ stored, 0.5 * stored @ form.S @ stored
         if is_nonlinear(topology):
@@ -171,6 +172,12 @@ def _observe(model, driven, t, x, xd, near, u):
         held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
         reactions = jnp.where(held == 1.0, force, 0.0)
         power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
+        if drive.loads.temperature is not None:
+            # What is warmed or cooled gives or takes the work of its stress.
+            def free(t):
+                return free_deformations(topology, parameters, form.drive(t).loads)
+
+            power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
         kinetic = 0.5 * whole.v @ mass @ whole.v
         return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
 

@@ -105,7 +105,7 @@ def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices,
     n0 = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + by_x.mass @ by_q)
     dfe = tangent.DFe
     held = top.x.held
-    stiffness, damping = form.tangents_at(x, v, near)
+    stiffness, damping = form.tangents_at(t, x, v, near)
     rate_of_dfe = rates + jacobian @ turning
     n0 = n0 + dfe.T @ damping @ rate_of_dfe
     m0, k0, c0 = z.T @ by_x.mass @ z, dfe.T @ stiffness @ dfe, z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning)

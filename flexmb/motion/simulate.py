@@ -213,7 +213,8 @@ def _checked_times(times):
 
 def _initial(model: Model, initial):
     if initial is None:
-        if model.parameters.start is None and model.parameters.loads.x is None and model.parameters.loads.e is None:
+        loads = model.parameters.loads
+        if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
             return Start(model.parameters.reference, jnp.zeros(model.topology.n_x))
         initial = configuration(model)
     if not isinstance(initial, Equilibrium | Configuration | Motion):

@@ -116,8 +116,9 @@ def _with_complex(found: _Found, step: Step) -> _Found:
 @jit
 def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
     point = step.point
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
-    matrices = matrices_at(topology, parameters, at, step.corrections, jnp.zeros((), jnp.int32))
+    factors = ramp.at(point.load)
+    at = state(topology, parameters, factors, point.x, point.near, strained=point.strained)
+    matrices = matrices_at(topology, parameters, factors, at, step.corrections, jnp.zeros((), jnp.int32))
     multipliers = multipliers_of(*scaled_stiffness(topology, parameters, at, point.near))
     if not matrices.symmetric:
         return _Found(matrices, None, multipliers, None)

@@ -11,6 +11,7 @@ from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, reduced_response, state
+from ..mechanics.stress_resultants import stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, library_of
@@ -136,9 +137,9 @@ def load_response(
     wanted_x, wanted_e = held_values(topology, parameters, ramp.rate)
     shift = wanted_x - parameters.reference
     imbalance = -nodal_forces(topology, parameters, ramp.rate, at.x)
-    prestress = scaled_loads(parameters, ramp.rate).prestress
-    if prestress is not None:
-        imbalance = imbalance + at.jacobian.T @ prestress
+    extra = stress_of_loads(topology, parameters, scaled_loads(parameters, ramp.rate), at.S)
+    if extra is not None:
+        imbalance = imbalance + at.jacobian.T @ extra
     return reduced_response(topology, at, at.jacobian @ shift - wanted_e, shift, imbalance)
 
 

@@ -261,6 +261,31 @@ def strain(r: Reading, s: Statement, p: Values) -> None:
     r.builder.strain(str(p["element"]), *_element_values(r, s, p, series.strains))
 
 
+def expansion(r: Reading, s: Statement, p: Values) -> None:
+    """ALPHA: coefficient of thermal expansion of an element."""
+    kind = r.declared(p["element"]).kind
+    if kind.element.thermal is None:
+        raise Fault(f"{kind.keyword} takes no ALPHA: no temperature deforms it")
+    r.once(s, p["element"])
+    r.lines.setdefault(p["element"], {})["ALPHA"] = [p["value"]]
+
+
+def temperature(r: Reading, s: Statement, p: Values) -> None:
+    """TEMP, DELTEMP: change of temperature of an element, or of its two ends, and what it grows by across."""
+    of, values = p["element"], p["value"]
+    axes = r.declared(of).kind.dimension - 1
+    r.entries(of, [], "element")
+    if len(values) not in (1, 2, 2 + axes):
+        across = "along y and along z" if axes == 2 else "across"
+        raise Fault(
+            f"element takes the change, or that of its first and its last end, or both and the gradient {across}, but"
+            f" {len(values)} numbers are given"
+        )
+    r.once(s, of)
+    gradient = None if len(values) < 3 else values[2:] if axes == 2 else values[2]
+    r.builder.temperature(str(of), values[:2], gradient=gradient, increment=s.keyword == "DELTEMP")
+
+
 def gravity(r: Reading, s: Statement, p: Values) -> None:
     """GRAVITY: acceleration."""
     r.once(s)

@@ -68,12 +68,13 @@ class ElementKind:
         """Properties for ``Builder.add``.
 
         Args:
-            lines: Numbers of ESTIFF, EM and EDAMP, where given.
+            lines: Numbers of ESTIFF, EM, EDAMP and ALPHA, where given.
             vector: Local y vector or axis, where given.
             numbers: Other numbers, by property.
         """
         found: dict[str, Any] = dict(numbers)
-        if vector is not None and "y" in self.element.properties:
+        rigid = "alpha" in self.element.properties
+        if vector is not None and "y" in self.element.properties and ("ALPHA" in lines or not rigid):
             found["y"] = stack(vector)
         if vector is not None and "axis" in self.element.properties:
             found["axis"] = stack(vector)
@@ -83,12 +84,15 @@ class ElementKind:
                     padded = stack(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
                     found[name] = padded if len(padded) > 1 else padded[0]
             return found
-        if "ESTIFF" in lines or "EM" in lines:
+        if "ALPHA" in lines and rigid:
+            found["alpha"] = lines["ALPHA"][0]
+        if "ESTIFF" in lines or "EM" in lines or ("ALPHA" in lines and not rigid):
             named = [
                 *zip(self.stiffness, lines.get("ESTIFF", []), strict=False),
                 *zip(self.mass, lines.get("EM", []), strict=False),
             ]
-            found["section"] = Rigidity(**{name: value for name, value in named if name != NOTHING})
+            alpha = None if rigid else lines.get("ALPHA", [None])[0]
+            found["section"] = Rigidity(**{name: value for name, value in named if name != NOTHING}, alpha=alpha)
         if "EDAMP" in lines:
             found["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
         return found

@@ -60,7 +60,7 @@ class Reading:
         nodes: Kind of each node, and the line that says so.
         positions: Coordinates that X gives.
         misplaced: Nodes whose X line is at fault.
-        lines: Numbers of ESTIFF, EM and EDAMP by element and keyword.
+        lines: Numbers of ESTIFF, EM, EDAMP and ALPHA by element and keyword.
         roles: Which line gave an entry its role.
         given: Which line gave what can be given once.
         signals: Inputs and outputs by number: their line, and the call that adds them.

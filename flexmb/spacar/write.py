@@ -165,7 +165,7 @@ class _Writer:
         """Numbers up to those of the closure stand for strain fields in a file, so that nothing can be said of it."""
         closed = range(1, series.closure(m.element) + 1)
         values = [
-            *(k for sets in self.builder.loads.values() for load in sets.values() for k, v in load.items() if v != 0),
+            *(k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0),
             *(signal.key for signals in self.builder.signals.values() for signal in signals),
         ]
         if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
@@ -173,6 +173,11 @@ class _Writer:
                 f"Element '{name}' ({m.element.name}) has a role, a load or a signal at its closure, deformations 1 to"
                 f" {len(closed)}, which a SPACAR input file cannot express."
             )
+
+    def _loads_of_deformations(self) -> list[list[dict]]:
+        """Loads of each set but for temperatures, which are of whole elements."""
+        sets = self.builder.loads.values()
+        return [[load for kind, load in own.items() if kind != "temperature"] for own in sets]
 
     def _legend(self) -> list[str]:
         """Which number is which name, where they differ."""
@@ -190,7 +195,7 @@ class _Writer:
         lines = []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
-            if keyword == "RBEAM" or (keyword == "SBEAM" and vector is None):
+            if (keyword == "RBEAM" and vector is None) or (keyword == "SBEAM" and vector is None):
                 vector = self._across(m)
             nodes = [
                 self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if k.part != "internal"
@@ -257,15 +262,18 @@ class _Writer:
                     values = np.broadcast_to(np.ravel(np.asarray(given, float)), (len(kind.stiffness),)).tolist()
                     lines.append(_line(keyword, number, *_trimmed(values)))
             return lines
-        section, damping = m.properties.get("section"), m.properties.get("damping")
+        section, damping, alpha = (m.properties.get(name) for name in ("section", "damping", "alpha"))
         if section is not None:
             s = section.rigidity()
+            alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
                 [0.0 if n == NOTHING else float(np.asarray(getattr(s, n))) for n in names]
                 for names in (kind.stiffness, kind.mass)
             )
             lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
             lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
+        if alpha is not None and m.element.thermal is not None:
+            lines.append(_line("ALPHA", number, float(np.asarray(alpha))))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)
         if damping is not None:
@@ -309,6 +317,10 @@ class _Writer:
                 lines.append(_line(f"DELINP{letter}", at, number, value))
             else:
                 lines.append(_line(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
+        for (_, of, _), (first, last, *across) in loads.get("temperature", {}).items():
+            bent, whole = np.any(np.asarray(across)), np.array_equal(first, last)
+            values = [first, last, *across] if bent else [first] if whole else [first, last]
+            lines.append(_line(f"{prefix}TEMP", self.element[of], *_numbers(values)))
         if "gravity" in loads:
             lines.append(_line("GRAVITY", *loads["gravity"]["all"]))
         return lines

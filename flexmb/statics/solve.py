@@ -14,7 +14,13 @@ from ..mechanics.deformation import deformation_jacobian, deformations, zero_nea
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
-from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_rest, stress_resultants
+from ..mechanics.stress_resultants import (
+    element_stiffness,
+    free_deformations,
+    is_nonlinear_at_rest,
+    stress_resultants,
+    thermal_deformations,
+)
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
@@ -39,6 +45,8 @@ class _Solved(NamedTuple):
 def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
     """Coordinates and deformations with the PRESCRIBED ones at their values, the others as undeformed.
 
+    FIXED deformations are those of temperature: a rigid element expands.
+
     Returns:
         x, (n_x,) [m, rad, -], and e, (n_e,) [m, rad].
     """
@@ -46,6 +54,9 @@ def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors
     x, e = parameters.reference, jnp.zeros(topology.n_e)
     if loads.x is not None:
         x = accumulate(x, topology.x.prescribed, loads.x)
+    if loads.temperature is not None:
+        fixed = topology.e.fixed
+        e = put(e, fixed, thermal_deformations(topology, parameters, loads.temperature)[fixed])
     if loads.e is not None:
         e = put(e, topology.e.prescribed, loads.e)
     return x, e
@@ -81,8 +92,10 @@ def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
 def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
     """Equilibrium by one loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
 
-    Deformations and their stress are carried as numbers of their own, see ``iterate``. The last turn evaluates the
-    state that was found and leaves it as it is: outside the loop its equations would be compiled once more.
+    Deformations and their stress are carried as numbers of their own, see ``iterate``; where elements are free of
+    stress at others than zero, what is carried is the difference: a leaf spring that is warmed would otherwise begin
+    with the stress of one between rigid walls, beyond buckling. The last turn evaluates the state that was found and
+    leaves it as it is: outside the loop its equations would be compiled once more.
 
     Beside the Newton iteration runs the power method for the largest 1/mu of K v = mu K0 v, one step a turn with the
     factors at hand: from below, whether the state is critical.
@@ -96,7 +109,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         load = jnp.where(going, jnp.minimum(s.reached + s.step, 1.0), 1.0)
         factors = LoadFactors(load * target.initial, load * target.increment)
         wanted = held_values(topology, parameters, factors)
-        at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, s.trial_strained, wanted)
+        free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
+        strained = s.trial_strained if free is None else s.trial_strained + free
+        at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, strained, wanted)
         k0 = at.K0
         energy = s.soft @ k0 @ s.soft
         kept = (energy > 0) & jnp.isfinite(energy)
@@ -115,6 +130,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
         strained = at.e + at.jacobian @ change
+        strained = strained if free is None else strained - free
         shorter = shorter_load_step(s.step, first, s.tries)
         step = jnp.where(bad, shorter, jnp.where(done, next_load_step(s.step, first, size / s.before), s.step))
         failed = bad & (shorter < SMALLEST_LOAD_STEP)

@@ -23,7 +23,13 @@ from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pie
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
-from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of, stress_of_strain
+from ..mechanics.stress_resultants import (
+    free_deformations,
+    is_nonlinear,
+    stiffness_pieces,
+    strain_of,
+    stress_of_strain,
+)
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
@@ -53,9 +59,16 @@ def unknowns(topology: Topology) -> tuple[Array, Array, Array]:
 @jit
 def elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]):
     """Stress resultants of linear elements, without the multipliers of held deformations."""
-    sigma = stress_of_strain(topology, parameters, strain_of(parameters, e))
-    prestress = scaled_loads(parameters, factors).prestress
-    return sigma if prestress is None else sigma + prestress
+    loads = scaled_loads(parameters, factors)
+    sigma = stress_of_strain(topology, parameters, strain_of(topology, parameters, loads, e))
+    return sigma if loads.prestress is None else sigma + loads.prestress
+
+
+@jit
+def _held_and_free(topology: Topology, parameters: Parameters, factors: LoadFactors):
+    """What is held, and the deformations at which elements are free of stress, (n_e,)."""
+    free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
+    return held_values(topology, parameters, factors), jnp.zeros(topology.n_e) if free is None else free
 
 
 @jit
@@ -138,9 +151,12 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
     while reached < 1.0:
         load = min(reached + step, 1.0)
         factors = LoadFactors(*(load * jnp.asarray(f, float) for f in target))
-        wanted_x, wanted_e = (np.asarray(v) for v in held_values(topology, parameters, factors))
+        wanted, free_of_stress = jax.tree.map(np.asarray, _held_and_free(topology, parameters, factors))
+        wanted_x, wanted_e = wanted
         (x, strained, multipliers), before, first, contraction, solved = done, np.inf, np.inf, 0.0, False
-        near, tries = strained, 0
+        # Carried is what makes stress, as in the search with dense matrices.
+        near = strained = strained + free_of_stress
+        tries = 0
         for tries in range(AT_LOAD.most):
             iterations += 1
             sigma = np.array(elastic_stress(topology, parameters, factors, jnp.asarray(strained)))
@@ -167,7 +183,8 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
         # Of a first correction that ends the iteration, or of one that is zero, no contraction is known.
         with np.errstate(divide="ignore"):
             if solved:
-                reached, done, step = load, (x, strained, multipliers), next_load_step(step, first, contraction)
+                done = x, strained - free_of_stress, multipliers
+                reached, step = load, next_load_step(step, first, contraction)
                 continue
             step = shorter_load_step(step, first, tries)
         if step < SMALLEST_LOAD_STEP:

@@ -97,10 +97,47 @@ WRONG = {
         lambda b: (b.add(planar.spectral_beam(2), "A", "B", name="s", section=LEAF), b.strain("s", 0, 0, 1e-3)),
         r"Strain of element 's': deformation 3 is part of its closure.* from 4 on",
     ),
+    "temperature without alpha": (
+        lambda b: (beam(b), b.temperature("leaf", 10.0)),
+        r"Temperature of element 'leaf': its coefficient of thermal expansion is not stated.* Material\(.., alpha=",
+    ),
+    "temperature of a rigid beam without alpha": (
+        lambda b: (b.add(planar.rigid_beam, "A", "B", name="arm"), b.temperature("arm", 10.0)),
+        r"Temperature of element 'arm': its coefficient of thermal expansion is not stated",
+    ),
+    "temperature of a hinge": (
+        lambda b: (b.rotation("A2"), b.add(planar.hinge, "A.rotation", "A2", name="h"), b.temperature("h", 10.0)),
+        r"Temperature of element 'h': no temperature deforms one of type hinge",
+    ),
+    "temperature of no element": (
+        lambda b: (warm(b), b.temperature("laef", 1)),
+        r"No element 'laef'. Did you mean 'le",
+    ),
+    "temperature a word": (lambda b: (warm(b), b.temperature("leaf", "hot")), r"'leaf' must be numbers, not 'hot'"),
+    "temperature without end": (
+        lambda b: (warm(b), b.temperature("leaf", float("nan"))),
+        r"Temperature of element 'leaf' has a value that is not a finite number: nan",
+    ),
+    "temperature of three": (
+        lambda b: (warm(b), b.temperature("leaf", (1, 2, 3))),
+        r"Temperature of element 'leaf' must be one number, or two for its ends, not \(1, 2, 3\)",
+    ),
+    "gradient of two in the plane": (
+        lambda b: (warm(b), b.temperature("leaf", 1, gradient=(1, 2))),
+        r"Gradient of the temperature of element 'leaf' must be one number in the plane",
+    ),
+    "gradient across a truss": (
+        lambda b: (warm(b, planar.truss), b.temperature("leaf", 1, gradient=3)),
+        r"Temperature of element 'leaf': one of type truss does not bend",
+    ),
     "prescribed a word": (lambda b: b.prescribe("B", "x", "5 mm"), r"Prescribed value of 'B' must be a number, not '5"),
     "prescribed in two": (lambda b: b.prescribe("B", "x", [0, 1]), r"Prescribed value of 'B' must be one number"),
     "start a word": (lambda b: b.start("B", "x", "1"), r"Start value of 'B' must be a number, not '1'"),
 }
+
+
+def warm(b, element=planar.beam):
+    b.add(element, "A", "B", name="leaf", section=fm.Rigidity(EA=1e6, EIy=1.0, alpha=1e-5))
 
 
 def needy(a: fm.Angle, b: fm.Angle, *, ref, ratio: float):

@@ -114,6 +114,7 @@ PROPERTIES = {
     "pitch": lambda hint: NUMBER,
     "radius_p": lambda hint: NUMBER.map(lambda x: x / 2),
     "radius_q": lambda hint: NUMBER.map(lambda x: x / 2),
+    "alpha": lambda hint: NUMBER,
     "k": lambda hint: POSITIVE,
     "c": lambda hint: POSITIVE,
     "y": lambda hint: vectors(3),

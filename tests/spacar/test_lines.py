@@ -76,6 +76,9 @@ IN_PLANE = {
     "ESIG": ("dynamics", "ESIG 1 1", "ESIG 1 2"),
     "DELESIG": ("dynamics", "DELESIG 1 1", "DELESIG 1 2"),
     "EINIT": ("dynamics", "EINIT 1 1", "EINIT 1 2"),
+    "ALPHA": ("dynamics", "ALPHA 1 1e-5", "ALPHA 1 2e-5"),
+    "TEMP": ("dynamics", "ALPHA 1 1e-5\nTEMP 1 10", "ALPHA 1 1e-5\nTEMP 1 10 20 5"),
+    "DELTEMP": ("dynamics", "ALPHA 1 1e-5\nDELTEMP 1 10", "ALPHA 1 1e-5\nDELTEMP 1 20"),
     "INPUTX again": ("dynamics", "INPUTX 5 1 0.1", "INPUTX 5 1 0.2"),
     "INPUTX velocity": ("dynamics", "INPUTX 5 1 0.1 1", "INPUTX 5 1 0.1 2"),
     "INPUTE again": ("dynamics", "INPUTE 2 3 0.1", "INPUTE 2 3 0.2"),
@@ -321,6 +324,7 @@ TRACED = [
         "EM 2 {t} 1",
     ),
     *("EDAMP 2 {t}", "STARTDE 2 2 {t} {t}", "DELINPX 5 1 {t}", "DELESIG 1 {t}", "DELINPE 2 3 {t}"),
+    *("ALPHA 1 {t}", "ALPHA 1 1e-5\nTEMP 1 {t} {t} {t}", "ALPHA 1 1e-5\nDELTEMP 1 {t}"),
 ]
 TRACED_IN_SPACE = [
     *("ESIG 1 {t} {t} {t} {t} {t} {t}", "EINIT 1 {t} {t} {t} {t} {t} {t}", "XF 4 {t} 0 1", "XF 4 0 {t} 0 1"),
