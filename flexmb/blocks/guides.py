@@ -62,7 +62,7 @@ def parallel_guide(
         THEORY.md 13, eq. (13.1), (13.2).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
-    s.body(stage, length)
+    s.body(s.stage, length)
     for label, across in (("1", -spacing / 2), ("2", spacing / 2)):
         s.leaf(label, (s.base, (0.0, across)), (s.stage, (length, across)), section)
     return s.stage
@@ -116,7 +116,7 @@ def double_parallel_guide(
     middle = parallel_guide(
         b, s.base, s.inner("middle", length), spacing=spacing, name=f"{name} outer", at=s.origin, along=along, **own
     )
-    s.body(stage)
+    s.body(s.stage)
     return parallel_guide(
         b, middle, s.stage, spacing=inner, name=f"{name} inner", at=s.place(length), along=-s.axes[0], **own
     )
@@ -166,7 +166,7 @@ def straight_line_stage(
         THEORY.md 13, eq. (13.1).
     """
     s = Site(b, base, stage, name, at, along, y, element, height=height)
-    s.body(stage)
+    s.body(s.stage)
     own: dict[str, Any] = {"length": length, "spacing": spacing, "inner": inner, "section": section}
     for label, side in (("1", 1.0), ("2", -1.0)):
         double_parallel_guide(
@@ -230,4 +230,4 @@ def xy_stage(
     carriage = s.inner("carriage")
     own |= {"at": s.origin, "y": y, "element": element}
     double_parallel_guide(b, s.base, carriage, name=f"{name} 1", along=along, **own)
-    return double_parallel_guide(b, carriage, s.body(stage), name=f"{name} 2", along=s.axes[1], **own)
+    return double_parallel_guide(b, carriage, s.body(s.stage), name=f"{name} 2", along=s.axes[1], **own)

@@ -32,8 +32,8 @@ def notch_hinge(
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node at one rim of the notch.
-        stage: Name of the node at the other rim; made there.
+        base: Name of the node whose body one rim of the notch belongs to.
+        stage: Name of the node whose body the other rim belongs to; made there.
         width: Of the bar, along the axis of the hinge, () [m].
         height: Of the bar beside the notch, () [m].
         neck: Height that is left in the middle, () [m].
@@ -43,8 +43,8 @@ def notch_hinge(
         at, along, y, element: The same.
 
     Returns:
-        Name of the stage. Nodes: "<name> foot" and "<name> top" where base and stage are elsewhere, to which they are
-        rigidly attached; element "<name> notch".
+        Name of the stage. Nodes: "<name> foot" and "<name> top", rigidly attached to base and stage; element "<name>
+        notch".
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
@@ -55,7 +55,10 @@ def notch_hinge(
     """
     s = Site(b, base, stage, name, at, along, y, element)
     section = notch_circular(width, height, neck, radius, material)
-    s.beam("notch", s.foot(), s.top(_extent(height, neck, radius)), *slender(b, section))
+    end = _extent(height, neck, radius)
+    s.body(s.stage, end)
+    foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (end,)))
+    s.beam("notch", (foot, s.base), (top, s.stage), *slender(b, section))
     return s.stage
 
 
@@ -94,7 +97,7 @@ def notch_four_bar(
 
     Returns:
         Name of the stage. Nodes: "<name> foot 1", "<name> bar 1", "<name> upper 1", "<name> top 1" and the same of bar
-        2; elements "<name> lower 1" and "<name> upper 1", the hinges, and the same of bar 2.
+        2; elements "<name> lower hinge 1", "<name> upper hinge 1" and the same of bar 2.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
@@ -108,7 +111,7 @@ def notch_four_bar(
     notch = _extent(height, neck, radius)
     if is_concrete((length, notch)) and length <= notch:
         raise ValueError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
-    s.body(stage, length + notch)
+    s.body(s.stage, length + notch)
     for label, across in (("1", -spacing / 2), ("2", spacing / 2)):
         foot = s.clamp(f"foot {label}", (s.base, (0.0, across)))
         bar = s.inner(f"bar {label}", notch, across)

@@ -13,7 +13,7 @@ from ..arguments import check_number, is_concrete
 from ..build.builder import Builder
 from ..elements.sections import Scalar, Section
 from ..errors import ModelError
-from .site import Site, Vector, leaf_spring
+from .site import Site, Vector
 
 RIGHT_ANGLE = np.pi / 4
 
@@ -64,12 +64,14 @@ def cross_pivot(
         THEORY.md 13, eq. (13.3), (13.4).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length)
-    if apart is not None and s.y is None:
-        raise ModelError(f"Argument `apart` of block '{name}' is for mechanisms in space.")
     check_number("ratio", ratio)
+    if apart is not None:
+        check_number("apart", apart)
+        if s.y is None:
+            raise ModelError(f"Argument `apart` of block '{name}' is for mechanisms in space.")
     cos, sin = _cos_and_sin(half_angle)
     height, axis = length * cos, ratio * length * cos
-    s.body(stage, height)
+    s.body(s.stage, height)
     for label, side in (("1", -1.0), ("2", 1.0)):
         width = () if apart is None else (side * apart / 2,)
         foot, top = side * ratio * length * sin, -side * (1 - ratio) * length * sin
@@ -131,7 +133,7 @@ def butterfly_pivot(
         return axis + direction * distance * cos, side * distance * sin
 
     middle = s.inner("middle", axis - radius * cos)
-    s.body(stage, axis + radius * cos)
+    s.body(s.stage, axis + radius * cos)
     for number, side in enumerate((-1.0, 1.0), 1):
         s.leaf(f"{number}", (s.base, end(-1, side, far=True)), (middle, end(-1, side, far=False)), section)
         s.leaf(f"{number + 2}", (middle, end(1, side, far=True)), (s.stage, end(1, side, far=False)), section)
@@ -169,8 +171,8 @@ def cartwheel(
         at, along, y, element: The same.
 
     Returns:
-        Name of the stage. Nodes: "<name> hub"; "<name> end 1" to 4, 1 and 2 on the base; "<name> axis", the point of
-        the stage that lies on the axis; elements "<name> leaf 1" to 4, each from the hub.
+        Name of the stage. Nodes: "<name> hub"; "<name> foot 1" and "<name> top 1" to 4, the ends of the spokes, 1 and 2
+        the lower ones; "<name> axis", the point of the stage that lies on the axis; elements "<name> leaf 1" to 4.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
@@ -183,11 +185,10 @@ def cartwheel(
     cos, sin = _cos_and_sin(half_angle)
     axis, reach = length / 2 * cos, length / 2 * sin
     hub = s.inner("hub", axis)
-    s.body(stage, 2 * axis)
-    ends = [(body, (up, side)) for body, up in ((s.base, 0.0), (s.stage, 2 * axis)) for side in (-reach, reach)]
-    for number, end in enumerate(ends, 1):
-        clamped = s.clamp(f"end {number}", end)
-        s.beam(f"leaf {number}", (hub, hub), (clamped, end[0]), *leaf_spring(b, section))
+    s.body(s.stage, 2 * axis)
+    for number, side in enumerate((-reach, reach), 1):
+        s.leaf(f"{number}", (s.base, (0.0, side)), (hub, (axis,)), section)
+        s.leaf(f"{number + 2}", (hub, (axis,)), (s.stage, (2 * axis, side)), section)
     s.clamp("axis", (s.stage, (axis,)))
     return s.stage
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 from collections.abc import Sequence
 from typing import Any
 
@@ -52,14 +53,13 @@ class Site:
         self.base, self.stage = named("A node", base), named("A node", stage)
         self._check_position(self.base)
         if self.base not in b.nodes:
-            known = ", ".join(f"'{n}'" for n, node in b.nodes.items() if node.kind.part == "position")
-            raise ModelError(f"Block '{name}' stands on node '{base}', which is not there. Known: {known or 'none'}.")
+            near = difflib.get_close_matches(self.base, b.nodes, 1)
+            hint = f"Did you mean '{near[0]}'?" if near else "Add it with node() first."
+            raise ModelError(f"No node '{self.base}' (base of block '{name}'). {hint}")
         if self.base == self.stage:
             raise ModelError(f"Block '{name}' joins node '{base}' to itself. Give it two nodes.")
         self._check_position(self.stage)
-        # The base itself is where the block stands: what is clamped there needs no node of its own.
         self.origin = stack(b.nodes[self.base].start) if at is None else self._vector("at", at)
-        self.moved = at is not None
         self._set_axes(along, y)
 
     def _check_position(self, node: str) -> None:
@@ -80,9 +80,8 @@ class Site:
         plane = self.b.dimension == 2
         if plane and y is not None:
             raise ModelError(f"Argument `y` of block '{self.name}' is for mechanisms in space.")
-        first = self._unit(
-            "along", self._vector("along", (0.0, 1.0, 0.0)[: self.b.dimension] if along is None else along)
-        )
+        given = (0.0, 1.0, 0.0)[: self.b.dimension] if along is None else along
+        first = self._unit("along", self._vector("along", given))
         if plane:
             self.y, self.axes = None, stack([first, stack([first[1], -first[0]])])
             return
@@ -124,16 +123,6 @@ class Site:
         rigid = planar.rigid_beam if self.b.dimension == 2 else spatial.rigid_beam
         self.b.add(rigid, body, f"{body}.rotation", node, name=f"{node} clamp")
         return node
-
-    def foot(self) -> tuple[str, str]:
-        """Where a block that begins at one point does so: the base itself, or a node that is clamped to it."""
-        return (self.clamp("foot", (self.base, ())) if self.moved else self.base), self.base
-
-    def top(self, *coordinates: Scalar) -> tuple[str, str]:
-        """Where such a block ends: the stage itself if it is made there, or a node that is clamped to it."""
-        there = self.stage in self.b.nodes
-        body = self.body(self.stage, *coordinates)
-        return (self.clamp("top", (body, coordinates)) if there else body), body
 
     def leaf(self, label: str, first: End, last: End, section: Section) -> None:
         """A leaf spring between points of two bodies, clamped to both."""

@@ -33,8 +33,8 @@ def folded_leaf_spring(
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node that the first leg begins at.
-        stage: Name of the node that the second leg ends at; made there.
+        base: Name of the node whose body the first leg stands on.
+        stage: Name of the node whose body the second leg carries; made at its end.
         length: Of the first leg, () [m].
         section: Of both legs.
         second: Length of the second leg, () [m]; as long as the first unless given.
@@ -44,8 +44,8 @@ def folded_leaf_spring(
         at, along, y, element: The same.
 
     Returns:
-        Name of the stage. Nodes: "<name> fold"; "<name> foot" and "<name> top" where base and stage are elsewhere, to
-        which they are rigidly attached; elements "<name> leaf 1" and 2.
+        Name of the stage. Nodes: "<name> fold"; "<name> foot" and "<name> top", rigidly attached to base and stage;
+        elements "<name> leaf 1" and 2.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
@@ -58,11 +58,12 @@ def folded_leaf_spring(
     s = Site(b, base, stage, name, at, along, y, element, length=length, second=second)
     check_number("fold", fold)
     xp: Any = np if is_concrete(fold) else jnp
-    foot, middle = s.foot(), s.inner("fold", length)
-    top = s.top(length + second * xp.cos(fold), second * xp.sin(fold))
+    end = length + second * xp.cos(fold), second * xp.sin(fold)
+    s.body(s.stage, *end)
+    foot, middle, top = s.clamp("foot", (s.base, ())), s.inner("fold", length), s.clamp("top", (s.stage, end))
     own = leaf_spring(b, section)
-    s.beam("leaf 1", foot, (middle, middle), *own)
-    s.beam("leaf 2", (middle, middle), top, *own)
+    s.beam("leaf 1", (foot, s.base), (middle, middle), *own)
+    s.beam("leaf 2", (middle, middle), (top, s.stage), *own)
     return s.stage
 
 
@@ -85,16 +86,16 @@ def wire_flexure(
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node that the wire begins at.
-        stage: Name of the node that it ends at; made there.
+        base: Name of the node whose body the wire stands on.
+        stage: Name of the node whose body it carries; made at its end.
         length: Of the wire, () [m].
         section: Such as ``fm.Circle(diameter, material)``.
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 
     Returns:
-        Name of the stage. Nodes: "<name> foot" and "<name> top" where base and stage are elsewhere, to which they are
-        rigidly attached; element "<name> wire".
+        Name of the stage. Nodes: "<name> foot" and "<name> top", rigidly attached to base and stage; element "<name>
+        wire".
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
@@ -104,5 +105,7 @@ def wire_flexure(
         THEORY.md 13, eq. (13.1).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length)
-    s.beam("wire", s.foot(), s.top(length), *slender(b, section))
+    s.body(s.stage, length)
+    foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (length,)))
+    s.beam("wire", (foot, s.base), (top, s.stage), *slender(b, section))
     return s.stage

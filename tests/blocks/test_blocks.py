@@ -15,6 +15,7 @@ from flexmb.blocks import (
     double_parallel_guide,
     folded_leaf_spring,
     notch_four_bar,
+    notch_hinge,
     parallel_guide,
     straight_line_stage,
     wire_flexure,
@@ -119,9 +120,10 @@ def test_compliance_in_space_is_that_of_the_frame(case):
     b.node("base", BASE)
     b.node("stage", STAGE)
     b.fix("base")
-    # The guide with what it takes by itself; the others with beams that compile quickly and are exact at rest.
-    own = {} if case == "parallel guide" else {"element": spatial.beam}
-    section = fm.Rectangle(WIDTH, THICKNESS, STEEL, shear=case != "parallel guide")
+    # Two with what they take by themselves; the others with beams that compile quickly and are exact at rest.
+    usual = case in ("parallel guide", "wire flexure")
+    own = {} if usual else {"element": spatial.beam}
+    section = fm.Rectangle(WIDTH, THICKNESS, STEEL, shear=not usual)
     place = {"at": AT, "along": 2 * AXES[:, 0], "y": AXES[:, 2]}
     assert block(b, "base", "stage", section=section, **place, **sizes, **own) == "stage"
     expected = compliance(*placed(bars, AT, AXES, STAGE), numbers(shear=True), AXES[:, 2])
@@ -189,7 +191,7 @@ def test_shift_of_pivots():
     assert far / near == pytest.approx(8, rel=1e-2)
 
 
-def test_notch_four_bar():
+def test_notch_hinge_and_four_bar():
     # 4 k/L^2 with k of one hinge, its integral by Simpson's rule with 2e5 intervals in the angle on the rim.
     width, height, neck, radius = 0.01, 6e-3, 5e-4, 3.5e-3
     rim = np.arccos(1 - (height - neck) / 2 / radius)
@@ -197,11 +199,14 @@ def test_notch_four_bar():
     around = 12 * radius * np.cos(angle) / (210e9 * width * (neck + 2 * radius * (1 - np.cos(angle))) ** 3)
     weights = np.tile([2.0, 4.0], 100000)
     hinge = 3 / ((angle[1] - angle[0]) * (np.sum(weights * around[:-1]) - around[0] + around[-1]))
-    b = ground(
-        notch_four_bar,
-        **{"length": L, "spacing": S, "width": width, "height": height, "neck": neck, "radius": radius},
-        material=STEEL,
-    )
+    sizes = {"width": width, "height": height, "neck": neck, "radius": radius, "material": STEEL}
+    b = fm.Builder()
+    b.node("ground", (0.0, 0.0, 0.0))
+    b.fix("ground")
+    notch_hinge(b, "ground", "stage", along=(1, 0, 0), y=(0, 1, 0), **sizes)
+    # About its axis, y; the vertical slope of the profile at its ends costs 5e-7.
+    assert 1 / fm.compliance(b.build(), "stage")[4, 4] == pytest.approx(hinge, rel=1e-6)
+    b = ground(notch_four_bar, length=L, spacing=S, **sizes)
     assert b.nodes["stage"].start[1] == pytest.approx(L + 2 * radius * np.sin(rim), rel=1e-12)
     # A hinge bends over a millimetre beside its middle too, where the moment is (1 mm/(L/2))^2 = 4e-4 more or less.
     assert 1 / fm.compliance(b.build(), "stage")[0, 0] == pytest.approx(4 * hinge / L**2, rel=1e-3)
@@ -233,6 +238,32 @@ def test_derivatives_by_every_dimension():
     np.testing.assert_allclose(jax.jacfwd(logarithm)(d), differences, rtol=1e-6)
 
 
+def test_every_size_and_direction_may_be_traced():
+    # Places of all nodes of all blocks, along one direction in the space of their numbers.
+    notch = {"width": 0.01, "height": 6e-3, "neck": 5e-4, "radius": 3.5e-3}
+    cases = [(block, sizes) for block, sizes, _ in FRAMES.values()]
+    cases += [(notch_hinge, notch), (notch_four_bar, {"length": L, "spacing": S, **notch})]
+    section = {notch_hinge: {"material": STEEL}, notch_four_bar: {"material": STEEL}}
+
+    def places(numbers):
+        found = []
+        for (block, _), own in zip(cases, numbers, strict=True):
+            b = fm.Builder()
+            b.node("base", BASE)
+            block(b, "base", "stage", **own, **section.get(block, {"section": LEAF}))
+            found += [jnp.stack([jnp.asarray(c, float) for c in node.start]) for node in b.nodes.values()]
+        return jnp.concatenate(found)
+
+    place = {"at": jnp.array(AT), "along": jnp.array(AXES[:, 0]), "y": jnp.array([0.1, 0.8, -0.6])}
+    numbers = [{**place, **sizes} for _, sizes in cases]
+    rates = jax.tree.map(lambda number: 0.7 * number + 1e-3, numbers)
+    step = 1e-6
+    ahead, behind = (places(jax.tree.map(lambda n, r, s=s: n + s * r, numbers, rates)) for s in (step, -step))
+    found = jax.jvp(places, (numbers,), (rates,))[1]
+    # Round-off of half a metre over the step.
+    np.testing.assert_allclose(found, (ahead - behind) / (2 * step), rtol=0, atol=1e-9)
+
+
 def test_sweep():
     def build(length, spacing, thickness):
         leaf = fm.Rectangle(WIDTH, thickness, STEEL)
@@ -249,7 +280,11 @@ def test_sweep():
 
 GUIDE = {"length": L, "spacing": S, "section": LEAF}
 WRONG = {
-    "unknown base": (lambda b: parallel_guide(b, "grund", "stage", **GUIDE), fm.ModelError, "node 'grund'.*'ground'"),
+    "unknown base": (
+        lambda b: parallel_guide(b, "grund", "stage", **GUIDE),
+        fm.ModelError,
+        "No node 'grund'.*mean 'ground'",
+    ),
     "one node": (lambda b: parallel_guide(b, "ground", "ground", **GUIDE), fm.ModelError, "'ground' to itself"),
     "a rotation": (
         lambda b: (b.rotation("free"), parallel_guide(b, "ground", "free", **GUIDE)),
