@@ -10,5 +10,5 @@ __version__ = "0.1.0"
 
 __getattr__, __dir__ = names(
     __name__,
-    *("elements", "checks", "statics", "linear", "paths", "motion", "control", "spacar", "design", "viewer"),
+    *("elements", "checks", "statics", "linear", "paths", "motion", "control", "spacar", "design", "blocks", "viewer"),
 )

@@ -1,5 +1,6 @@
 """The public names, once: type checkers and editors read them here, and ``__init__.py`` loads each on first use."""
 
+from . import blocks as blocks
 from . import control as control
 from . import design as design
 from . import linear as linear

@@ -928,6 +928,21 @@ FAULTS = [
         "motion/test_simulate.py -k derivative_of_a_motion",
     ),
     Fault("model/model.py", '"ndof": nx - nxo - neo}', '"ndof": nx - nxo}', "checks/test_mobility.py -k self_stress"),
+    # Building blocks.
+    Fault("blocks/site.py", "first[1], -first[0]", "-first[1], first[0]", "blocks/test_blocks.py -k in_the_plane"),
+    Fault(
+        "blocks/site.py", "= np.cross(first, self.y)", "= -np.cross(first, self.y)", "blocks/test_blocks.py -k in_space"
+    ),
+    Fault("blocks/guides.py", "along=-s.axes[0]", "along=s.axes[0]", "blocks/test_blocks.py -k in_space"),
+    Fault("blocks/pivots.py", "-side * (1 - ratio)", "-side * ratio", "blocks/test_blocks.py -k in_space"),
+    Fault(
+        "blocks/pivots.py",
+        "(middle, end(1, side, far=True))",
+        "(middle, end(1, side, far=False))",
+        "blocks/test_blocks.py",
+    ),
+    Fault("blocks/springs.py", "second * xp.cos(fold)", "length * xp.cos(fold)", "blocks/test_blocks.py -k in_space"),
+    Fault("blocks/hinges.py", "2 * radius - depth", "2 * radius", "blocks/test_blocks.py -k four_bar"),
     # Design.
     Fault("design/tune.py", "best = min(runs", "best = max(runs", "design/test_tune.py -k several_starts"),
     Fault(

@@ -23,6 +23,7 @@ ROWS = [
     ("mechanics",),
     ("checks",),
     ("build",),
+    ("blocks",),
     ("statics",),
     ("linear",),
     ("paths",),

@@ -1,0 +1,128 @@
+"""Notch hinges, and guides on them: bars that bend where notches leave a thin neck."""
+
+from typing import Any
+
+from ..arguments import is_concrete
+from ..build.builder import Builder
+from ..elements.sections import Material, Scalar, notch_circular
+from .site import Site, Vector, slender
+
+
+def notch_hinge(
+    b: Builder,
+    base: str,
+    stage: str,
+    *,
+    width: Scalar,
+    height: Scalar,
+    neck: Scalar,
+    radius: Scalar,
+    material: Material,
+    name: str = "hinge",
+    at: Vector | None = None,
+    along: Vector | None = None,
+    y: Vector | None = None,
+    element: Any = None,
+) -> str:
+    """Circular notch hinge: a bar with a round notch from both sides, from rim to rim.
+
+    Rotational stiffness nearly 2 E width neck^(5/2)/(9 pi radius^(1/2)) where the neck is thin; the beam that the block
+    adds has the integral of which that is the limit. Another notch is a :func:`flexmb.blocks.wire_flexure` with a
+    section of its own, such as ``fm.sections.notch_filleted(..)``.
+
+    Args:
+        b: Builder of the mechanism.
+        base: Name of the node whose body one rim of the notch belongs to.
+        stage: Name of the node whose body the other rim belongs to; made there.
+        width: Of the bar, along the axis of the hinge, () [m].
+        height: Of the bar beside the notch, () [m].
+        neck: Height that is left in the middle, () [m].
+        radius: Of the notch, () [m]; at least half of height - neck.
+        material: Of the bar.
+        name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element; ``y`` is the axis.
+        at, along, y, element: The same.
+
+    Returns:
+        Name of the stage. Nodes: "<name> foot" and "<name> top", rigidly attached to base and stage; element "<name>
+        notch".
+
+    Raises:
+        ModelError: See :func:`flexmb.blocks.parallel_guide`.
+        ValueError: A size that is not positive, a neck that is higher than the bar, a notch deeper than its radius.
+
+    Source:
+        THEORY.md 13, eq. (13.7).
+    """
+    s = Site(b, base, stage, name, at, along, y, element)
+    section = notch_circular(width, height, neck, radius, material)
+    end = _extent(height, neck, radius)
+    s.body(s.stage, end)
+    foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (end,)))
+    s.beam("notch", (foot, s.base), (top, s.stage), *slender(b, section))
+    return s.stage
+
+
+def notch_four_bar(
+    b: Builder,
+    base: str,
+    stage: str,
+    *,
+    length: Scalar,
+    spacing: Scalar,
+    width: Scalar,
+    height: Scalar,
+    neck: Scalar,
+    radius: Scalar,
+    material: Material,
+    name: str = "guide",
+    at: Vector | None = None,
+    along: Vector | None = None,
+    y: Vector | None = None,
+    element: Any = None,
+) -> str:
+    """Parallel guide of two bars with a circular notch hinge at each end: a parallelogram of four hinges.
+
+    Drive stiffness 4 k/length^2 with k of one hinge, see :func:`notch_hinge`. The bars are rigid between their notches.
+
+    Args:
+        b: Builder of the mechanism.
+        base: Name of the node whose body the block stands on.
+        stage: Name of the node whose body it carries; made in the middle of the tops.
+        length: Between the middles of the two hinges of a bar, () [m].
+        spacing: Distance between the bars, () [m].
+        width: See :func:`notch_hinge`, also for height, neck, radius and material.
+        height, neck, radius, material: The same.
+        name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
+        at, along, y, element: The same.
+
+    Returns:
+        Name of the stage. Nodes: "<name> foot 1", "<name> bar 1", "<name> upper 1", "<name> top 1" and the same of bar
+        2; elements "<name> lower hinge 1", "<name> upper hinge 1" and the same of bar 2.
+
+    Raises:
+        ModelError: See :func:`flexmb.blocks.parallel_guide`.
+        ValueError: See :func:`notch_hinge`; a bar that is shorter than its notches.
+
+    Source:
+        THEORY.md 13, eq. (13.7), (13.8).
+    """
+    s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
+    own = slender(b, notch_circular(width, height, neck, radius, material))
+    notch = _extent(height, neck, radius)
+    if is_concrete((length, notch)) and length <= notch:
+        raise ValueError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
+    s.body(s.stage, length + notch)
+    for label, across in (("1", -spacing / 2), ("2", spacing / 2)):
+        foot = s.clamp(f"foot {label}", (s.base, (0.0, across)))
+        bar = s.inner(f"bar {label}", notch, across)
+        upper = s.clamp(f"upper {label}", (bar, (length, across)))
+        top = s.clamp(f"top {label}", (s.stage, (length + notch, across)))
+        s.beam(f"lower hinge {label}", (foot, s.base), (bar, bar), *own)
+        s.beam(f"upper hinge {label}", (upper, bar), (top, s.stage), *own)
+    return s.stage
+
+
+def _extent(height: Scalar, neck: Scalar, radius: Scalar) -> Scalar:
+    """Length of a circular notch from rim to rim."""
+    depth = (height - neck) / 2
+    return 2 * (depth * (2 * radius - depth)) ** 0.5

@@ -1,0 +1,152 @@
+"""Where a building block stands and how it is put together: its axes, its bodies, and the leaf springs between them."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import check_number, is_concrete
+from ..build.assemble import stack
+from ..build.builder import Builder
+from ..build.given import listed, named
+from ..elements import planar, spatial
+from ..elements.sections import Circle, Profile, Rectangle, Scalar, Section
+from ..errors import ModelError
+
+Vector = Sequence[Scalar] | Float[Array, "d"]
+# A body, by the node that its rotation belongs to, and a point of it: along, across and, in space, along the width.
+End = tuple[str, tuple[Scalar, ...]]
+
+
+class Site:
+    """A block that is being added to a mechanism.
+
+    Its points are given along its leaf springs, across them in the plane in which it moves, and along their width.
+
+    Attributes:
+        base: Name of the node that it stands on.
+        stage: Name of the node that it carries.
+        name: Its own name, with which those of its nodes and elements begin.
+    """
+
+    def __init__(
+        self,
+        b: Builder,
+        base: str,
+        stage: str,
+        name: str,
+        at: Vector | None,
+        along: Vector | None,
+        y: Vector | None,
+        element: Any,
+        **sizes: Any,
+    ):
+        for size, value in sizes.items():
+            check_number(size, value, above=0)
+        self.b, self.name, self.element = b, named("A block", name), element
+        self.base, self.stage = named("A node", base), named("A node", stage)
+        self._check_position(self.base)
+        if self.base not in b.nodes:
+            near = difflib.get_close_matches(self.base, b.nodes, 1)
+            hint = f"Did you mean '{near[0]}'?" if near else "Add it with node() first."
+            raise ModelError(f"No node '{self.base}' (base of block '{name}'). {hint}")
+        if self.base == self.stage:
+            raise ModelError(f"Block '{name}' joins node '{base}' to itself. Give it two nodes.")
+        self._check_position(self.stage)
+        self.origin = stack(b.nodes[self.base].start) if at is None else self._vector("at", at)
+        self._set_axes(along, y)
+
+    def _check_position(self, node: str) -> None:
+        if node in self.b.nodes and self.b.nodes[node].kind.part != "position":
+            raise ModelError(f"Node '{node}' of block '{self.name}' has no position: it is a rotation.")
+
+    def _vector(self, argument: str, given: Vector) -> Any:
+        values = listed(f"Argument `{argument}` of block '{self.name}'", given)
+        if len(values) != self.b.dimension:
+            raise ModelError(
+                f"Argument `{argument}` of block '{self.name}' must have {self.b.dimension} components, but has"
+                f" {len(values)}."
+            )
+        return stack(values)
+
+    def _set_axes(self, along: Vector | None, y: Vector | None) -> None:
+        """Unit vectors along the leaf springs, across them and, in space, along their width."""
+        plane = self.b.dimension == 2
+        if plane and y is not None:
+            raise ModelError(f"Argument `y` of block '{self.name}' is for mechanisms in space.")
+        given = (0.0, 1.0, 0.0)[: self.b.dimension] if along is None else along
+        first = self._unit("along", self._vector("along", given))
+        if plane:
+            self.y, self.axes = None, stack([first, stack([first[1], -first[0]])])
+            return
+        width = self._vector("y", (0.0, 0.0, 1.0) if y is None else y)
+        self.y = self._unit("y", width - (width @ first) * first)
+        across = np.cross(first, self.y) if is_concrete((first, self.y)) else jnp.cross(first, self.y)
+        self.axes = stack([first, across, self.y])
+
+    def _unit(self, argument: str, vector: Any) -> Any:
+        size = (vector @ vector) ** 0.5
+        if is_concrete(size) and size < 1e-9:
+            what = "has no length" if argument == "along" else "must not be parallel to `along`"
+            raise ModelError(f"Argument `{argument}` of block '{self.name}' {what}.")
+        return vector / size
+
+    def place(self, *coordinates: Scalar) -> Any:
+        """A point of the block in global axes, (d,) [m]; coordinates that are not given are zero."""
+        return sum((c * axis for c, axis in zip(coordinates, self.axes, strict=False)), self.origin)
+
+    def body(self, node: str, *coordinates: Scalar) -> str:
+        """A node with a place of its own, which is made unless it is there; returns its name."""
+        if node not in self.b.nodes:
+            self.b.node(node, self.place(*coordinates))
+        return node
+
+    def inner(self, label: str, *coordinates: Scalar) -> str:
+        """A node that belongs to the block; returns its name."""
+        node = f"{self.name} {label}"
+        if node in self.b.nodes:
+            raise ModelError(
+                f"Block '{self.name}' is there already, with node '{node}'. Give each block a name of its own."
+            )
+        return self.body(node, *coordinates)
+
+    def clamp(self, label: str, end: End) -> str:
+        """A node at a point of a body, rigidly attached to it; returns its name."""
+        body, coordinates = end
+        node = self.inner(label, *coordinates)
+        rigid = planar.rigid_beam if self.b.dimension == 2 else spatial.rigid_beam
+        self.b.add(rigid, body, f"{body}.rotation", node, name=f"{node} clamp")
+        return node
+
+    def leaf(self, label: str, first: End, last: End, section: Section) -> None:
+        """A leaf spring between points of two bodies, clamped to both."""
+        p, q = (self.clamp(f"{end} {label}", at) for end, at in (("foot", first), ("top", last)))
+        self.beam(f"leaf {label}", (p, first[0]), (q, last[0]), *leaf_spring(self.b, section))
+
+    def beam(self, label: str, first: tuple[str, str], last: tuple[str, str], element: Any, section: Section) -> None:
+        """A flexible beam between two nodes, each named with the one whose rotation it turns with."""
+        across = {} if self.y is None else {"y": self.y}
+        nodes = [part for node, body in (first, last) for part in (node, f"{body}.rotation")]
+        self.b.add(self.element or element, *nodes, name=f"{self.name} {label}", section=section, **across)
+
+
+def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:
+    """Element type of a leaf spring, and its section as that takes it."""
+    return slender(b, section)
+
+
+def slender(b: Builder, section: Section) -> tuple[Any, Section]:
+    """Element type of a wire or a notch hinge, and its section as that takes it: in space with shear where it can."""
+    element = planar.spectral_beam if b.dimension == 2 else spatial.spectral_beam
+    if isinstance(section, Profile):
+        # Stress resultants are smooth along a hinge where the section is not; order 3 is theirs at any stroke.
+        return element(order=3), section
+    if b.dimension == 3 and isinstance(section, Rectangle | Circle):
+        return spatial.spectral_beam(shear=True), dataclasses.replace(section, shear=True)
+    return element, section

@@ -1,0 +1,223 @@
+# %% [markdown]
+# # Building blocks
+#
+# **Question.** Which guides, pivots and hinges are there ready-made, and how stiff is each?
+#
+# A mechanism of leaf springs is mostly made of a few known parts. Each function of `fm.blocks` adds one of them to a
+# `Builder`, between two bodies that are named by a node each: the **base** that it stands on, and the **stage** that it
+# carries. The base must be there. The stage is made where the block ends, unless it is there too, which may be
+# anywhere. So blocks are chained: the stage of one is the base of the next.
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import flexmb as fm
+from flexmb import blocks
+
+fm.enable_x64()
+cache = fm.enable_cache(thorough=False)
+
+steel = fm.Material(E=210e9, G=80e9, rho=7850)
+length, width, thickness = 0.1, 18e-3, 0.5e-3
+leaf = fm.Rectangle(width, thickness, steel)
+wire = fm.Circle(1e-3, steel)
+notch = {"width": 10e-3, "height": 6e-3, "neck": 0.5e-3, "radius": 3e-3, "material": steel}
+
+
+def mechanism(block, dimension=2, **sizes):
+    b = fm.Builder()
+    b.node("ground", (0,) * dimension)
+    block(b, "ground", "stage", **sizes)
+    b.fix("ground")
+    return b.build()
+
+
+# %% [markdown]
+# ## What there is
+#
+# Leaf springs go along y, and the stage of a guide moves along x, unless `along=` says otherwise (and, in space, `y=`,
+# the direction of the width). All dimensions may be numbers to differentiate by. `at=` puts a block elsewhere than at
+# its base, and `element=` takes another element for its leaf springs.
+
+# %%
+guide = {"length": length, "section": leaf, "spacing": 0.08}
+catalogue = {
+    "parallel guide": (blocks.parallel_guide, guide),
+    "double parallel guide": (blocks.double_parallel_guide, {**guide, "inner": 0.04}),
+    "straight-line stage": (blocks.straight_line_stage, {**guide, "inner": 0.04, "height": 0.03}),
+    "xy stage": (blocks.xy_stage, {**guide, "inner": 0.04}),
+    "cross pivot": (blocks.cross_pivot, {"length": length, "section": leaf}),
+    "butterfly pivot": (blocks.butterfly_pivot, {"length": length, "section": leaf, "radius": 0.02}),
+    "cartwheel": (blocks.cartwheel, {"length": length, "section": leaf}),
+    "folded leaf spring": (blocks.folded_leaf_spring, {"length": length, "section": leaf}),
+    "wire flexure": (blocks.wire_flexure, {"length": length, "section": wire}),
+    "notch hinge": (blocks.notch_hinge, notch),
+    "notch four-bar": (blocks.notch_four_bar, {"length": 0.05, "spacing": 0.04, **notch}),
+}
+
+# %% [markdown]
+# A square is the base, clamped to the ground, a diamond the stage, which has been pushed or turned the way that it is
+# free to go. Thick lines are rigid. What stands out of the pivots is their axis, a point of the stage: how far it has
+# moved is their shift. Every leaf spring is one spectral beam, right at such strokes.
+
+# %%
+turning = ("cross pivot", "butterfly pivot", "cartwheel", "notch hinge")
+
+
+def pushed(name):
+    block, sizes = catalogue[name]
+    b = fm.Builder()
+    b.node("ground", (0, 0))
+    block(b, "ground", "stage", **sizes)
+    b.fix("ground")
+    if name in turning:
+        b.prescribe("stage", "rotation", np.radians(5 if name == "notch hinge" else 10))
+    else:
+        b.prescribe("stage", "x", 0.004 if name == "notch four-bar" else 0.01)
+        if name == "xy stage":
+            b.prescribe("stage", "y", 0.01)
+    return b.build()
+
+
+figure, axes = plt.subplots(3, 4, figsize=(12, 9.5), layout="constrained")
+for name, ax in zip(catalogue, axes.flat, strict=False):
+    there = pushed(name)
+    fm.plot.mechanism(there, at=fm.equilibrium(there), ax=ax, dofs=False, loads=False)
+    ax.set_title(name)
+    ax.set_axis_off()
+axes.flat[-1].set_axis_off()
+plt.show()
+
+# %% [markdown]
+# ## Stiffness beside closed forms
+#
+# In the direction that the stage is free in, of beam theory at rest (flexmb/THEORY.md, section 13). $EI$ is that of one
+# leaf spring, $k_h$ the stiffness of one notch hinge. Both formulas with $k_h$ are limits: for a thin neck, and for
+# hinges that are short beside the bars.
+
+# %%
+EI = steel.E * width * thickness**3 / 12
+EI_wire = steel.E * np.pi * wire.diameter**4 / 64
+near = 0.02 / length
+hinge = 2 * steel.E * notch["width"] * notch["neck"] ** 2.5 / (9 * np.pi * notch["radius"] ** 0.5)
+formulas = {
+    "parallel guide": ("24 EI/L³", 24 * EI / length**3),
+    "double parallel guide": ("12 EI/L³", 12 * EI / length**3),
+    "straight-line stage": ("24 EI/L³", 24 * EI / length**3),
+    "xy stage": ("12 EI/L³", 12 * EI / length**3),
+    "cross pivot": ("2 EI/L", 2 * EI / length),
+    "butterfly pivot": ("4 EI/L (1 + 3n + 3n²)", 4 * EI / length * (1 + 3 * near + 3 * near**2)),
+    "cartwheel": ("8 EI/L", 8 * EI / length),
+    "folded leaf spring": ("3 EI/L³", 3 * EI / length**3),
+    "wire flexure": ("3 EI/L³", 3 * EI_wire / length**3),
+    "notch hinge": ("2 E w t^2.5/(9π√R)", hinge),
+    "notch four-bar": ("4 k_h/L²", 4 * hinge / 0.05**2),
+}
+deviations, table = {}, []
+for name, (text, closed) in formulas.items():
+    block, sizes = catalogue[name]
+    i, unit = (2, "N m/rad") if name in turning else (0, "N/m")
+    found = 1 / float(fm.compliance(mechanism(block, **sizes), "stage")[i, i])
+    deviations[name] = found / closed - 1
+    table.append(f"{name:22} {text:22} {closed:10.5g} {found:10.5g} {unit:8} {deviations[name]:+.2%}")
+print("\n".join(table))
+
+# %% [markdown]
+# ## In space
+#
+# The same functions build in space, where the directions that a block holds have their stiffness too. A folded leaf
+# spring holds one, the fold line. Three of them carry a platform that moves in its plane: they hold its height (z) and
+# its tilts (about x and y). Their feet are where `at` says, on the ground around the platform.
+
+# %%
+legs = {"length": 0.05, "section": leaf}
+b = fm.Builder()
+b.node("ground", (0, 0, -0.04))
+b.node("platform", (0, 0, 0))
+for i, angle in enumerate(np.radians([0, 120, 240])):
+    out, around = np.array([np.cos(angle), np.sin(angle), 0]), np.array([-np.sin(angle), np.cos(angle), 0])
+    place = {"at": 0.11 * out - 0.05 * around, "along": around, "fold": -np.pi / 2}
+    blocks.folded_leaf_spring(b, "ground", "platform", name=f"leg {i}", **legs, **place)
+b.fix("ground")
+platform = b.build()
+ax = fm.plot.mechanism(platform, dofs=False, ax=plt.figure(figsize=(7, 6)).add_subplot(projection="3d"))
+ax.locator_params(nbins=4)
+print("N/m, N m/rad:", "  ".join(f"{1 / c:.3g}" for c in np.diag(fm.compliance(platform, "platform"))))
+
+# %% [markdown]
+# Along the fold line, with its end free to turn, one leg has the compliance $2(L^3/3EI_z + L/GA\,k) + L^3/GI_t$:
+
+# %%
+single = mechanism(blocks.folded_leaf_spring, 3, **legs)
+s = fm.Rectangle(width, thickness, steel, shear=True).rigidity()
+closed = 2 * (0.05**3 / (3 * s.EIz) + 0.05 * s.shear_y / s.EIz) + 0.05**3 / s.GIt
+found = float(fm.compliance(single, "stage")[2, 2])
+deviations["fold line"] = found / float(closed) - 1
+print(f"{1 / closed:.6g} N/m, computed {1 / found:.6g} N/m")
+
+# %% [markdown]
+# ## Dimensions in: a sweep, and a search
+#
+# Where the leaf springs of a pivot cross decides how stiff it is: $8EI/L\,(1 - 3\lambda + 3\lambda^2)$.
+
+
+# %%
+def pivot(ratio):
+    return mechanism(blocks.cross_pivot, length=length, section=leaf, ratio=ratio)
+
+
+ratios = np.linspace(0, 1, 11)
+swept = fm.sweep(pivot, {"stiffness": lambda m: 1 / fm.compliance(m, "stage")[2, 2]}, fm.design.grid(ratio=ratios))
+figure, ax = plt.subplots(layout="constrained")
+curve = 8 * EI / length * (1 - 3 * ratios + 3 * ratios**2)
+ax.plot(ratios, curve, label="closed form")
+ax.plot(ratios, swept["stiffness"], "o", label="sweep")
+ax.set_xlabel("crossing ratio [-]")
+ax.set_ylabel("rotational stiffness [N m/rad]")
+ax.legend()
+plt.show()
+
+# %% [markdown]
+# And the lightest leaf springs of a guide that carries 0.2 kg at 8 Hz:
+
+
+# %%
+def stage(length, thickness):
+    b = fm.Builder()
+    b.node("ground", (0, 0))
+    blocks.parallel_guide(
+        b, "ground", "stage", length=length, spacing=0.08, section=fm.Rectangle(width, thickness, steel)
+    )
+    b.fix("ground")
+    b.mass("stage", 0.2, inertia=2e-4)
+    return b.build()
+
+
+found = fm.tune(
+    stage,
+    {"frequency": lambda m: fm.frequencies(m)[0], "mass": fm.mass},
+    {"length": 0.1, "thickness": 0.5e-3},
+    bounds={"length": (0.05, 0.2), "thickness": (0.2e-3, 1e-3)},
+    minimize="mass",
+    equal={"frequency": 8.0},
+)
+print(found)
+
+# %% [markdown]
+# ## What the numbers are compared with
+#
+# The closed forms above. They leave out that leaf springs stretch, which is of the order of (t/L)² and (t/spacing)²;
+# those of the notch are limits for a thin neck. The tuned guide: leaf springs of mass $m_l$ in sway count with 13/35,
+# and $(2\pi f)^2 = (24EI/L^3)/(m + \tfrac{26}{35} m_l)$.
+
+# %%
+t, n = (float(found.dimensions[name]) for name in ("thickness", "length"))
+moving = 0.2 + 26 / 35 * steel.rho * width * t * n
+expected = np.sqrt(2 * steel.E * width * t**3 / n**3 / moving) / (2 * np.pi)
+print(f"closed form of the tuned guide: {expected:.5f} Hz")
+
+limits = {"notch hinge": 0.03, "notch four-bar": 0.03}
+assert all(abs(value) < limits.get(name, 5e-4) for name, value in deviations.items())
+assert np.allclose(swept["stiffness"], curve, rtol=1e-4)
+assert abs(expected / 8.0 - 1) < 1e-3
