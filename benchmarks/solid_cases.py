@@ -261,3 +261,204 @@ def guided_leaf(fine: Fineness, width=WIDE):
         mesh, body, (body[0], 3), STROKES, ("x", "y"), millimetres, held=[(body[1], d, 0.0) for d in (1, 2, 3)]
     )
     return found, done.seconds
+
+
+def pivot(rest: Fineness, fine: Fineness):
+    """Two leaf springs that cross at right angles in the middle, at the origin; the rigid stage is turned about y.
+
+    One at y = 10 mm runs from its foot along (1, 0, 1), one at y = -10 mm along (-1, 0, 1); the stage's reference point
+    is the origin. Moments on it at an angle are couples of forces along fixed axes.
+    """
+    half, sine = LENGTH / 2, np.sqrt(0.5)
+
+    def build(sizes):
+        mesh = Mesh()
+        for side in (1, -1):
+            # Local x along (side, 0, 1), local y along y.
+            def crossed(x, y, z, side=side):
+                return sine * (side * (x - half) - z), side * OFFSET + y, sine * (x - half + side * z)
+
+            leaf(mesh, sizes, shape=crossed)
+        return mesh
+
+    def faces(mesh):
+        def along(p):
+            return (np.sign(p[:, 1]) * p[:, 0] + p[:, 2]) * sine
+
+        mesh.pick("FOOT", lambda p: along(p) < -half + 1e-9)
+        mesh.pick("TIP", lambda p: along(p) > half - 1e-9)
+        return mesh.make_rigid("TIP", (0, 0, 0), (0, 0.05, 0), (0, -0.05, 0))
+
+    mesh = build(rest)
+    body = faces(mesh)
+    compliance, first = compliances(mesh, body)
+    mesh = build(fine)
+    body = faces(mesh)
+    axes = ("x", "y", "z", "rx", "rz")
+    found, second = about(mesh, body, (body[1], 2), (ANGLE,), axes, degrees, twist=0.1)
+    return stiffnesses(compliance, "0 degrees, ") | found, first.seconds + second.seconds
+
+
+def degrees(angle: float) -> str:
+    """Name of an angle."""
+    return f"{np.degrees(angle):.0f} degrees"
+
+
+def traction(mesh: Mesh, axis: int, force: float) -> list[tuple[int, int, float]]:
+    """Nodal forces of a uniform traction on the tip's face x = 0.1 m.
+
+    Args:
+        mesh: Bricks whose second face along x may lie there.
+        axis: Direction, 1 to 3.
+        force: Sum [N].
+    """
+    points = np.array(mesh.points)
+    # Nodes of the face at the larger x: corners 2 3 6 7, and between them 10 14 18 19, counted from 1.
+    corners, middles = np.array([1, 2, 5, 6]), np.array([9, 13, 17, 18])
+    share: dict[int, float] = {}
+    for brick in mesh.bricks:
+        at = points[brick - 1]
+        if np.all(at[corners, 0] > LENGTH - 1e-9):
+            area = np.prod(np.ptp(at[corners, 1:], axis=0))
+            for places, part in ((corners, -1 / 12), (middles, 1 / 3)):
+                for node in brick[places]:
+                    share[int(node)] = share.get(int(node), 0.0) + part * area
+    whole = sum(share.values())
+    return [(node, axis, force * part / whole) for node, part in share.items()]
+
+
+def probes(mesh: Mesh) -> tuple[int, ...]:
+    """Have the displacements of the tip printed, of its middle and of both its edges, in the middle of the thickness."""
+    picked = []
+    for y in (0.0, WIDTH / 2, -WIDTH / 2):
+        points = np.array(mesh.points)
+        picked.append(int(np.argmin(np.linalg.norm(points - [LENGTH, y, 0.0], axis=1))) + 1)
+    mesh.sets["REFS"] = np.array(picked)
+    return tuple(picked)
+
+
+# Modes of a leaf spring by what its tip does, and how many of each are compared.
+KINDS = {"bending": 3, "torsion": 2, "sideways": 1}
+
+
+def sorted_modes(hertz, along_y, along_z, turned) -> dict[str, tuple[float, str]]:
+    """Frequencies by kind of mode, in order.
+
+    Args:
+        hertz: Frequencies, rising.
+        along_y: Displacement of the tip's middle in each mode.
+        along_z: The same across.
+        turned: Displacement of the tip's edge by its rotation about x.
+    """
+    found, counts = {}, dict.fromkeys(KINDS, 0)
+    for f, *moves in zip(hertz, along_z, turned, along_y, strict=True):
+        kind = tuple(KINDS)[int(np.argmax(np.abs(moves)))]
+        counts[kind] += 1
+        if counts[kind] <= KINDS[kind]:
+            found[f"{kind} {counts[kind]}"] = (float(f), "Hz")
+    return {name: found[name] for kind, n in KINDS.items() for i in range(n) if (name := f"{kind} {i + 1}") in found}
+
+
+def frequencies(fine: Fineness):
+    """Clamped leaf spring with a free tip, also under an axial force; and clamped at both ends in tension."""
+    found, seconds = {}, 0.0
+    for name, force in ({"free tip": 0.0} | AXIAL).items():
+        mesh = Mesh()
+        leaf(mesh, fine)
+        ends(mesh)
+        middle, edge, other = probes(mesh)
+        modal = step("*FREQUENCY", increments="9", perturbation=force != 0)
+        preload = [step(loads=traction(mesh, 1, force), nlgeom=True, increments="1.,1.")] if force else []
+        done = run(mesh, MATERIAL, [*preload, modal])
+        shapes = done.u[-len(done.frequencies) :]
+        tips = np.array([[u[middle][1], u[middle][2], (u[edge][2] - u[other][2]) / 2] for u in shapes]).T
+        found |= {f"{name}, {k}": v for k, v in sorted_modes(done.frequencies, *tips).items()}
+        seconds += done.seconds
+    mesh = Mesh()
+    leaf(mesh, fine)
+    ends(mesh)
+    body = mesh.make_rigid("TIP", (LENGTH, 0, 0))
+    held = [(n, d, 0.0) for n in body for d in (1, 2, 3) if (n, d) != (body[0], 1)]
+    preload = step(loads=[(body[0], 1, CLAMPED_TENSION)], held=held, nlgeom=True, increments="1.,1.")
+    done = run(mesh, MATERIAL, [preload, step("*FREQUENCY", increments="3", perturbation=True)])
+    for i, f in enumerate(done.frequencies[:3]):
+        found[f"both ends clamped, tension of 100 N, mode {i + 1}"] = (f, "Hz")
+    return found, seconds + done.seconds
+
+
+def buckling(fine: Fineness):
+    """Smallest critical loads of a clamped leaf spring, by linear buckling."""
+    found, seconds = {}, 0.0
+    for name in ("column, free tip", "sideways, free tip", "column, tip guided", "sideways, rigid tip"):
+        mesh = Mesh()
+        leaf(mesh, fine)
+        ends(mesh)
+        axis, force = (1, -1.0) if name.startswith("column") else (2, 1.0)
+        held: list[tuple[int, int, float]] = []
+        if "free" in name:
+            probes(mesh)
+            loads = traction(mesh, axis, force)
+        else:
+            body = mesh.make_rigid("TIP", (LENGTH, 0, 0))
+            loads = [(body[0], axis, force)]
+            if axis == 1:
+                held = [(n, d, 0.0) for n in body for d in (1, 2, 3) if (n, d) != (body[0], 1)]
+        # Too few vectors find the wrong one first.
+        done = run(mesh, MATERIAL, [step("*BUCKLE", increments="2,1e-4,20,2000", loads=loads, held=held)])
+        found[name] = (min(abs(v) for v in done.values), "N")
+        seconds += done.seconds
+    return found, seconds
+
+
+def heated(fine: Fineness):
+    """A guide with one leaf spring 1 K warmer, a leaf spring clamped at both ends, one with 1 K across its thickness."""
+
+    def warm(where):
+        return "*TEMPERATURE\n" + "".join(f"{node},{value:.12g}\n" for node, value in where.items())
+
+    cold = "*INITIAL CONDITIONS,TYPE=TEMPERATURE\nNALL,0.\n"
+    mesh = Mesh()
+    for height in (0.0, DISTANCE):
+        leaf(mesh, fine, height=height)
+    ends(mesh)
+    lower = {i + 1: 1.0 for i, p in enumerate(mesh.points) if p[2] < DISTANCE / 2}
+    body = mesh.make_rigid("TIP", (LENGTH, 0, DISTANCE / 2))
+    done = run(mesh, MATERIAL, [step(more=warm(lower))], cold)
+    found, seconds = {"guide, lower leaf spring 1 K warmer, tilt": (done.u[0][body[1]][1], "rad")}, done.seconds
+    for name, free in (("1 K across the thickness, free tip", True), ("1 K across the thickness, rigid tip", False)):
+        mesh = Mesh()
+        leaf(mesh, fine)
+        ends(mesh)
+        bent = {i + 1: p[2] / THICKNESS for i, p in enumerate(mesh.points)}
+        at = probes(mesh)[0] if free else mesh.make_rigid("TIP", (LENGTH, 0, 0))[0]
+        done = run(mesh, MATERIAL, [step(more=warm(bent))], cold)
+        found[f"{name}, deflection"] = (-done.u[0][at][2], "m")
+        seconds += done.seconds
+    mesh = Mesh()
+    leaf(mesh, fine)
+    ends(mesh)
+    body = mesh.make_rigid("TIP", (LENGTH, 0, 0))
+    held = [(n, d, 0.0) for n in body for d in (1, 2, 3)]
+    all_warm = warm(dict.fromkeys(range(1, len(mesh.points) - 1), 1.0))
+    done = run(mesh, MATERIAL, [step(held=held, more=all_warm)], cold)
+    found["both ends clamped, 1 K warmer, force"] = (-done.force[0][body[0]][0], "N")
+    return found, seconds + done.seconds
+
+
+# Cases by name, each a function of "coarse" or "fine" that gives numbers with units, and the time of CalculiX [s].
+CASES: dict[str, Callable] = {
+    "leaf spring 18 mm wide": lambda mesh: single_leaf(MESHES[mesh]),
+    "leaf spring 50 mm wide": lambda mesh: single_leaf(MESHES[mesh], WIDE),
+    "tapered leaf spring": lambda mesh: single_leaf(MESHES[mesh], taper=True),
+    "reinforced leaf spring": lambda mesh: single_leaf(MESHES[mesh], reinforced=True),
+    "circular notch hinge": lambda mesh: notch(MESHES[mesh]),
+    "folded leaf spring": lambda mesh: fold(MESHES[mesh]),
+    "guide": lambda mesh: guide(MESHES[mesh], AT_STROKE[mesh]),
+    "guide, reinforced": lambda mesh: guide(MESHES[mesh], AT_STROKE[mesh], reinforced=True),
+    "guide, 50 mm wide": lambda mesh: guide(MESHES[mesh], AT_STROKE[mesh], WIDE),
+    "guided leaf spring 50 mm wide": lambda mesh: guided_leaf(AT_STROKE[mesh]),
+    "cross pivot": lambda mesh: pivot(MESHES[mesh], AT_STROKE[mesh]),
+    "frequencies": lambda mesh: frequencies(MESHES[mesh]),
+    "buckling": lambda mesh: buckling(MESHES[mesh]),
+    "heated": lambda mesh: heated(MESHES[mesh]),
+}

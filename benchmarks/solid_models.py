@@ -151,8 +151,9 @@ class Mesh:
         Args:
             material: E, nu, rho and alpha.
         """
+        # CalculiX reads twenty characters of a number and drops the rest, an exponent too.
         lines = ["*NODE,NSET=NALL"]
-        lines += [f"{i + 1},{p[0]:.15g},{p[1]:.15g},{p[2]:.15g}" for i, p in enumerate(self.points)]
+        lines += [f"{i + 1},{p[0]:.12g},{p[1]:.12g},{p[2]:.12g}" for i, p in enumerate(self.points)]
         lines.append(f"*ELEMENT,TYPE={self.element},ELSET=EALL")
         for i, nodes in enumerate(self.bricks):
             lines += [f"{i + 1}," + ",".join(map(str, nodes[:15])) + ",", ",".join(map(str, nodes[15:]))]
@@ -190,8 +191,8 @@ def step(
     lines += [TIGHT.strip()] if nlgeom else []
     lines += [kind + (f"\n{increments}" if increments else "")]
     if held:
-        lines += ["*BOUNDARY", *(f"{n},{d},{d},{v:.15g}" for n, d, v in held)]
-    lines += ["*CLOAD,OP=NEW", *(f"{n},{d},{v:.15g}" for n, d, v in loads)] if loads or nlgeom else []
+        lines += ["*BOUNDARY", *(f"{n},{d},{d},{v:.12g}" for n, d, v in held)]
+    lines += ["*CLOAD,OP=NEW", *(f"{n},{d},{v:.12g}" for n, d, v in loads)] if loads or nlgeom else []
     return "\n".join(lines) + "\n" + more + "*NODE PRINT,NSET=REFS\nU,RF\n*END STEP\n"
 
 
