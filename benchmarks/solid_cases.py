@@ -204,7 +204,9 @@ def about(mesh: Mesh, body: tuple[int, ...], drive: tuple[int, int], strokes, ax
 
     steps, order, before = [], [], 0.0
     for stroke in strokes:
-        steps.append(step(held=[(*drive, stroke), *held], nlgeom=True, increments="0.25,1." if before == 0 else "0.5,1."))
+        steps.append(
+            step(held=[(*drive, stroke), *held], nlgeom=True, increments="0.25,1." if before == 0 else "0.5,1.")
+        )
         order.append((stroke, None, 0))
         for axis in axes:
             for sign in (1, -1) if axis in UNEVEN or twist else (1,):
