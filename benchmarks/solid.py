@@ -1,8 +1,8 @@
 """Leaf springs beside solid finite elements: error and time of one leaf spring, a spectral beam, cubic beams.
 
-``python benchmarks/solid.py`` solves the cases of ``solid_cases.py`` by CalculiX (Debian's ``calculix-ccx``) on two meshes
-each, some fifteen minutes, and compares. It writes results/solid.json and results/solid.png, which README shows. Without
-CalculiX, or with ``--committed``, the solid results that are there are used; with names of cases, only those.
+``python benchmarks/solid.py`` solves the cases of ``solid_cases.py`` by CalculiX (Debian's ``calculix-ccx``) on two
+meshes each, some half an hour, and compares. It writes results/solid.json and results/solid.png. Without CalculiX, or
+with ``--committed``, the solid results that are there are used; with names of cases, only those.
 """
 
 import json

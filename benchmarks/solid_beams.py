@@ -1,6 +1,7 @@
 """The cases of ``solid_cases.py`` as mechanisms of flexmb, each leaf spring by one kind of element or chain of them."""
 
 import dataclasses
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -47,7 +48,7 @@ class Leaf:
 def material() -> fm.Material:
     """That of the solid models."""
     m = solid.MATERIAL
-    own = {"E": m["E"], "G": m["E"] / (2 + 2 * m["nu"]), "rho": m["rho"], "nu": m["nu"]}
+    own: dict[str, Any] = {"E": m["E"], "G": m["E"] / (2 + 2 * m["nu"]), "rho": m["rho"], "nu": m["nu"]}
     if "alpha" in {field.name for field in dataclasses.fields(fm.Material)}:
         own["alpha"] = m["alpha"]
     return fm.Material(**own)
@@ -89,10 +90,10 @@ def chain(count: int) -> Callable:
             places += list(np.linspace(low, high, n + 1)[1:])
         nodes = [first, *(f"{first}-{last} {i}" for i in range(1, count)), last]
         for node, place in zip(nodes[1:-1], places[1:-1], strict=True):
-            b.node(node, start + place * (end - start))
+            b.node(node, [float(c) for c in start + place * (end - start)])
         return [
             b.add(spatial.beam, p, q, section=leaf.at((places[i] + places[i + 1]) / 2), y=ACROSS)
-            for i, (p, q) in enumerate(zip(nodes[:-1], nodes[1:], strict=True))
+            for i, (p, q) in enumerate(itertools.pairwise(nodes))
         ]
 
     return add
@@ -314,22 +315,27 @@ def buckling(kind):
     return lambda: {n: float(np.min(np.abs(np.asarray(fm.buckling_loads(m))))) for n, m in models.items()}
 
 
+def warmed(b: Any, name: str, change: float, **gradient: float) -> None:
+    """Change the temperature of an element [K, K/m]."""
+    b.temperature(name, change, **gradient)
+
+
 def heated(kind):
     """Warm leaf springs, where elements know temperature."""
     if not hasattr(fm.Builder, "temperature"):
         return dict
     b, names = guide_parts(kind)
     for name in names[0]:
-        b.temperature(name, 1.0)
+        warmed(b, name, 1.0)
     warm, bent = b.build(), {}
     for free in (True, False):
         b, parts = cantilever(kind, Leaf(), free)
         for name in parts:
-            b.temperature(name, 0.0, gradient=1.0 / THICKNESS)
+            warmed(b, name, 0.0, gradient=1.0 / THICKNESS)
         bent["free tip" if free else "rigid tip"] = b.build()
     b, parts = cantilever(kind, Leaf(), free=True)
     for name in parts:
-        b.temperature(name, 1.0)
+        warmed(b, name, 1.0)
     b.fix("tip")
     held = b.build()
 

@@ -5,7 +5,6 @@ rigid body on the face of the tip (or on those of two leaf springs), unless the 
 or about" a direction is the inverse of the body's displacement there under a unit force or moment, all else free.
 """
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -237,7 +236,7 @@ def millimetres(stroke: float) -> str:
 
 
 def guide(rest: Fineness, fine: Fineness, width=WIDTH, reinforced=False):
-    """Two leaf springs 0.1 m apart along z, feet at x = 0, rigid stage; its middle between the tips is moved along z."""
+    """Two leaf springs 0.1 m apart along z, feet at x = 0, rigid stage; its middle is moved along z."""
 
     def build(sizes):
         mesh = Mesh()
@@ -330,7 +329,7 @@ def traction(mesh: Mesh, axis: int, force: float) -> list[tuple[int, int, float]
 
 
 def probes(mesh: Mesh) -> tuple[int, ...]:
-    """Have the displacements of the tip printed, of its middle and of both its edges, in the middle of the thickness."""
+    """Have the displacements of the tip printed, of its middle and of both its edges, in mid-thickness."""
     picked = []
     for y in (0.0, WIDTH / 2, -WIDTH / 2):
         points = np.array(mesh.points)
@@ -413,7 +412,7 @@ def buckling(fine: Fineness):
 
 
 def heated(fine: Fineness):
-    """A guide with one leaf spring 1 K warmer, a leaf spring clamped at both ends, one with 1 K across its thickness."""
+    """A guide with one leaf spring 1 K warmer, a leaf spring clamped twice, one with 1 K across its thickness."""
 
     def warm(where):
         return "*TEMPERATURE\n" + "".join(f"{node},{value:.12g}\n" for node, value in where.items())

@@ -81,7 +81,7 @@ class Mesh:
             point: (3,) [m].
             shared: Whether a node that is there already is taken.
         """
-        key = tuple(int(round(c / SAME)) for c in point)
+        key = tuple(round(c / SAME) for c in point)
         if shared and key in self._known:
             return self._known[key]
         self.points.append(np.asarray(point, float))
