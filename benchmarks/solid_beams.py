@@ -35,7 +35,7 @@ class Leaf:
 
     def at(self, place, shear: bool = False) -> fm.Rectangle:
         """Section at a place."""
-        thickness = self.thickness(place) if callable(self.thickness) else self.thickness
+        thickness: Any = self.thickness(place) if callable(self.thickness) else self.thickness
         return fm.Rectangle(self.width, thickness, material(), shear=shear)
 
     def section(self, shear: bool = False):
