@@ -26,7 +26,7 @@ class Leaf:
     Attributes:
         width: [m].
         thickness: [m], or a function of the place from 0 to 1.
-        breaks: Where it jumps: two places, or none.
+        breaks: Where it jumps or has a corner, in order; a chain of beams has nodes at the first and the last.
     """
 
     width: float = WIDTH
@@ -75,7 +75,8 @@ def notched(place):
 CORNERS = tuple(0.5 + side * solid.CORNER / solid.NOTCH_LENGTH for side in (-1, 1))
 REINFORCED = Leaf(thickness=reinforced, breaks=solid.MIDDLE)
 TAPERED = Leaf(thickness=tapered)
-NOTCH = Leaf(solid.NOTCH_WIDTH, notched, CORNERS)
+# The neck is a break, since compliance peaks there.
+NOTCH = Leaf(solid.NOTCH_WIDTH, notched, (CORNERS[0], 0.5, CORNERS[1]))
 
 
 def chain(count: int) -> Callable:
@@ -83,7 +84,7 @@ def chain(count: int) -> Callable:
 
     def add(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
         start, end = (np.array(b.nodes[node].start) for node in (first, last))
-        bounds = [0.0, *leaf.breaks, 1.0] if count > 2 else [0.0, 1.0]
+        bounds = [0.0, leaf.breaks[0], leaf.breaks[-1], 1.0] if leaf.breaks and count > 2 else [0.0, 1.0]
         counts = [round(count * share) for share in SHARES] if len(bounds) == 4 else [count]
         places = [bounds[0]]
         for low, high, n in zip(bounds[:-1], bounds[1:], counts, strict=True):
