@@ -23,7 +23,7 @@ from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_
 from .profile import Profile
 from .section import Damping, Material, Rigidity, Scalar, Section
 from .sections import Rectangle
-from .spectral import relative, rigidities, series_matrix, strains
+from .spectral import pieces_of, relative, rigidities, series_matrix, strains
 
 # How far from a clamp a leaf spring bends and stretches as a plate, over its width.
 BENT, STRETCHED = 0.40, 0.14
@@ -135,6 +135,45 @@ class Leaf(Section):
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
         base = relative(self.section, places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
+
+    def thermal(
+        self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Scalar, names: Sequence[str]
+    ) -> Float[Array, "c"]:
+        """Coefficients of the strains of a free leaf spring by temperature, field by field.
+
+        Where the section is kept flat, thermal strain and curvature are 1 + nu times as large.
+
+        Args:
+            change: Of the temperature at both ends, (2,) [K].
+            bends: By the rigidity of a curvature, that curvature over the coefficient of thermal expansion, () [K/m].
+            order: Coefficients of each field.
+            length: Of the leaf spring, () [m].
+            names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
+
+        Returns:
+            (fields order,) [m, rad].
+
+        Source:
+            THEORY.md 2, eq. (2.26), (2.32) and (2.33).
+        """
+        whole = pieces_of(self, length)
+        nodes, weights = gauss(order + 2)
+        places, weights = whole.spread(nodes).ravel(), (whole.sizes[:, None] * weights).ravel()
+        reaches, _ = self.kept(length)
+        ends = jnp.stack([places, 1 - places])
+        flat = jnp.einsum("fen,e->nf", ends < reaches[:, :, None], self.clamped)
+        material = self.rectangle(0.5, length).material
+        larger = {name: 1 + material.poisson() * flat[:, i] for i, name in enumerate(KEPT)}
+        free = {"EA": change[0] + (change[1] - change[0]) * places, **bends}
+        wanted = [
+            material.alpha * length * larger.get(n, 1.0) * free.get(n, 0.0) * jnp.ones_like(places) for n in names
+        ]
+        shapes, relative = strains(order, self, places, length, names), self.relative(places, length, names)
+        stiff = rigidities(self, places, length, names) / relative
+        weighted = (weights[:, None] * stiff)[:, :, None] * shapes
+        matrix = jnp.einsum("nfj,nfk->fjk", weighted, shapes)
+        right = jnp.einsum("nfj,nf->fj", weighted, jnp.stack(wanted, axis=1))
+        return jnp.linalg.solve(matrix, right[:, :, None]).ravel()
 
     def near(self, order: int, starts: Array, ends: Array, length: Scalar, names: Sequence[str], count: int):
         """Within each step what is near a clamped end: places, their weights, and strains without clamps there.

@@ -62,6 +62,13 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section: Section, o
     return spectral_planar._resultants(p, rot_p, q, rot_q, c, fall=fall, **own)
 
 
+def _thermal(change, gradient, *, ref, section: Section, order, clamped=None):
+    """Elongation, and the curvature by which the warmer side gets longer."""
+    bends = {"EIy": -gradient[0]}
+    found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
+    return jnp.pad(found, (3, 0))
+
+
 def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section: Section, clamped=None):
     own = {"ref": ref, "place": place, "section": leaf_of(section, clamped), "order": order}
     return spectral_planar._shape(p, rot_p, q, rot_q, c, **own)
@@ -79,6 +86,7 @@ leaf_spring = Element(
     damping=_damping,
     inertia=_inertia,
     resultants=_resultants,
+    thermal=_thermal,
     shape=_shape,
     check=_check,
     third_order=True,

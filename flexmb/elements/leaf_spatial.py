@@ -79,6 +79,13 @@ def _resultants(*nodes, ref, place, sigma, section: Section, order, fall=None, c
     return spectral_spatial._resultants(*_spectral(nodes, ref), ref=ref, place=place, **own)
 
 
+def _thermal(change, gradient, *, ref, section: Section, order, clamped=None):
+    """Elongation, and the curvature by which the warmer side gets longer."""
+    bends = {"EIy": gradient[1], "EIz": -gradient[0]}
+    found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
+    return jnp.pad(found, (CLOSURE + WARPINGS, 0))
+
+
 def _shape(*nodes, ref, place, section: Section, order, clamped=None, y=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
     return spectral_spatial._shape(*_spectral(nodes, ref), ref=ref, place=place, **own)
@@ -96,6 +103,7 @@ leaf_spring = Element(
     damping=_damping,
     inertia=_inertia,
     resultants=_resultants,
+    thermal=_thermal,
     shape=_shape,
     check=_check,
     measured=(7, 8),
