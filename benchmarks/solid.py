@@ -52,6 +52,8 @@ def compare(name: str, case: dict) -> dict:
         if not numbers:
             continue
         errors = {k: numbers[k] / q["fine"] - 1 for k, q in case["quantities"].items() if k in numbers}
+        # One cubic beam between two clamps cannot bend at all: its buckling load is no number to compare.
+        errors = {k: error for k, error in errors.items() if abs(error) < 1e3}
         found[kind] = {"errors": errors, "worst": max(map(abs, errors.values())), "first": first}
         run[kind] = ask
     for kind, timed in interleaved(run, RUNS).items():
