@@ -51,7 +51,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         ModelError: It depends on traced numbers or on a section without sizes; two leaf springs contradict each other.
 
     Source:
-        THEORY.md 2, below eq. (2.24).
+        THEORY.md 2, below eq. (2.26).
     """
     leaves = [name for name, member in builder.members.items() if "clamped" in member.properties]
     if not leaves:

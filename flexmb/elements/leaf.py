@@ -129,12 +129,15 @@ class Leaf(Section):
             length: Of the leaf spring, () [m].
             names: Of rigidities.
         """
-        reaches, less = self.kept(length)
-        ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
-        cut = jnp.einsum("fen,e->fn", ends < reaches[:, :, None], less)
+        cut = self._flat(places, length, self.kept(length)[1])
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
         base = relative(self.section, places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
+
+    def _flat(self, places: Any, length: Scalar, shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
+        """Of stretching and of bending, at places near the first end its share, near the last its own, else zero."""
+        ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
+        return jnp.einsum("fen,e->fn", (ends < self.kept(length)[0][:, :, None]).astype(float), shares)
 
     def thermal(
         self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Scalar, names: Sequence[str]
@@ -159,11 +162,9 @@ class Leaf(Section):
         whole = pieces_of(self, length)
         nodes, weights = gauss(order + 2)
         places, weights = whole.spread(nodes).ravel(), (whole.sizes[:, None] * weights).ravel()
-        reaches, _ = self.kept(length)
-        ends = jnp.stack([places, 1 - places])
-        flat = jnp.einsum("fen,e->nf", ends < reaches[:, :, None], self.clamped)
+        flat = self._flat(places, length, self.clamped)
         material = self.rectangle(0.5, length).material
-        larger = {name: 1 + material.poisson() * flat[:, i] for i, name in enumerate(KEPT)}
+        larger = {name: 1 + material.poisson() * flat[i] for i, name in enumerate(KEPT)}
         free = {"EA": change[0] + (change[1] - change[0]) * places, **bends}
         wanted = [
             material.alpha * length * larger.get(n, 1.0) * free.get(n, 0.0) * jnp.ones_like(places) for n in names

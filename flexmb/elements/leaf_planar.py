@@ -7,7 +7,9 @@ from . import beams, spectral_planar
 from .element import Element
 from .leaf import faults_of_leaf, leaf_of
 from .nodes import Angle, Point2, Series2, Static
-from .section import Damping, Section
+from .profile import Profile
+from .section import Damping
+from .sections import Rectangle
 from .spectral import fields_after
 from .spectral_planar import FIELDS
 
@@ -20,7 +22,7 @@ def _leaf_spring(
     c: Series2,
     *,
     ref,
-    section: Section,
+    section: Rectangle | Profile,
     order: Static[int] = 5,
     clamped: tuple[bool, bool] | bool | None = None,
 ) -> Float[Array, "n_e"]:
@@ -38,45 +40,45 @@ def _matrix(of, leaf, order, ref):
     return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), FIELDS), (3, 0))
 
 
-def _stiffness(*, ref, section: Section, order, clamped=None):
+def _stiffness(*, ref, section, order, clamped=None):
     return _matrix(None, leaf_of(section, clamped), order, ref)
 
 
-def _energy(e, *, ref, section: Section, order, clamped=None):
+def _energy(e, *, ref, section, order, clamped=None):
     """Of the flattening at large curvature."""
     return leaf_of(section, clamped).energy(order, e[3:], beams.beam_length(ref), FIELDS)
 
 
-def _damping(*, ref, damping: Damping, order, section: Section, clamped=None):
+def _damping(*, ref, damping: Damping, order, section, clamped=None):
     return _matrix(damping, leaf_of(section, clamped), order, ref)
 
 
-def _inertia(p, rot_p, q, rot_q, c, *, ref, section: Section, order, clamped=None):
+def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, clamped=None):
     """Positions and directions at the nodes of the quadrature."""
     return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, section=leaf_of(section, clamped), order=order)
 
 
-def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section: Section, order, fall=None, clamped=None):
+def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fall=None, clamped=None):
     """Statics of the part beyond the place."""
     own = {"ref": ref, "place": place, "sigma": sigma, "section": leaf_of(section, clamped), "order": order}
     return spectral_planar._resultants(p, rot_p, q, rot_q, c, fall=fall, **own)
 
 
-def _thermal(change, gradient, *, ref, section: Section, order, clamped=None):
+def _thermal(change, gradient, *, ref, section, order, clamped=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
     found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
     return jnp.pad(found, (3, 0))
 
 
-def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section: Section, clamped=None):
+def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section, clamped=None):
     own = {"ref": ref, "place": place, "section": leaf_of(section, clamped), "order": order}
     return spectral_planar._shape(p, rot_p, q, rot_q, c, **own)
 
 
-def _check(*, ref, section=None) -> list[str]:
+def _check(*, ref, section) -> list[str]:
     faults = beams.check_length(ref=ref)
-    return faults or ([] if section is None else faults_of_leaf(section))
+    return faults or faults_of_leaf(section)
 
 
 leaf_spring = Element(

@@ -7,7 +7,9 @@ from . import beams, spectral_spatial
 from .element import Element
 from .leaf import faults_of_leaf, leaf_of
 from .nodes import Point3, Rotation3, Series3, Static, Warping
-from .section import Damping, Section
+from .profile import Profile
+from .section import Damping
+from .sections import Rectangle
 from .spectral import fields_after
 from .spectral_spatial import FIELDS
 
@@ -31,7 +33,7 @@ def _leaf_spring(
     c: Series3,
     *,
     ref,
-    section: Section,
+    section: Rectangle | Profile,
     order: Static[int] = 5,
     clamped: tuple[bool, bool] | bool | None = None,
     y: Float[Array, "3"] | None = None,
@@ -54,46 +56,46 @@ def _matrix(of, leaf, order, ref):
     return jnp.pad(jnp.roll(found, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
 
 
-def _stiffness(*, ref, section: Section, order, clamped=None):
+def _stiffness(*, ref, section, order, clamped=None):
     return _matrix(None, leaf_of(section, clamped), order, ref)
 
 
-def _damping(*, ref, damping: Damping, order, section: Section, clamped=None):
+def _damping(*, ref, damping: Damping, order, section, clamped=None):
     return _matrix(damping, leaf_of(section, clamped), order, ref)
 
 
-def _energy(e, *, ref, section: Section, order, clamped=None):
+def _energy(e, *, ref, section, order, clamped=None):
     """Of the flattening at large curvature, and of the tension that twist gives the edges."""
     return leaf_of(section, clamped).energy(order, jnp.roll(e[CLOSURE:], -WARPINGS), beams.beam_length(ref), FIELDS)
 
 
-def _inertia(*nodes, ref, section: Section, order, clamped=None, y=None):
+def _inertia(*nodes, ref, section, order, clamped=None, y=None):
     """Positions and triads at the ends of the steps."""
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
     return spectral_spatial._inertia(*_spectral(nodes, ref), ref=ref, **own)
 
 
-def _resultants(*nodes, ref, place, sigma, section: Section, order, fall=None, clamped=None, y=None):
+def _resultants(*nodes, ref, place, sigma, section, order, fall=None, clamped=None, y=None):
     """Statics of the part beyond the place."""
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y, "sigma": sigma, "fall": fall}
     return spectral_spatial._resultants(*_spectral(nodes, ref), ref=ref, place=place, **own)
 
 
-def _thermal(change, gradient, *, ref, section: Section, order, clamped=None):
+def _thermal(change, gradient, *, ref, section, order, clamped=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
     found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
     return jnp.pad(found, (CLOSURE + WARPINGS, 0))
 
 
-def _shape(*nodes, ref, place, section: Section, order, clamped=None, y=None):
+def _shape(*nodes, ref, place, section, order, clamped=None, y=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
     return spectral_spatial._shape(*_spectral(nodes, ref), ref=ref, place=place, **own)
 
 
-def _check(*, ref, section=None, y=None) -> list[str]:
+def _check(*, ref, section, y=None) -> list[str]:
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y)
-    return faults or ([] if section is None else faults_of_leaf(section))
+    return faults or faults_of_leaf(section)
 
 
 leaf_spring = Element(

@@ -48,7 +48,12 @@ def found_in(module: types.ModuleType) -> dict[str, Element]:
 ELEMENTS = {**found_in(planar), **found_in(spatial), "unit_norm": UNIT_NORM}
 BEAMLIKE = {name: element for name, element in ELEMENTS.items() if element.resultants is not None}
 MASSIVE = {name: element for name, element in ELEMENTS.items() if element.inertia is not None}
-POTENTIAL = {name: element for name, element in ELEMENTS.items() if element.energy or element.dissipation}
+# An energy of third order stands beside a quadratic one, and is not positive alone.
+POTENTIAL = {
+    name: element
+    for name, element in ELEMENTS.items()
+    if (element.energy or element.dissipation) and not element.third_order
+}
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 every_massive_element = pytest.mark.parametrize("element", MASSIVE.values(), ids=MASSIVE)
 
@@ -72,6 +77,12 @@ def rigidities(draw):
     names = ("EA", "EIy", "EIz", "GIt", "shear_z", "shear_y", "mass")
     numbers = {name: draw(POSITIVE) for name in names}
     return fm.Rigidity(**numbers, Jx=jy + jz, Jy=jy, Jz=jz, Jyz=0.9 * share * np.sqrt(jy * jz))
+
+
+def rectangles():
+    """Of leaf springs."""
+    steel = fm.Material(E=3.0, G=1.2, rho=2.0, alpha=0.1)
+    return st.builds(lambda w, t: fm.Rectangle(0.1 + w / 25, 0.05 + t / 200, steel), POSITIVE, POSITIVE)
 
 
 def dampings():
@@ -99,7 +110,8 @@ def dimension_of(hint) -> int:
 
 # By name of the property; two share a name where the annotation tells them apart.
 PROPERTIES = {
-    "section": lambda hint: rigidities(),
+    "section": lambda hint: rectangles() if fm.Rectangle in typing.get_args(hint) else rigidities(),
+    "clamped": lambda hint: st.sampled_from([np.array([1.0, 0.0]), np.ones(2)]),
     "damping": lambda hint: POSITIVE if hint is float else dampings(),
     "stiffness": lambda hint: POSITIVE,
     "mass": lambda hint: POSITIVE,
@@ -157,6 +169,12 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.r_[a[0] * b[0] - a[1:] @ b[1:], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])]
 
 
+def apart(element: Element, parts: list[np.ndarray]) -> np.ndarray:
+    """From an element's first point to its last."""
+    points = [part for kind, part in zip(element.nodes.values(), parts, strict=True) if kind.part == "position"]
+    return points[-1] - points[0]
+
+
 @st.composite
 def drawn(draw, element: Element) -> Drawn:
     optional = {"second_order", "shear", *OPTIONAL} & {*element.option_names, *element.properties}
@@ -175,7 +193,7 @@ def drawn(draw, element: Element) -> Drawn:
             # Ends between 1 and 3 apart, in every direction: differences then have derivatives of order one.
             start = draw(vectors(dimension, 0.5)) + 2 * i * (np.arange(dimension) == axis)
             now = start + 0.6 * by[:dimension]
-        elif kind.part == "internal":
+        elif kind.part in ("internal", "warping"):
             start = np.zeros(kind.size)
             now = draw(vectors(kind.size, 0.3)) if turned else start
         elif dimension == 2:
@@ -204,7 +222,7 @@ def drawn(draw, element: Element) -> Drawn:
         )
         hypothesis.assume(not faults)
     if numbers.get("y") is not None:
-        along = ref[2] - ref[0]
+        along = apart(element, ref)
         sine = np.linalg.norm(np.cross(along, numbers["y"])) / np.linalg.norm(along)
         hypothesis.assume(sine > 0.1)  # or its derivatives by y and ref are large
     for axis in (numbers[name] for name in ("axis", "axis_p", "axis_q") if name in numbers):
@@ -212,7 +230,7 @@ def drawn(draw, element: Element) -> Drawn:
         # No derivative where two components are smallest: the second axis is chosen by that.
         hypothesis.assume(size[-1] > 0.1 and (size.size == 2 or size[1] - size[0] > 0.01))
     if "y" in numbers and numbers["y"] is None:
-        size = np.sort(np.abs(ref[2] - ref[0]))
+        size = np.sort(np.abs(apart(element, ref)))
         hypothesis.assume(size[1] - size[0] > 0.01)
     return sample
 
@@ -342,7 +360,7 @@ def moved(sample: Drawn, turn: np.ndarray, shift: np.ndarray) -> Drawn:
         if kind.part == "position":
             rotation = np.array([[c, -s], [s, c]]) if kind.dimension == 2 else matrix
             x.append(rotation @ part + shift[: kind.dimension])
-        elif kind.part == "internal":
+        elif kind.part in ("internal", "warping"):
             x.append(part)
         else:
             x.append(part + planar_angle if kind.dimension == 2 else product(lam, part))
@@ -357,7 +375,7 @@ def rigid_velocity(sample: Drawn, velocity: np.ndarray, omega: np.ndarray) -> np
             arm = np.zeros(3)
             arm[: kind.dimension] = part - sample.x[0]
             rates.append((velocity + np.cross(omega, arm))[: kind.dimension])
-        elif kind.part == "internal":
+        elif kind.part in ("internal", "warping"):
             rates.append(np.zeros(part.size))
         elif kind.dimension == 2:
             rates.append(omega[2:])
@@ -498,7 +516,7 @@ def section_axes(sample: Drawn, end: int, ends: list[np.ndarray]) -> np.ndarray:
     in_plane = len(sample.x[0]) == 2
     if "rot_p" not in names:
         return local_frame(ends[1] - ends[0], None)
-    start, along = sample.ref[names.index(("rot_p", "rot_q")[end])], sample.ref[2] - sample.ref[0]
+    start, along = sample.ref[names.index(("rot_p", "rot_q")[end])], apart(sample.element, sample.ref)
     now = sample.x[names.index(("rot_p", "rot_q")[end])]
     if in_plane:
         # Local y into the plane: z is the normal to the left.
@@ -622,7 +640,7 @@ def test_energy_of_a_translation_is_that_of_the_whole_mass(element, data):
     axes = 2 if any(kind.dimension == 2 for kind in element.nodes.values()) else 3
     own, mass = sample.properties, 0.0
     if has_position:
-        mass = own["section"].mass * length(sample) if "section" in own else own["mass"]
+        mass = own["section"].rigidity().mass * length(sample) if "section" in own else own["mass"]
     expected = 0.5 * mass * velocity[:axes] @ velocity[:axes]
     found = energy(sample, rigid_velocity(sample, velocity, np.zeros(3)))
     assert found == pytest.approx(float(expected), rel=1e-13, abs=1e-14)
@@ -640,13 +658,13 @@ def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
         omega[:2] = 0
     tensor = np.zeros((3, 3))
     if "section" in sample.properties:
-        s, arm = sample.properties["section"], np.zeros(3)
+        s, arm = sample.properties["section"].rigidity(), np.zeros(3)
         start, end = [r for k, r in zip(element.nodes.values(), sample.ref, strict=True) if k.part == "position"]
         arm[: start.size] = end - start
         tensor += s.mass * length(sample) / 3 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-        if element in (planar.beam, planar.spectral_beam):
+        if element in (planar.beam, planar.spectral_beam, planar.leaf_spring):
             tensor[2, 2] += s.Jy * length(sample)
-        elif element in (spatial.beam, spatial.spectral_beam):
+        elif element in (spatial.beam, spatial.spectral_beam, spatial.leaf_spring):
             frame = local_frame(arm, sample.properties["y"])
             own = np.diag([float(s.Jx), float(s.Jy), float(s.Jz)])
             own[1, 2] = own[2, 1] = s.Jyz
@@ -736,7 +754,7 @@ def test_beam_mass_is_that_of_the_cubic_interpolation(element, data):
     sample = sample._replace(properties={**sample.properties, "section": jax.tree.map(np.asarray, section)})
     rates = data.draw(vectors(Measured(sample).n_x))
     l0, d = length(sample), len(sample.x[0])
-    axis = (sample.ref[2] - sample.ref[0]) / l0
+    axis = (apart(sample.element, sample.ref)) / l0
 
     def direction(x, ref):
         """End direction of a node's triad."""

@@ -1,0 +1,286 @@
+"""Leaf springs beside solid finite elements and closed forms; which of their ends are clamped."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.polynomial import polynomial
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.elements.leaf import Leaf, curving
+
+STEEL = fm.Material(E=210e9, G=210e9 / 2.6, rho=7850.0, alpha=11.5e-6)
+LEAF = fm.Rectangle(0.018, 0.5e-3, STEEL)
+
+
+def strip(width=0.018, thickness=0.5e-3):
+    """A leaf spring of 100 mm with a clamped foot and a rigid tip."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    section = fm.Rectangle(width, thickness, STEEL)
+    b.add(spatial.leaf_spring, "foot", "tip", name="leaf", section=section, y=(0, 1, 0), clamped=True)
+    b.fix("foot")
+    return b
+
+
+def guide(stroke: float) -> fm.Model:
+    b = fm.Builder()
+    b.node("stage", (0.1, 0, 0.05))
+    for i, z in enumerate((0.0, 0.1)):
+        b.node(f"foot {i}", (0, 0, z))
+        b.node(f"top {i}", (0.1, 0, z))
+        nodes = f"foot {i}", f"foot {i}.rotation", f"top {i}", "stage.rotation"
+        b.add(spatial.leaf_spring, *nodes, name=f"leaf {i}", section=LEAF, y=(0, 1, 0))
+        b.add(spatial.rigid_beam, "stage", "stage.rotation", f"top {i}")
+        b.fix(f"foot {i}")
+    b.prescribe("stage", "z", stroke)
+    return b.build()
+
+
+# Of the tip along and about x, y and z, all else free; then along y and z with the rotations held.
+SOLID = {
+    0.018: (1.89889e7, 149883, 120.295, 0.652317, 0.398978, 511.44, 560628, 488.542),
+    0.05: (5.31648e7, 2.77923e6, 342.896, 2.20741, 1.13484, 11000.2, 7.54473e6, 1401.76),
+}
+
+
+@pytest.mark.parametrize(("width", "tolerance"), [(0.018, 0.01), (0.05, 0.02)])
+def test_tip_of_a_strip_beside_solid_elements(width, tolerance):
+    """REFERENCES.md A14-leaf; largest deviations 0.62 and 1.44 %."""
+    flexible = np.asarray(fm.compliance(strip(width).build(), "tip"))
+    stiff = np.linalg.inv(flexible)
+    found = [*1 / np.diag(flexible), stiff[1, 1], stiff[2, 2]]
+    np.testing.assert_allclose(found, SOLID[width], rtol=tolerance)
+
+
+def test_guide_at_a_stroke_beside_solid_elements():
+    """REFERENCES.md A14-leaf: force of the drive, stiffness along x, y and about x, y, z at 10 mm."""
+    at = fm.linearize(guide(0.01))
+    force = next(
+        float(np.asarray(at.matrices.reactions)[i])
+        for i, entry in enumerate(at.labels.x)
+        if (entry.of, entry.component) == ("stage", 3)
+    )
+    flexible = np.diag(np.asarray(fm.compliance(at, "stage")))
+    found = [force, *1 / flexible[[0, 1, 3, 4, 5]]]
+    np.testing.assert_allclose(found, [9.937, 4.79616e6, 127955, 963.778, 11989.7, 470.742], rtol=0.023)
+
+
+def test_fold_beside_solid_elements():
+    """REFERENCES.md A14-leaf: two legs at a right angle; twist is shared across the fold."""
+    b = fm.Builder()
+    for name, place in {"foot": (0, 0, 0), "corner": (0.1, 0, 0), "tip": (0.1, 0, 0.1)}.items():
+        b.node(name, place)
+    b.add(spatial.leaf_spring, "foot", "corner", name="first", section=LEAF, y=(0, 1, 0))
+    b.add(spatial.leaf_spring, "corner", "tip", name="last", section=LEAF, y=(0, 1, 0))
+    b.fix("foot")
+    b.inertia("tip", (1e-9, 0, 0, 1e-9, 0, 1e-9))
+    flexible = 1 / np.diag(np.asarray(fm.compliance(b.build(), "tip")))
+    np.testing.assert_allclose(flexible, [29.9939, 63.6993, 120.292, 0.636736, 0.199637, 0.636737], rtol=0.004)
+
+
+def test_twist_of_a_strip_that_cannot_warp():
+    """Closed form (2.10) with the plate's modulus: exact for a constant torque."""
+    it = LEAF.rigidity().GIt / STEEL.G
+    warping = STEEL.E / (1 - 0.3**2) * (0.018 * 0.5e-3) ** 3 / 144
+    al = 0.1 / np.sqrt(warping / (STEEL.G * float(it)))
+    expected = 0.1 / (STEEL.G * float(it)) * (1 - 2 * np.tanh(al / 2) / al)
+    assert np.asarray(fm.compliance(strip().build(), "tip"))[3, 3] == pytest.approx(expected, rel=1e-9)
+
+
+def energy_of_a_wide_strip(u: float, nu: float) -> float:
+    """Energy of a bent plate with free edges over that of a flat one, by Ritz's method with even polynomials.
+
+    Over y from -1 to 1, with bending stiffness and curvature 1: curvature across z'' + nu, fibres strained by z.
+    """
+    foundation = 4 * (u / 2) ** 4
+    shapes = [np.eye(2 * k + 1)[-1] for k in range(14)]
+    slopes = [polynomial.polyder(shape, 2) for shape in shapes]
+
+    def integral(p):
+        whole = polynomial.polyint(p)
+        return polynomial.polyval(1.0, whole) - polynomial.polyval(-1.0, whole)
+
+    matrix = np.array(
+        [
+            [
+                integral(polynomial.polymul(slopes[i], slopes[j]))
+                + foundation * integral(polynomial.polymul(shapes[i], shapes[j]))
+                for j in range(14)
+            ]
+            for i in range(14)
+        ]
+    )
+    right = -nu * np.array([integral(slope) for slope in slopes])
+    return 1 + nu * np.array([integral(s) for s in slopes]) @ np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / 2
+
+
+@pytest.mark.parametrize("u", [0.3, 0.49, 0.5, 1.5, 4.0, 8.0])
+def test_flattening_of_a_wide_strip(u):
+    """A plate by Ritz's method, 1e-7; also where the series and the closed form meet (u^4 = 0.06)."""
+    assert 1 - 0.09 * float(curving(jnp.array(u**4))) == pytest.approx(energy_of_a_wide_strip(u, 0.3), rel=1e-7)
+
+
+def test_energy_beyond_the_quadratic():
+    """A strip of constant curvature, stretch and twist: (2.23) and (2.25) by hand; of third order at rest."""
+    leaf, names = Leaf(LEAF, jnp.zeros(2)), ("EA", "GIt", "EIy")
+    kappa, twist, stretch, length = 20.0, 15.0, 1e-4, 0.1
+    c = jnp.array([stretch, 0, 0, 0, kappa, 0, twist, twist]) * length
+    c = c.at[2].set(twist * length)
+    found = float(leaf.energy(2, c, length, names))
+    u = (3 * 0.91) ** 0.25 * 0.018 * np.sqrt(kappa / 0.5e-3)
+    keeps = 2 / u * (np.cosh(u) - np.cos(u)) / (np.sinh(u) + np.sin(u))
+    ea, ei = 210e9 * 9e-6, 210e9 * 0.018 * 0.5e-3**3 / 12
+    expected = ei * kappa**2 / 2 * (0.09 / 0.91) * (1 - keeps)
+    square = (0.018 * twist) ** 2
+    expected += ea * (stretch * square / 24 + square**2 / 640)
+    assert found == pytest.approx(length * expected, rel=1e-9)
+    rest = jax.hessian(lambda c: leaf.energy(2, c, length, names))(jnp.zeros(8))
+    assert np.all(np.asarray(rest) == 0)
+
+
+def test_temperature_beside_solid_elements():
+    """REFERENCES.md A14-leaf: 1 K across bends a strip by 119.4 to 120.0 um (beam theory 115)."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (0.1, 0))
+    b.add(planar.leaf_spring, "foot", "tip", name="leaf", section=LEAF)
+    b.fix("foot")
+    b.temperature("leaf", 0.0, gradient=2000.0)
+    assert float(fm.equilibrium(b.build()).at("tip")[1]) == pytest.approx(-119.7e-6, rel=3e-3)
+
+
+def test_derivatives_by_the_dimensions():
+    """In the plane; those of the element in space test_laws.py asks."""
+
+    def answer(sizes):
+        b = fm.Builder()
+        b.node("foot", (0, 0))
+        b.node("tip", (0.1, 0))
+        section = fm.Rectangle(sizes[0], sizes[1], STEEL)
+        b.add(planar.leaf_spring, "foot", "tip", name="leaf", section=section, clamped=True)
+        b.fix("foot")
+        flexible = fm.compliance(b.build(), "tip")
+        return jnp.stack([flexible[1, 1] * 1e2, flexible[2, 2]])
+
+    sizes = jnp.array([0.018, 0.5e-3])
+    forward, reverse = jax.jacfwd(answer)(sizes), jax.jacrev(answer)(sizes)
+    for i, step in enumerate((1e-5, 1e-7)):
+        change = step * np.eye(2)[i]
+        slope = (answer(sizes + change) - answer(sizes - change)) / (2 * step)
+        np.testing.assert_allclose(forward[:, i], slope, rtol=1e-4)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-8)
+
+
+# -- which ends are clamped -----------------------------------------------------------------------------------------
+
+
+def ends(model: fm.Model, leaf: str) -> tuple[list[float], list[str]]:
+    """Which ends of a leaf spring are kept flat, and the roles of its warping."""
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        of = [model.labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()] if block.e.shape[1] else []
+        if "clamped" in properties and leaf in of:
+            flat = np.asarray(properties["clamped"])[of.index(leaf)].tolist()
+            nodes = next(nodes for name, _, nodes in model.labels.elements if name == leaf)
+            roles = dict(zip([entry.of for entry in model.labels.x], model.roles()[0], strict=True))
+            return flat, [roles[node].name for node in nodes if node.endswith(".warping")]
+    raise LookupError(leaf)
+
+
+def chain(join) -> fm.Model:
+    """A clamped leaf spring whose last end, at x = 0.1, is joined to something."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("mid", (0.1, 0, 0))
+    b.add(spatial.leaf_spring, "foot", "mid", name="leaf", section=LEAF, y=(0, 1, 0))
+    b.fix("foot")
+    join(b)
+    return b.build()
+
+
+def beside(place, y=(0, 1, 0), element=spatial.leaf_spring, thickness=0.5e-3):
+    def join(b):
+        b.node("end", place)
+        b.add(element, "mid", "end", name="next", section=fm.Rectangle(0.018, thickness, STEEL), y=y)
+
+    return join
+
+
+def held_by_a_hinge(b):
+    b.node("end", (0.2, 0, 0))
+    b.rotation("lever")
+    b.add(spatial.hinge, "mid.rotation", "lever", axis=(0, 0, 1))
+    b.add(spatial.rigid_beam, "mid", "lever", "end")
+
+
+@pytest.mark.parametrize(
+    ("join", "flat", "warping"),
+    [
+        (lambda b: None, 0.0, "DOF"),
+        (lambda b: b.mass("mid", 0.1), 0.0, "DOF"),
+        (lambda b: b.inertia("mid", (1e-6, 0, 0, 1e-6, 0, 1e-6)), 1.0, "FIXED"),
+        (lambda b: b.body("mid", 0.1, center=(0.01, 0, 0), inertia=(1e-6, 0, 0, 1e-6, 0, 1e-6)), 1.0, "FIXED"),
+        (held_by_a_hinge, 1.0, "FIXED"),
+        (beside((0.2, 0, 0)), 0.0, "DOF"),
+        (beside((0.2, 0, 0), thickness=1.4e-3), 0.0, "DOF"),
+        (beside((0.2, 0, 0), thickness=1.6e-3), 1.0, "FIXED"),
+        (beside((0.1, 0, 0.1)), 1.0, "DOF"),
+        (beside((0.2, 0, 0), element=spatial.beam), 0.0, "DOF"),
+    ],
+    ids=["free", "mass", "inertia", "body", "hinge", "chain", "thicker", "thick", "fold", "beam"],
+)
+def test_what_clamps_an_end(join, flat, warping):
+    found = ends(chain(join), "leaf")
+    assert found[0] == [1.0, flat]
+    assert found[1][0] == "FIXED"
+    # Free warping is a degree of freedom, or follows from the next one.
+    assert found[1][1] == warping or (warping == "DOF" and found[1][1] == "DEPENDENT")
+
+
+def test_widths_at_an_angle_are_taken_to_clamp():
+    with pytest.warns(fm.FlexmbWarning, match="meet with their widths at an angle"):
+        model = chain(beside((0.2, 0, 0), y=(0, 0, 1)))
+    assert ends(model, "leaf") == ([1.0, 1.0], ["FIXED", "FIXED"])
+
+
+def test_a_traced_thickness_repeats_what_was_found():
+    def tip(thickness):
+        model = chain(beside((0.2, 0, 0), thickness=thickness))
+        return model.parameters.properties[0]["clamped"]
+
+    with pytest.raises(fm.ModelError, match="whether 'next' clamps its last end cannot be found"):
+        jax.jit(tip)(1.6e-3)
+
+
+def test_ends_that_contradict_each_other_are_named():
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.1 * i, 0, 0))
+    for i in range(2):
+        b.add(spatial.leaf_spring, f"n{i}", f"n{i + 1}", name=f"leaf {i}", section=LEAF, clamped=i == 0)
+    b.fix("n0")
+    with pytest.raises(fm.ModelError, match=r"'leaf 0' and 'leaf 1' share their warping at 'n1.warping'"):
+        b.build()
+
+
+@pytest.mark.parametrize(
+    ("properties", "message"),
+    [
+        ({}, "needs the property 'section'"),
+        ({"section": fm.Rigidity(EA=1.0)}, "must be a Rectangle"),
+        ({"section": dataclasses.replace(LEAF, warping_length=0.1)}, "counts restrained warping itself"),
+        ({"section": fm.sections.stepped((LEAF, LEAF), (0.5,))}, "make a leaf spring of each piece"),
+        ({"section": LEAF, "clamped": (1, 0)}, "must be True or False, or two of them"),
+        ({"section": LEAF, "clamped": (True,)}, "must be True or False, or two of them"),
+    ],
+)
+def test_bad_input_is_named(properties, message):
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    with pytest.raises(fm.ModelError, match=message):
+        b.add(spatial.leaf_spring, "foot", "tip", name="leaf", **properties)
