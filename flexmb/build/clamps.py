@@ -144,10 +144,11 @@ def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool
     """The same, as far as one element at the end decides."""
     element, section = other.element, other.properties.get("section")
     if other.hidden:
-        return (element.inertia is not None,) * 2
+        return element.inertia is not None, element.inertia is not None
     flexible = section is not None and any(role not in HELD for role in other.roles)
     if not flexible:
-        return (any(role in HELD for role in other.roles),) * 2
+        held = any(role in HELD for role in other.roles)
+        return held, held
     number = _parts(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
     thin, thick = _thickness(builder, leaf, end.number), _thickness(builder, other, number)

@@ -11,7 +11,7 @@ Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectra
 import dataclasses
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -21,7 +21,7 @@ from jaxtyping import Array, Float
 from ..errors import ModelError
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
 from .profile import Profile
-from .section import Damping, Material, Rigidity, Scalar, Section
+from .section import Material, Rigidity, Scalar, Section
 from .sections import Rectangle
 from .spectral import pieces_of, relative, rigidities, series_matrix, strains
 
@@ -61,7 +61,7 @@ class Leaf(Section):
         """
         raise ModelError("The section of a leaf spring is not the same everywhere.")
 
-    def rectangle(self, place: Scalar, length: Scalar) -> Rectangle:
+    def rectangle(self, place: Scalar, length: Any) -> Rectangle:
         """The rectangle at a place, with its shear counted.
 
         Args:
@@ -71,7 +71,7 @@ class Leaf(Section):
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
 
-    def breaks_at(self, length: Scalar) -> tuple[Float[Array, ""], ...]:
+    def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
         """Where a clamp's influence on stretching and on bending ends.
 
         Args:
@@ -80,7 +80,7 @@ class Leaf(Section):
         (stretched, stretched_back), (bent, bent_back) = self.kept(length)[0]
         return stretched, bent, 1 - bent_back, 1 - stretched_back
 
-    def at(self, place: Scalar, length: Scalar) -> Section:
+    def at(self, place: Scalar, length: Any) -> Section:
         """The rectangle at a place; clamps change strains, see :meth:`relative`.
 
         Args:
@@ -89,7 +89,7 @@ class Leaf(Section):
         """
         return self.rectangle(place, length)
 
-    def layers(self, length: Scalar) -> tuple[Scalar, Scalar]:
+    def layers(self, length: Any) -> tuple[Scalar, Scalar]:
         """Over which distance from each end twist builds up where warping is restrained, over the length.
 
         Args:
@@ -102,10 +102,10 @@ class Leaf(Section):
         found = [self._layer(self.rectangle(place, length), length) for place in places]
         return found[0], found[-1]
 
-    def _layer(self, rectangle: Rectangle, length: Scalar) -> Scalar:
+    def _layer(self, rectangle: Rectangle, length: Any) -> Scalar:
         return jnp.sqrt(warping_rigidity(rectangle) / rectangle.rigidity().GIt) / length
 
-    def kept(self, length: Scalar) -> tuple[Float[Array, "2 2"], Float[Array, "2"]]:
+    def kept(self, length: Any) -> tuple[Float[Array, "2 2"], Float[Array, "2"]]:
         """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
 
         Args:
@@ -121,7 +121,7 @@ class Leaf(Section):
         widths, squares = jnp.broadcast_to(widths, (2,)), jnp.broadcast_to(squares, (2,))
         return jnp.minimum(np.array([[STRETCHED], [BENT]]) * widths, 0.5), self.clamped * squares
 
-    def relative(self, places: Any, length: Scalar, names: Sequence[str]) -> Float[Array, "n names"]:
+    def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
         """Compliances at places over what they are without clamps.
 
         Args:
@@ -131,16 +131,16 @@ class Leaf(Section):
         """
         cut = self._flat(places, length, self.kept(length)[1])
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
-        base = relative(self.section, places, length, names) if self.section.varies else 1.0
+        base = relative(cast(Profile, self.section), places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
 
-    def _flat(self, places: Any, length: Scalar, shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
+    def _flat(self, places: Any, length: Any, shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
         """Of stretching and of bending, at places near the first end its share, near the last its own, else zero."""
         ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
         return jnp.einsum("fen,e->fn", (ends < self.kept(length)[0][:, :, None]).astype(float), shares)
 
     def thermal(
-        self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Scalar, names: Sequence[str]
+        self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Any, names: Sequence[str]
     ) -> Float[Array, "c"]:
         """Coefficients of the strains of a free leaf spring by temperature, field by field.
 
@@ -176,7 +176,7 @@ class Leaf(Section):
         right = jnp.einsum("nfj,nf->fj", weighted, jnp.stack(wanted, axis=1))
         return jnp.linalg.solve(matrix, right[:, :, None]).ravel()
 
-    def near(self, order: int, starts: Array, ends: Array, length: Scalar, names: Sequence[str], count: int):
+    def near(self, order: int, starts: Any, ends: Any, length: Any, names: Sequence[str], count: int):
         """Within each step what is near a clamped end: places, their weights, and strains without clamps there.
 
         Args:
@@ -199,12 +199,12 @@ class Leaf(Section):
         places = first[..., None] + sizes[..., None] * nodes
         shapes = legendre_values_at(order, places)
         if self.section.varies:
-            at = relative(self.section, places.reshape(-1), length, names)
+            at = relative(cast(Profile, self.section), places.reshape(-1), length, names)
             at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(KEPT)])
             shapes = at[..., None] * shapes
         return places, sizes[..., None] * weights * less[:, None, None], shapes
 
-    def twist(self, order: int, places: Any, length: Scalar) -> Float[Array, "n c"]:
+    def twist(self, order: int, places: Any, length: Any) -> Float[Array, "n c"]:
         """Twist rates over length of each coefficient and of the warping of each end.
 
         Polynomials times the local compliance, less what they are at the ends, where the warping is; from there twist
@@ -226,7 +226,7 @@ class Leaf(Section):
         fading = jnp.stack([_fading(at, layer)[0] for at, layer in zip((places, 1 - places), layers, strict=True)], 1)
         return jnp.concatenate([own - fading @ ends, fading], axis=1)
 
-    def twist_slopes(self, order: int, places: np.ndarray, length: Scalar) -> Float[Array, "n c"]:
+    def twist_slopes(self, order: int, places: np.ndarray, length: Any) -> Float[Array, "n c"]:
         """Slopes of :meth:`twist` along the leaf spring, with the same arguments, (n, order + 2) [-]."""
         first, last = self.layers(length)
         if self.section.varies:
@@ -239,7 +239,7 @@ class Leaf(Section):
         fading = jnp.stack([_fading(places, first)[1], -_fading(1 - places, last)[1]], axis=1)
         return jnp.concatenate([own - fading @ ends, fading], axis=1)
 
-    def moments(self, order: int, steps: Any, length: Scalar, names: Sequence[str]) -> Float[Array, "s g f c"]:
+    def moments(self, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s g f c"]:
         """Strains at the three Gauss nodes of each step, such that their moments over the step are those of the leaf's.
 
         Args:
@@ -274,7 +274,7 @@ class Leaf(Section):
         warped = twist[:, :, None, order:] * np.eye(fields)[turned][:, None]
         return jnp.concatenate([found, warped], axis=3)
 
-    def matrix(self, of: Damping | None, order: int, length: Scalar, names: Sequence[str]) -> Array:
+    def matrix(self, of: Any, order: int, length: Any, names: Sequence[str]) -> Array:
         """Matrix of rigidities over length between all coefficients, and the warping of both ends where it twists.
 
         Args:
@@ -316,17 +316,17 @@ class Leaf(Section):
         weights = (np.diff(steps)[:, None] * weights).ravel()
         twist, slopes = self.twist(order, places, length), self.twist_slopes(order, places, length)
         if elastic:
-            torsion = rigidities(of, places, length, ("GIt",))[:, 0]
+            torsion = rigidities(of, jnp.asarray(places), length, ("GIt",))[:, 0]
             warping = jax.vmap(lambda place: warping_rigidity(self.rectangle(place, length)))(places)
         else:
-            torsion, warping = jnp.asarray(of.GIt, float), 0.0
+            torsion, warping = jnp.asarray(cast(Damping, of).GIt, float), 0.0
         own = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
         own = own + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
         spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
         spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
         return jnp.pad(found.reshape(fields * order, fields * order), (0, 2)) + spread.T @ own @ spread
 
-    def energy(self, order: int, c: Float[Array, "c"], length: Scalar, names: Sequence[str]) -> Float[Array, ""]:
+    def energy(self, order: int, c: Float[Array, "c"], length: Any, names: Sequence[str]) -> Float[Array, ""]:
         """What large strains take beyond the quadratic energy of :meth:`matrix`.
 
         A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway; and twist makes the fibres
