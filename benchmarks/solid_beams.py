@@ -1,6 +1,5 @@
 """The cases of ``solid_cases.py`` as mechanisms of flexmb, each leaf spring by one kind of element or chain of them."""
 
-import dataclasses
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -48,10 +47,7 @@ class Leaf:
 def material() -> fm.Material:
     """That of the solid models."""
     m = solid.MATERIAL
-    own: dict[str, Any] = {"E": m["E"], "G": m["E"] / (2 + 2 * m["nu"]), "rho": m["rho"], "nu": m["nu"]}
-    if "alpha" in {field.name for field in dataclasses.fields(fm.Material)}:
-        own["alpha"] = m["alpha"]
-    return fm.Material(**own)
+    return fm.Material(m["E"], m["E"] / (2 + 2 * m["nu"]), m["rho"], nu=m["nu"], alpha=m["alpha"])
 
 
 def reinforced(place):
@@ -107,18 +103,17 @@ def spectral(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
 
 def leaf_spring(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
     """One leaf spring as it is."""
-    return [b.add(getattr(spatial, "leaf_spring"), first, last, section=leaf.section(), y=ACROSS)]  # noqa: B009
+    return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS)]
 
 
 # Builders of one leaf spring between two nodes; each gives the names of its elements.
 KINDS: dict[str, Callable] = {
+    "one leaf_spring": leaf_spring,
     "one spectral beam with shear": spectral,
     "1 cubic beam": chain(1),
     "4 cubic beams": chain(4),
     "16 cubic beams": chain(16),
 }
-if hasattr(spatial, "leaf_spring"):
-    KINDS = {"one leaf_spring": leaf_spring, **KINDS}
 
 
 def rigid(b: fm.Builder, first: str, last: str) -> None:
@@ -316,37 +311,30 @@ def buckling(kind):
     return lambda: {n: float(np.min(np.abs(np.asarray(fm.buckling_loads(m))))) for n, m in models.items()}
 
 
-def warmed(b: Any, name: str, change: float, **gradient: float) -> None:
-    """Change the temperature of an element [K, K/m]."""
-    b.temperature(name, change, **gradient)
-
-
 def heated(kind):
-    """Warm leaf springs, where elements know temperature."""
-    if not hasattr(fm.Builder, "temperature"):
-        return dict
+    """Warm leaf springs."""
     b, names = guide_parts(kind)
     for name in names[0]:
-        warmed(b, name, 1.0)
+        b.temperature(name, 1.0)
     warm, bent = b.build(), {}
     for free in (True, False):
         b, parts = cantilever(kind, Leaf(), free)
         for name in parts:
-            warmed(b, name, 0.0, gradient=1.0 / THICKNESS)
+            b.temperature(name, 0.0, gradient=(0.0, 1.0 / THICKNESS))
         bent["free tip" if free else "rigid tip"] = b.build()
     b, parts = cantilever(kind, Leaf(), free=True)
     for name in parts:
-        warmed(b, name, 1.0)
+        b.temperature(name, 1.0)
     b.fix("tip")
     held = b.build()
 
     def ask():
         turned = fm.equilibrium(warm).at("stage.rotation")
-        found = {"guide, lower leaf spring 1 K warmer, tilt": -2 * abs(float(turned[2]))}
+        found = {"guide, lower leaf spring 1 K warmer, tilt": 2 * float(turned[2])}
         for name, model in bent.items():
-            found[f"1 K across the thickness, {name}, deflection"] = abs(float(fm.equilibrium(model).at("tip")[2]))
+            found[f"1 K across the thickness, {name}, deflection"] = -float(fm.equilibrium(model).at("tip")[2])
         pushed = fm.equilibrium(held)
-        found["both ends clamped, 1 K warmer, force"] = abs(float(pushed.reactions[held.labels.known("tip")[0]]))
+        found["both ends clamped, 1 K warmer, force"] = -float(pushed.reactions[held.labels.known("tip")[0]])
         return found
 
     return ask
