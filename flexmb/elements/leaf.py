@@ -11,7 +11,7 @@ Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectra
 import dataclasses
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -70,6 +70,10 @@ class Leaf(Section):
         """
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
+
+    def plain(self) -> Section:
+        """The section without clamps, with its shear counted where it varies."""
+        return Leaf(self.section, jnp.zeros(2)) if self.section.varies else self.section
 
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
         """Where a clamp's influence on stretching and on bending ends.
@@ -131,7 +135,7 @@ class Leaf(Section):
         """
         cut = self._flat(places, length, self.kept(length)[1])
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
-        base = relative(cast(Profile, self.section), places, length, names) if self.section.varies else 1.0
+        base = relative(self, places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
 
     def _flat(self, places: Any, length: Any, shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
@@ -199,7 +203,7 @@ class Leaf(Section):
         places = first[..., None] + sizes[..., None] * nodes
         shapes = legendre_values_at(order, places)
         if self.section.varies:
-            at = relative(cast(Profile, self.section), places.reshape(-1), length, names)
+            at = relative(self, places.reshape(-1), length, names)
             at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(KEPT)])
             shapes = at[..., None] * shapes
         return places, sizes[..., None] * weights * less[:, None, None], shapes
@@ -222,7 +226,7 @@ class Leaf(Section):
             THEORY.md 2, eq. (2.24).
         """
         layers = self.layers(length)
-        own, ends = (strains(order, self.section, at, length, ("GIt",))[:, 0] for at in (places, ENDS))
+        own, ends = (strains(order, self.plain(), at, length, ("GIt",))[:, 0] for at in (places, ENDS))
         fading = jnp.stack([_fading(at, layer)[0] for at, layer in zip((places, 1 - places), layers, strict=True)], 1)
         return jnp.concatenate([own - fading @ ends, fading], axis=1)
 
@@ -231,11 +235,11 @@ class Leaf(Section):
         first, last = self.layers(length)
         if self.section.varies:
             at = jnp.asarray(places)
-            shapes = partial(strains, order, self.section, length=length, names=("GIt",))
+            shapes = partial(strains, order, self.plain(), length=length, names=("GIt",))
             own = jax.jvp(shapes, (at,), (jnp.ones_like(at),))[1][:, 0]
         else:
             own = legendre_slopes(order, places)
-        ends = strains(order, self.section, ENDS, length, ("GIt",))[:, 0]
+        ends = strains(order, self.plain(), ENDS, length, ("GIt",))[:, 0]
         fading = jnp.stack([_fading(places, first)[1], -_fading(1 - places, last)[1]], axis=1)
         return jnp.concatenate([own - fading @ ends, fading], axis=1)
 
@@ -258,7 +262,7 @@ class Leaf(Section):
         places = (starts[:, None] + steps[:, None] * nodes).ravel()
         back = legendre_values(3, gauss(3)[0]) * (2.0 * np.arange(3) + 1)
         tests = back @ (legendre_values(3, nodes) * weights[:, None]).T
-        own = strains(order, self.section, places, length, names).reshape(len(steps), count, fields, order)
+        own = strains(order, self.plain(), places, length, names).reshape(len(steps), count, fields, order)
         twist = self.twist(order, places, length).reshape(len(steps), count, order + 2)
         within, shares, shapes = self.near(order, starts, ends, length, names, count)
         sizes = jnp.where(jnp.asarray(steps) > 0, steps, 1.0)[:, None]
@@ -292,7 +296,7 @@ class Leaf(Section):
         fields, elastic = len(names), of is None
         counted: Any = self if self.section.varies else self.rectangle(0.0, length)
         of = counted if of is None else of
-        found = series_matrix(of, self.section, order, length, 0, names).reshape(fields, order, fields, order)
+        found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
         places, shares, shapes = self.near(order, np.zeros(1), np.ones(1), length, names, order + 2)
         if not elastic:
             # Strains are smaller by 1 - nu^2 there, and damping is not larger.
@@ -319,7 +323,7 @@ class Leaf(Section):
             torsion = rigidities(of, jnp.asarray(places), length, ("GIt",))[:, 0]
             warping = jax.vmap(lambda place: warping_rigidity(self.rectangle(place, length)))(places)
         else:
-            torsion, warping = jnp.asarray(cast(Damping, of).GIt, float), 0.0
+            torsion, warping = jnp.asarray(getattr(of, "GIt"), float), 0.0  # noqa: B009
         own = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
         own = own + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
         spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])

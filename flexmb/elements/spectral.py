@@ -165,7 +165,7 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
     return section.relative(places, length, names)[:, :, None] * polynomials[:, None]
 
 
-def relative(section: Profile, places, length, names: Sequence[str]) -> Float[Array, "n fields"]:
+def relative(section: Section, places, length, names: Sequence[str]) -> Float[Array, "n fields"]:
     """Compliances at places over their means.
 
     Args:

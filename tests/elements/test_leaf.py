@@ -284,3 +284,20 @@ def test_bad_input_is_named(properties, message):
     b.node("tip", (0.1, 0, 0))
     with pytest.raises(fm.ModelError, match=message):
         b.add(spatial.leaf_spring, "foot", "tip", name="leaf", **properties)
+
+
+def test_taper_beside_solid_elements():
+    """REFERENCES.md A14-leaf: 0.5 to 0.3 mm thick; one that stays the same is as a section that does not vary."""
+
+    def stiffness(section):
+        b = fm.Builder()
+        b.node("foot", (0, 0, 0))
+        b.node("tip", (0.1, 0, 0))
+        b.add(spatial.leaf_spring, "foot", "tip", section=section, y=(0, 1, 0), clamped=True)
+        b.fix("foot")
+        return 1 / np.diag(np.asarray(fm.compliance(b.build(), "tip")))
+
+    taper = fm.sections.taper(LEAF, dataclasses.replace(LEAF, thickness=0.3e-3))
+    solid = [1.48708e7, 133293, 82.8942, 0.300841, 0.179986, 400.491]
+    np.testing.assert_allclose(stiffness(taper), solid, rtol=4e-3)
+    np.testing.assert_allclose(stiffness(fm.sections.taper(LEAF, LEAF)), stiffness(LEAF), rtol=1e-9)
