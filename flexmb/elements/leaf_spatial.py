@@ -127,6 +127,8 @@ Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying
 local y, along the width); clamped, whether its first end and its last are clamped, such as (True, False), where that
 shall not be found.
 Options: order, the number of coefficients of each strain, 5 unless given.
+Stress is that of the section with the whole torque twisting it: the stress of restrained warping and that across the
+width at clamps are not counted.
 
 Source: THEORY.md 2, eq. (2.22) to (2.25).
 """

@@ -116,7 +116,8 @@ def energy_of_a_wide_strip(u: float, nu: float) -> float:
         ]
     )
     right = -nu * np.array([integral(slope) for slope in slopes])
-    return 1 + nu * np.array([integral(s) for s in slopes]) @ np.linalg.lstsq(matrix, right, rcond=1e-14)[0] / 2
+    found = np.linalg.lstsq(matrix, right, rcond=1e-14)[0]
+    return float(1 + nu * np.array([integral(s) for s in slopes]) @ found / 2)
 
 
 @pytest.mark.parametrize("u", [0.3, 0.49, 0.5, 1.5, 4.0, 8.0])
