@@ -928,6 +928,28 @@ FAULTS = [
         "motion/test_simulate.py -k derivative_of_a_motion",
     ),
     Fault("model/model.py", '"ndof": nx - nxo - neo}', '"ndof": nx - nxo}', "checks/test_mobility.py -k self_stress"),
+    # Leaf springs.
+    Fault("elements/leaf.py", "BENT, STRETCHED = 0.40", "BENT, STRETCHED = 0.10", "elements/test_leaf.py -k tip_of"),
+    Fault(
+        "elements/leaf.py",
+        "* (rectangle.width * rectangle.thickness) ** 3 / 144",
+        "* 0.0",
+        "elements/test_leaf.py -k twist",
+    ),
+    Fault("elements/leaf.py", "square**2 / 640", "square**2 / 1152", "elements/test_leaf.py -k beyond"),
+    Fault("elements/leaf.py", "v / 360 +", "v / 36 +", "elements/test_leaf.py -k flattening"),
+    Fault("elements/leaf.py", "1 + material.poisson() * flat", "1 + 0 * flat", "elements/test_leaf.py -k temperature"),
+    Fault(
+        "elements/leaf.py",
+        "if faults := check_section(section, ref, None)",
+        "if faults := []",
+        "elements/test_leaf.py -k bad",
+    ),
+    Fault("build/clamps.py", "THICK = 3.0", "THICK = 3.3", "elements/test_leaf.py -k what_clamps"),
+    Fault("build/clamps.py", "< np.cos(FOLD)), False", "< 0.0), False", "elements/test_leaf.py -k what_clamps"),
+    Fault(
+        "build/clamps.py", "if given and said is not None and", "if False and", "elements/test_leaf.py -k contradict"
+    ),
     # Building blocks.
     Fault("blocks/site.py", "first[1], -first[0]", "-first[1], first[0]", "blocks/test_blocks.py -k in_the_plane"),
     Fault(

@@ -23,7 +23,7 @@ from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_
 from .profile import Profile
 from .section import Material, Rigidity, Scalar, Section
 from .sections import Rectangle
-from .spectral import pieces_of, relative, rigidities, series_matrix, strains
+from .spectral import check_section, pieces_of, relative, rigidities, series_matrix, strains
 
 # How far from a clamp a leaf spring bends and stretches as a plate, over its width.
 BENT, STRETCHED = 0.40, 0.14
@@ -102,12 +102,12 @@ class Leaf(Section):
         Returns:
             sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
-        places = (0.0, 1.0) if self.section.varies else (0.0,)
-        found = [self._layer(self.rectangle(place, length), length) for place in places]
+        found = [jnp.sqrt(warping_rigidity(r) / r.rigidity().GIt) / length for r in self._at_ends(length)]
         return found[0], found[-1]
 
-    def _layer(self, rectangle: Rectangle, length: Any) -> Scalar:
-        return jnp.sqrt(warping_rigidity(rectangle) / rectangle.rigidity().GIt) / length
+    def _at_ends(self, length: Any) -> list[Rectangle]:
+        """Rectangles at the first end and at the last; one where the section does not vary."""
+        return [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
 
     def kept(self, length: Any) -> tuple[Float[Array, "2 2"], Float[Array, "2"]]:
         """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
@@ -119,7 +119,7 @@ class Leaf(Section):
             Over the length, of stretching and of bending (rows) at the first end and at the last, (2, 2) [-]; nu^2
             at a clamped end and 0 at another, (2,) [-].
         """
-        rectangles = [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
+        rectangles = self._at_ends(length)
         widths = jnp.stack([jnp.asarray(r.width / length, float) for r in rectangles])
         squares = jnp.stack([jnp.asarray(r.material.poisson() ** 2, float) for r in rectangles])
         widths, squares = jnp.broadcast_to(widths, (2,)), jnp.broadcast_to(squares, (2,))
@@ -294,8 +294,9 @@ class Leaf(Section):
             THEORY.md 2, eq. (2.22) and (2.24).
         """
         fields, elastic = len(names), of is None
-        counted: Any = self if self.section.varies else self.rectangle(0.0, length)
-        of = counted if of is None else of
+        damping: Any = of
+        if elastic:
+            of = self if self.section.varies else self.rectangle(0.0, length)
         found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
         places, shares, shapes = self.near(order, np.zeros(1), np.ones(1), length, names, order + 2)
         if not elastic:
@@ -323,7 +324,7 @@ class Leaf(Section):
             torsion = rigidities(of, jnp.asarray(places), length, ("GIt",))[:, 0]
             warping = jax.vmap(lambda place: warping_rigidity(self.rectangle(place, length)))(places)
         else:
-            torsion, warping = jnp.asarray(getattr(of, "GIt"), float), 0.0  # noqa: B009
+            torsion, warping = jnp.asarray(damping.GIt, float), 0.0
         own = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
         own = own + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
         spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
@@ -427,16 +428,19 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     return jnp.where(small, (1 + v / 360 + v**2 / 1814400) / (1 + v / 120 + v**2 / 362880), large)
 
 
-def faults_of_leaf(section: Section) -> list[str]:
+def faults_of_leaf(section: Section, ref: Any) -> list[str]:
     """What is wrong with the section of a leaf spring.
 
     Args:
         section: Its section.
+        ref: Reference coordinates, of one leaf spring or of many.
     """
     if isinstance(section, Profile):
         if section.breaks:
             return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]
-        section = section.at(0.5, 1.0)
+        if faults := check_section(section, ref, None):
+            return faults
+        section = section._kind()
     if not isinstance(section, Rectangle):
         return [f"has a section of kind {type(section).__name__}, but a leaf spring's is a Rectangle"]
     if section.warping_length is not None:

@@ -78,7 +78,7 @@ def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section, clamped=None):
 
 def _check(*, ref, section) -> list[str]:
     faults = beams.check_length(ref=ref)
-    return faults or faults_of_leaf(section)
+    return faults or faults_of_leaf(section, ref)
 
 
 leaf_spring = Element(

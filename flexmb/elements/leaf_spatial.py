@@ -95,7 +95,7 @@ def _shape(*nodes, ref, place, section, order, clamped=None, y=None):
 
 def _check(*, ref, section, y=None) -> list[str]:
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y)
-    return faults or faults_of_leaf(section)
+    return faults or faults_of_leaf(section, ref)
 
 
 leaf_spring = Element(
