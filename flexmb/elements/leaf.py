@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..errors import ModelError
+from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
 from .profile import Profile
 from .section import Material, Rigidity, Scalar, Section
@@ -33,8 +34,8 @@ STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
-# Up to this argument a quotient of power series is used, exact to 1e-10.
-SMALL = 0.06
+# Keeps the root of a curvature that is zero smooth, and changes no digit.
+TINY = 1e-12
 
 
 class Leaf(Section):
@@ -133,15 +134,15 @@ class Leaf(Section):
             length: Of the leaf spring, () [m].
             names: Of rigidities.
         """
-        cut = self._flat(places, length, self.kept(length)[1])
+        cut = self._flat(places, *self.kept(length))
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
         base = relative(self, places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
 
-    def _flat(self, places: Any, length: Any, shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
+    def _flat(self, places: Any, reaches: Float[Array, "2 2"], shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
         """Of stretching and of bending, at places near the first end its share, near the last its own, else zero."""
         ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
-        return jnp.einsum("fen,e->fn", (ends < self.kept(length)[0][:, :, None]).astype(float), shares)
+        return jnp.einsum("fen,e->fn", (ends < reaches[:, :, None]).astype(float), shares)
 
     def thermal(
         self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Any, names: Sequence[str]
@@ -166,7 +167,7 @@ class Leaf(Section):
         whole = pieces_of(self, length)
         nodes, weights = gauss(order + 2)
         places, weights = whole.spread(nodes).ravel(), (whole.sizes[:, None] * weights).ravel()
-        flat = self._flat(places, length, self.clamped)
+        flat = self._flat(places, self.kept(length)[0], self.clamped)
         material = self.rectangle(0.5, length).material
         larger = {name: 1 + material.poisson() * flat[i] for i, name in enumerate(KEPT)}
         free = {"EA": change[0] + (change[1] - change[0]) * places, **bends}
@@ -350,13 +351,14 @@ class Leaf(Section):
             THEORY.md 2, eq. (2.23) and (2.25).
         """
         nodes, weights = gauss(PARTS)
-        first, last = self.kept(length)[0][1]
-        ends = jnp.stack([jnp.zeros(()), first, 1 - last, jnp.ones(())])
+        reaches, shares = self.kept(length)
+        ends = jnp.stack([0.0, reaches[1, 0], 1 - reaches[1, 1], 1.0])
         sizes = jnp.diff(ends)
         places = (ends[:-1, None] + sizes[:, None] * nodes).ravel()
-        free = jnp.stack([1 - self.clamped[0], jnp.ones(()), 1 - self.clamped[1]])
-        own = strains(order, self, places, length, KEPT)
-        stretch, bent = (own[:, i] @ c[at * order :][:order] / length for i, at in enumerate(map(names.index, KEPT)))
+        free = 1 - jnp.stack([self.clamped[0], 0.0, self.clamped[1]])
+        own = strains(order, self.plain(), places, length, KEPT)
+        own = own * (1 - self._flat(places, reaches, shares)).T[:, :, None] / length
+        stretch, bent = (own[:, i] @ c[at * order :][:order] for i, at in enumerate(map(names.index, KEPT)))
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         # u^4, which is smooth in the curvature.
         fourth = 3 * (1 - nu**2) * (bent * wide**2 / thick) ** 2
@@ -409,6 +411,7 @@ def warping_rigidity(rectangle: Rectangle) -> Scalar:
     return material.E * as_plate(material) * (rectangle.width * rectangle.thickness) ** 3 / 144
 
 
+@pointwise
 def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     """How much of its curvature across a strip keeps, of what it has at small curvature along.
 
@@ -421,11 +424,12 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     Source:
         THEORY.md 2, eq. (2.23).
     """
-    small = fourth < SMALL
-    v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
-    decayed = jnp.exp(-u)
-    large = 2 / u * (1 + decayed**2 - 2 * decayed * jnp.cos(u)) / (1 - decayed**2 + 2 * decayed * jnp.sin(u))
-    return jnp.where(small, (1 + v / 360 + v**2 / 1814400) / (1 + v / 120 + v**2 / 362880), large)
+    u = jnp.sqrt(jnp.sqrt(fourth + TINY))
+    less, sine, cosine = jnp.expm1(-u), jnp.sin(u / 2), jnp.cos(u / 2)
+    # Both times exp(-u); cosh u - cos u is 2 sinh(u/2)^2 + 2 sin(u/2)^2, which loses no digits at small u.
+    above = less**2 / 2 + 2 * sine**2 * (1 + less)
+    below = 2 * sine * cosine * (1 + less) - less * (2 + less) / 2
+    return 2 / u * above / below
 
 
 def faults_of_leaf(section: Section, ref: Any) -> list[str]:
