@@ -74,16 +74,21 @@ class FlexmbWarning(UserWarning):
     """What is asked for is legal and answered, but likely not what was meant."""
 
 
-def warn(text: str) -> None:
+class BeamTheoryWarning(FlexmbWarning):
+    """A leaf spring is modelled by plain beams, which leave out what would change a stiffness."""
+
+
+def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
     """Warn, at the line outside of the package that led here.
 
     Args:
         text: What is unusual, and what to do if it is not meant.
+        category: Of the warning, by which it can be ignored.
     """
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_code.co_filename.startswith((_OWN, contextlib.__file__)):
         frame, level = frame.f_back, level + 1
-    warnings.warn(text, FlexmbWarning, stacklevel=level)
+    warnings.warn(text, category, stacklevel=level)
 
 
 @contextlib.contextmanager

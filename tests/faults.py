@@ -936,6 +936,13 @@ FAULTS = [
         "* 0.0",
         "elements/test_leaf.py -k twist",
     ),
+    Fault("build/plain_beams.py", "* (side / chain.length)", "* (side / 1.0)", "build/test_plain_beams.py"),
+    Fault(
+        "build/plain_beams.py",
+        "for end in chain.ends)",
+        "for end in chain.ends[:1])",
+        "build/test_plain_beams.py -k strip",
+    ),
     Fault("elements/leaf.py", "square**2 / 640", "square**2 / 1152", "elements/test_leaf.py -k beyond"),
     Fault("elements/leaf.py", "2 * sine**2 * (1", "2 * cosine**2 * (1", "elements/test_leaf.py -k flattening"),
     Fault("elements/leaf.py", "1 + material.poisson() * flat", "1 + 0 * flat", "elements/test_leaf.py -k temperature"),

@@ -23,6 +23,7 @@ from .description import TURNS, Description, Key, Member, NamedSignal
 from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
+from .plain_beams import warn_of_plain_beams
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations, with_material_damping, with_options
 from .step import body_of_step
@@ -604,6 +605,7 @@ class Builder(Description):
 
         Warns:
             FlexmbWarning: A prestress, strain or damping of deformations that are held.
+            BeamTheoryWarning: Plain beams leave out shear or restrained warping of more than 1 % of a stiffness.
         """
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed, ModelError)
@@ -621,6 +623,7 @@ class Builder(Description):
             )
         if check:
             warn_of_idle(self)
+            warn_of_plain_beams(self)
         before = next_carried()
         described = with_clamps(self, before)
         model = assemble(described)

@@ -22,7 +22,7 @@ FOLD = np.radians(5.0)
 HELD = (Role.FIXED, Role.PRESCRIBED)
 
 
-class _End(NamedTuple):
+class End(NamedTuple):
     """An end of a leaf spring: its rotation, and whether it is the first end (0) or the last (1)."""
 
     leaf: str
@@ -65,24 +65,24 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
             if given is not None:
                 found = bool(given[end.number]), bool(given[end.number])
             else:
-                found = _clamped(builder, end, _as_before(before, end))
+                found = is_clamped(builder, end, _as_before(before, end))
             flat.append(found[0])
             restrained.append(found[1])
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
-        for warping, is_restrained in zip(_parts(member, "warping"), restrained, strict=False):
+        for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, is_restrained, given is not None)
     return twin
 
 
-def _parts(member: Member, part: str) -> list[str]:
+def parts_of(member: Member, part: str) -> list[str]:
     """Nodes of an element that are of a kind, in order."""
     kinds = member.element.nodes.values()
     return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part == part]
 
 
-def _ends(name: str, member: Member) -> list[_End]:
-    return [_End(name, rotation, number) for number, rotation in enumerate(_parts(member, "rotation"))]
+def _ends(name: str, member: Member) -> list[End]:
+    return [End(name, rotation, number) for number, rotation in enumerate(parts_of(member, "rotation"))]
 
 
 def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given: bool) -> None:
@@ -91,7 +91,7 @@ def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given
     others = [n for n, m in builder.members.items() if n != leaf and warping in m.nodes]
     for other in others:
         said = builder.members[other].properties.get("clamped")
-        place = _parts(builder.members[other], "warping").index(warping)
+        place = parts_of(builder.members[other], "warping").index(warping)
         if given and said is not None and bool(said[place]) is not restrained:
             raise ModelError(
                 f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but one is clamped there and the"
@@ -101,7 +101,7 @@ def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given
         node.roles[0] = Role.FIXED
 
 
-def _as_before(before: Model | None, end: _End) -> tuple[bool, bool] | None:
+def _as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
     """Whether an end was flat, and its warping held, in a model of the same elements."""
     if before is None:
         return None
@@ -119,7 +119,7 @@ def _as_before(before: Model | None, end: _End) -> tuple[bool, bool] | None:
     return None
 
 
-def _clamped(builder: Description, end: _End, before: tuple[bool, bool] | None) -> tuple[bool, bool]:
+def is_clamped(builder: Description, end: End, before: tuple[bool, bool] | None = None) -> tuple[bool, bool]:
     """Whether an end is kept flat, and whether its warping is restrained."""
     if all(role in HELD for role in builder.nodes[end.rotation].roles):
         return True, True
@@ -140,7 +140,7 @@ def _clamped(builder: Description, end: _End, before: tuple[bool, bool] | None) 
     return flat, restrained
 
 
-def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool, bool]:
+def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool, bool]:
     """The same, as far as one element at the end decides."""
     element, section = other.element, other.properties.get("section")
     if other.hidden:
@@ -149,7 +149,7 @@ def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool
     if not flexible:
         held = any(role in HELD for role in other.roles)
         return held, held
-    number = _parts(other, "rotation").index(end.rotation)
+    number = parts_of(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
     thin, thick = _thickness(builder, leaf, end.number), _thickness(builder, other, number)
     if not is_concrete((thin, thick)):
@@ -158,7 +158,7 @@ def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool
         return True, True
     if "clamped" not in other.properties:
         return False, False
-    axes = [_axes(builder, member) for member in (leaf, other)]
+    axes = [axes_of(builder, member) for member in (leaf, other)]
     if not is_concrete(axes):
         raise _Unknown("it depends on where they are, and these numbers are traced")
     (along, across), (along_other, across_other) = axes
@@ -183,13 +183,13 @@ def _thickness(builder: Description, member: Member, end: int) -> Any:
 
 
 def _length(builder: Description, member: Member) -> Any:
-    p, q = (builder.nodes[node].start for node in _parts(member, "position")[:2])
+    p, q = (builder.nodes[node].start for node in parts_of(member, "position")[:2])
     return float(np.linalg.norm(np.subtract(q, p))) if is_concrete((p, q)) else 1.0
 
 
-def _axes(builder: Description, member: Member) -> Any:
+def axes_of(builder: Description, member: Member) -> Any:
     """Unit vectors along a leaf spring and across it, along its width."""
-    p, q = (builder.nodes[node].start for node in _parts(member, "position"))
+    p, q = (builder.nodes[node].start for node in parts_of(member, "position"))
     y = member.properties.get("y")
     if not is_concrete((p, q, y)):
         return p, q, y

@@ -247,6 +247,8 @@ Properties: section (one that varies too, see :class:`flexmb.sections.Profile`),
 curvature (initial, (0, about y, about z) in local axes, of an arc from p to q [1/m]).
 Options: order, the number of coefficients of each strain, 5 unless given; shear, whether shear deformation is counted,
 False unless given: the section must then have a shear compliance.
+Of a leaf spring it leaves out warping that clamps restrain, the plate near clamps and the flattening of wide strips:
+``spatial.leaf_spring`` has them. Where shear or warping would change a stiffness by more than 1 %, a model warns.
 
 Source: strains of Simo (1985) and Reissner: r' = R (1 + eps, gamma_y, gamma_z), R' = R hat(kappa); poses by the
 exponentials of :mod:`flexmb.math.rigid`.

@@ -1,0 +1,154 @@
+"""What plain beams leave out of a leaf spring, told where it would change a stiffness."""
+
+import math
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from ..arguments import is_concrete
+from ..elements import planar, spatial
+from ..elements.profile import Profile
+from ..elements.section import Section
+from ..elements.sections import Circle, Rectangle
+from ..errors import BeamTheoryWarning, ModelError, warn
+from ..model.roles import Role
+from .clamps import End, axes_of, is_clamped, parts_of
+from .description import Description, Member
+
+PLAIN = (planar.beam, planar.spectral_beam, spatial.beam, spatial.spectral_beam)
+HELD = (Role.FIXED, Role.PRESCRIBED)
+# A stiffness that changes by less is not told of.
+SHARE = 0.01
+# Beams of one leaf spring are in line up to this angle [rad].
+IN_LINE = np.radians(1.0)
+# From this width over thickness on a rectangle warps as a thin strip.
+STRIP = 3.0
+
+
+class _Chain(NamedTuple):
+    """Beams in line, one after the other: their names, whole length, and the two ends."""
+
+    names: list[str]
+    length: float
+    ends: tuple[End, End]
+
+
+def warn_of_plain_beams(builder: Description) -> None:
+    """Warn where plain beams leave out shear, or warping that clamps restrain, of more than 1 % of a stiffness.
+
+    Only sections whose sizes are known are looked at: rectangles and circles.
+
+    Source:
+        Of a beam guided at its end, shear adds 12 EI/(GAk L^2) to its compliance; warping as
+        :func:`flexmb.sections.warping_factor` has it.
+    """
+    found: dict[str, tuple[float, str, str]] = {}
+    for chain in _chains(builder):
+        for what, share in _left_out(builder, chain).items():
+            if share > SHARE and share > found.get(what, (0.0,))[0]:
+                found[what] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
+    if not found:
+        return
+    told = [f"{what} by {share:.0%} ('{first}'{last})" for what, (share, first, last) in found.items()]
+    warn(
+        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it; a section may state"
+        " shear=True and warping_length=. Where beam theory is what is wanted, ignore fm.BeamTheoryWarning.",
+        BeamTheoryWarning,
+    )
+
+
+def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
+    """By which share a stiffness changes with what is left out, by what."""
+    member = builder.members[chain.names[0]]
+    section: Section = member.properties["section"]
+    if isinstance(section, Profile):
+        section = section.at(0.5, chain.length)
+    if not isinstance(section, Rectangle | Circle) or not is_concrete(section):
+        return {}
+    nu, found = float(section.material.poisson()), {}
+    # By Cowper's shear coefficient, 12/k times the radius of gyration over the side, squared.
+    if isinstance(section, Rectangle):
+        sides = float(section.thickness), float(section.width)
+        shape = (12 + 11 * nu) / (10 * (1 + nu))
+    else:
+        sides = (float(section.diameter),) * 2
+        shape = (7 + 6 * nu) / (6 * (1 + nu)) * 3 / 4
+    in_space = builder.dimension == 3
+    bends = {"shear in bending along local z": sides[0], "shear in bending along local y": sides[1]}
+    for number, (what, side) in enumerate(bends.items()):
+        if not section.shear and _is_free(member, 2 + number if in_space else 1) and (in_space or not number):
+            found[what] = shape * 2 * (1 + nu) * (side / chain.length) ** 2
+    strip = isinstance(section, Rectangle) and section.warping_length is None and sides[1] >= STRIP * sides[0]
+    if in_space and strip and not parts_of(member, "warping") and _is_free(member, 1):
+        count = sum(_is_restrained(builder, end) for end in chain.ends)
+        decay = chain.length * math.sqrt(24 * (1 - nu)) / sides[1]
+        found["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
+    return found
+
+
+def _is_free(member: Member, field: int) -> bool:
+    """Whether some deformation of a field may change: elongation, twist, bending along z and along y, in the plane two.
+
+    Args:
+        field: Its number, from 0.
+    """
+    cubic = ((1,), (2,), (3, 4), (5, 6)) if member.element.usual == spatial.beam else ((1,), (2, 3))
+    numbers = (member.element.fields or cubic)[field]
+    return any(member.roles[number - 1] not in HELD for number in numbers)
+
+
+def _is_restrained(builder: Description, end: End) -> bool:
+    try:
+        return is_clamped(builder, end)[1]
+    except ModelError:
+        return False
+
+
+def _chains(builder: Description) -> list[_Chain]:
+    """Plain beams of stated sections, those in line and of one section together."""
+    names = [name for name, member in builder.members.items() if _is_plain(builder, member)]
+    at: dict[str, list[End]] = {}
+    for name in names:
+        for number, rotation in enumerate(parts_of(builder.members[name], "rotation")):
+            at.setdefault(rotation, []).append(End(name, rotation, number))
+    along = {name: axes_of(builder, builder.members[name])[0] for name in names}
+    beyond: dict[tuple[str, int], End] = {}
+    for ends in at.values():
+        if len(ends) == 2 and _continues(builder, along, *ends):
+            beyond[ends[0][0], ends[0].number], beyond[ends[1][0], ends[1].number] = ends[1], ends[0]
+    found, seen = [], set()
+    for name in names:
+        if name in seen:
+            continue
+        chain, ends = [name], []
+        for number in (1, 0):
+            of, out = name, number
+            while (of, out) in beyond and beyond[of, out].leaf not in chain:
+                of, out = beyond[of, out].leaf, 1 - beyond[of, out].number
+                chain.append(of)
+            ends.append(End(of, parts_of(builder.members[of], "rotation")[out], out))
+        seen.update(chain)
+        found.append(_Chain(chain, sum(_span(builder, one) for one in chain), (ends[1], ends[0])))
+    return found
+
+
+def _is_plain(builder: Description, member: Member) -> bool:
+    if member.element.usual not in PLAIN or "section" not in member.properties:
+        return False
+    p, q = parts_of(member, "position")
+    starts = builder.nodes[p].start, builder.nodes[q].start
+    return is_concrete((starts, member.properties.get("y")))
+
+
+def _continues(builder: Description, along: dict[str, np.ndarray], one: End, other: End) -> bool:
+    """Whether two beams that share a rotation are in line and of one section."""
+    first, second = (builder.members[end.leaf].properties["section"] for end in (one, other))
+    leaves, others = jax.tree.leaves(first), jax.tree.leaves(second)
+    same = type(first) is type(second) and is_concrete((leaves, others)) and leaves == others
+    return same and one.leaf != other.leaf and bool(abs(along[one.leaf] @ along[other.leaf]) > np.cos(IN_LINE))
+
+
+def _span(builder: Description, name: str) -> float:
+    p, q = (np.asarray(builder.nodes[node].start, float) for node in parts_of(builder.members[name], "position"))
+    return float(np.linalg.norm(q - p))

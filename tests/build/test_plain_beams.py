@@ -1,0 +1,58 @@
+"""What plain beams leave out is told where it would change a stiffness by more than 1 %."""
+
+import warnings
+
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+
+STEEL = fm.Material(E=210e9, G=210e9 / 2.6, rho=7850)
+STRIP = fm.Rectangle(0.018, 0.5e-3, STEEL)
+# By hand: 2.6 (12 + 11 nu)/(10 (1 + nu)) (18/100)^2 = 9.9 %; an end's layer is 18/sqrt(24 0.7) = 4.39 mm long, so
+# that of 100 mm each clamped end takes as many, 100/95.6 or 100/91.2.
+SHEAR, ONE, TWO = "along local y by 10%", "in torsion by 5%", "in torsion by 10%"
+
+
+def told(element, section, ends=((0, 0, 0), (0, 0, 0.1)), count=1, clamped=False, **options):
+    """What is warned of beams in a row between ends, of which the first is clamped, and the last by a rigid beam."""
+    b = fm.Builder()
+    for i in range(count + 1):
+        b.node(f"n{i}", [p + (q - p) * i / count for p, q in zip(*ends, strict=True)])
+    for i in range(count):
+        b.add(element, f"n{i}", f"n{i + 1}", section=section, name=f"l{i}", **options)
+    b.fix("n0")
+    if clamped:
+        b.node("far", (0.05, 0.0, 0.1))
+        b.add(spatial.rigid_beam, f"n{count}", "far")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", fm.BeamTheoryWarning)
+        b.build()
+    return " ".join(str(one.message) for one in caught if issubclass(one.category, fm.BeamTheoryWarning))
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_a_strip_of_cubic_beams(count):
+    """Beams in line are one leaf spring."""
+    assert all(part in told(spatial.beam, STRIP, count=count) for part in (SHEAR, ONE))
+    assert all(part in told(spatial.beam, STRIP, count=count, clamped=True) for part in (SHEAR, TWO))
+
+
+def test_what_is_stated_is_not_told():
+    whole = fm.Rectangle(0.018, 0.5e-3, STEEL, shear=True, warping_length=0.1)
+    assert told(spatial.beam, whole, count=2) == ""
+    assert told(spatial.leaf_spring, STRIP) == ""
+    sheared = fm.Rectangle(0.018, 0.5e-3, STEEL, shear=True)
+    assert "along local" not in told(spatial.spectral_beam, sheared, shear=True)
+    assert told(spatial.beam, sheared.rigidity()) == ""
+
+
+def test_what_is_held_or_small_is_not_told():
+    """Held are torsion and sideways bending of a lean model; wires and planar leaf springs are slender."""
+    assert told(spatial.beam, STRIP, released=(1, 3, 4)) == ""
+    assert told(spatial.beam, fm.Circle(0.5e-3, STEEL)) == ""
+    assert told(planar.spectral_beam, STRIP, ends=((0, 0), (0.1, 0))) == ""
+    # 2.6 (12 + 11 nu)/(10 (1 + nu)) (10/100)^2 = 3.06 %, and of a circle 2.6 (7 + 6 nu)/(8 (1 + nu)) (10/100)^2.
+    thick = fm.Rectangle(0.018, 0.01, STEEL)
+    assert "along local z by 3%" in told(planar.beam, thick, ends=((0, 0), (0.1, 0)))
+    assert "along local z by 2%" in told(spatial.beam, fm.Circle(0.01, STEEL))
