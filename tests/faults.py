@@ -944,6 +944,7 @@ FAULTS = [
         "build/test_plain_beams.py -k strip",
     ),
     Fault("elements/leaf.py", "square**2 / 640", "square**2 / 1152", "elements/test_leaf.py -k beyond"),
+    Fault("elements/leaf.py", "+ flatter * rate**2", "", "elements/test_leaf.py -k stroke_beside"),
     Fault("elements/leaf.py", "2 * sine**2 * (1", "2 * cosine**2 * (1", "elements/test_leaf.py -k flattening"),
     Fault("elements/leaf.py", "1 + material.poisson() * flat", "1 + 0 * flat", "elements/test_leaf.py -k temperature"),
     Fault(

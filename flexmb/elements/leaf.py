@@ -335,8 +335,8 @@ class Leaf(Section):
     def energy(self, order: int, c: Float[Array, "c"], length: Any, names: Sequence[str]) -> Float[Array, ""]:
         """What large strains take beyond the quadratic energy of :meth:`matrix`.
 
-        A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway; and twist makes the fibres
-        off the axis longer than the axis.
+        A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway, and the stress that this
+        takes stiffens its torsion; and twist makes the fibres off the axis longer than the axis.
 
         Args:
             order: Coefficients of each field.
@@ -348,7 +348,7 @@ class Leaf(Section):
             () [J], of third order in the coefficients at least.
 
         Source:
-            THEORY.md 2, eq. (2.23) and (2.25).
+            THEORY.md 2, eq. (2.23), (2.25) and (2.30).
         """
         nodes, weights = gauss(PARTS)
         reaches, shares = self.kept(length)
@@ -362,14 +362,14 @@ class Leaf(Section):
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         # u^4, which is smooth in the curvature.
         fourth = 3 * (1 - nu**2) * (bent * wide**2 / thick) ** 2
-        stiffer = bending * nu**2 / (1 - nu**2) * (1 - curving(fourth))
-        found = 0.5 * length * ((sizes * free)[:, None] * weights).ravel() @ (stiffer * bent**2)
+        flatter = bending * nu / (1 - nu**2) * (1 - curving(fourth))
+        found = 0.5 * length * ((sizes * free)[:, None] * weights).ravel() @ (nu * flatter * bent**2)
         if "GIt" not in names:
             return found
         at = names.index("GIt") * order
-        twisted = jnp.concatenate([c[at : at + order], c[-2:]])
-        square = (wide * (self.twist(order, places, length) @ twisted) / length) ** 2
-        drawn = stiff * (stretch * square / 24 + square**2 / 640)
+        rate = self.twist(order, places, length) @ jnp.concatenate([c[at : at + order], c[-2:]]) / length
+        square = (wide * rate) ** 2
+        drawn = stiff * (stretch * square / 24 + square**2 / 640) + flatter * rate**2
         return found + length * (sizes[:, None] * weights).ravel() @ drawn
 
     def _numbers(self, places, length):
