@@ -23,7 +23,7 @@ def _leaf_spring(
     *,
     ref,
     section: Rectangle | Profile,
-    order: Static[int] = 5,
+    order: Static[int] = 6,
     clamped: tuple[bool, bool] | bool | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
@@ -103,7 +103,8 @@ or a part at least three times as thick, and folds.
 Deformations: those of ``planar.spectral_beam``.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
 first end and its last are clamped, such as (True, False), where that shall not be found.
-Options: order, the number of coefficients of each strain, 5 unless given.
+Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
+cantilever is 2 % high with 5 and within 0.5 % with 6.
 
 Source: THEORY.md 2, eq. (2.22) and (2.23).
 """

@@ -34,7 +34,7 @@ def _leaf_spring(
     *,
     ref,
     section: Rectangle | Profile,
-    order: Static[int] = 5,
+    order: Static[int] = 6,
     clamped: tuple[bool, bool] | bool | None = None,
     y: Float[Array, "3"] | None = None,
 ) -> Float[Array, "n_e"]:
@@ -126,7 +126,8 @@ shear has them.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; y (vector that fixes
 local y, along the width); clamped, whether its first end and its last are clamped, such as (True, False), where that
 shall not be found.
-Options: order, the number of coefficients of each strain, 5 unless given.
+Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
+cantilever is 2 % high with 5 and within 0.5 % with 6.
 Stress is that of the section with the whole torque twisting it: the stress of restrained warping and that across the
 width at clamps are not counted.
 

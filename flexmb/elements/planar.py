@@ -144,7 +144,8 @@ beam = Element(
 """Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping.
 
 Options: second_order, whether the elongation counts the shortening by bending, True unless given.
-It counts shear where its section does; where that would change a stiffness by more than 1 % and it is not, a model warns.
+It counts shear where its section does; where that is left out and would change a stiffness by more than 1 %, a model
+warns.
 """
 
 

@@ -191,8 +191,8 @@ Properties: section (EA, EIy, mass, Jy; one that varies too, see :class:`flexmb.
 (initial, of an arc from p to q [1/m], positive counter-clockwise).
 Options: order, the number of coefficients of each strain, 5 unless given; 2 bends as a cubic beam does, 5 gives six
 digits for a leaf spring at a large stroke.
-Of a leaf spring it leaves out shear, the plate near clamps and the flattening of wide strips: ``planar.leaf_spring`` has
-them. Where shear would change a stiffness by more than 1 %, a model warns.
+Of a leaf spring it leaves out shear, the plate near clamps and the flattening of wide strips, which
+``planar.leaf_spring`` has. Where shear would change a stiffness by more than 1 %, a model warns.
 
 Source: strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps)(cos theta, sin theta).
 """

@@ -11,7 +11,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .deformation import deformation_curvature, deformation_jacobian
 from .loads import LoadFactors, load_stiffness, nodal_forces, scaled_loads
-from .stress_resultants import element_stiffness, stress_resultants, stress_tangents
+from .stress_resultants import element_stiffness, stress_and_tangent
 from .transfer import Transfer, correction, multipliers, transfer
 
 
@@ -91,8 +91,7 @@ def state(
     force = nodal_forces(topology, parameters, factors, x)
     stressed = e if strained is None else strained
     loads = scaled_loads(parameters, factors)
-    elastic = stress_resultants(topology, parameters, loads, stiffness, stressed)
-    stiffness, _ = stress_tangents(topology, parameters, loads, stiffness, None, stressed)
+    elastic, stiffness = stress_and_tangent(topology, parameters, loads, stiffness, stressed)
     sigma = multipliers(topology, tangent, jacobian, elastic, force)
     curvature = deformation_curvature(topology, parameters, x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, factors, x)

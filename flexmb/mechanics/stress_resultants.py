@@ -95,25 +95,28 @@ def depends_on_rates(topology: Topology) -> bool:
 
 
 def _nonlinear_stress(topology: Topology, parameters: Parameters):
-    """Blocks with a nonlinear companion, its stress as ``f(e_el, ed_el, *arguments_el)``, and stacked arguments."""
+    """Blocks with a nonlinear companion, its stress ``f(e_el, ed_el, *arguments_el)``, what it depends on, arguments.
+
+    An energy's stress depends on the deformations alone, argument 0, others on their rates too, argument 1.
+    """
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
 
         def elastic(e, ed, *rest, energy=energy):
             return jax.grad(lambda e: energy((e,), *rest))(e)
 
-        yield block, elastic, arguments
+        yield block, elastic, (0,), arguments
     for block, dissipation, *arguments in each_block(topology, parameters, "dissipation"):
 
         def damping(e, ed, *rest, dissipation=dissipation):
             return jax.grad(lambda ed: dissipation((e, ed), *rest))(ed)
 
-        yield block, damping, arguments
+        yield block, damping, (0, 1), arguments
     for block, law, *arguments in each_block(topology, parameters, "law"):
 
         def general(e, ed, *rest, law=law):
             return law((e, ed), *rest)
 
-        yield block, general, arguments
+        yield block, general, (0, 1), arguments
 
 
 @traced_once
@@ -133,7 +136,7 @@ def nonlinear_stress(
         Each element's own companions: dE/de + dR/ded + law.
     """
     pieces = []
-    for block, function, arguments in _nonlinear_stress(topology, parameters):
+    for block, function, _, arguments in _nonlinear_stress(topology, parameters):
         pieces.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
     return scatter_vector(topology.n_e, pieces)
 
@@ -141,22 +144,30 @@ def nonlinear_stress(
 @traced_once
 def nonlinear_tangents(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
-) -> tuple[Float[Array, "n_e n_e"], Float[Array, "n_e n_e"]]:
-    """Derivatives of :func:`nonlinear_stress` by its arguments, the deformations and their rates.
+) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"], Float[Array, "n_e n_e"] | None]:
+    """:func:`nonlinear_stress` with its derivatives by its arguments, the deformations and their rates.
 
     Returns:
-        Two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad]; symmetric but for laws.
+        sigma, (n_e,) [N, N m], and two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad], symmetric
+        but for laws; None for the last where nothing depends on rates.
 
     Source:
         Derivative of :func:`nonlinear_stress`.
     """
-    by_e, by_ed = [], []
-    for block, function, arguments in _nonlinear_stress(topology, parameters):
-        found = jax.vmap(jax.jacfwd(function, argnums=(0, 1)))(e[block.e], ed[block.e], *arguments)
-        for pieces, matrices in zip((by_e, by_ed), found, strict=True):
+    stress, tangents = [], ([], [])
+    for block, function, counts, arguments in _nonlinear_stress(topology, parameters):
+
+        def twice(*arguments, function=function):
+            found = function(*arguments)
+            return found, found
+
+        derivative = jax.vmap(jax.jacfwd(twice, argnums=counts, has_aux=True))
+        found, sigma = derivative(e[block.e], ed[block.e], *arguments)
+        stress.append((block.e, sigma))
+        for pieces, matrices in zip(tangents, found, strict=False):
             pieces.append((block.e, block.e, matrices))
-    size = (topology.n_e, topology.n_e)
-    return scatter_matrix(size, by_e), scatter_matrix(size, by_ed)
+    by_e, by_ed = (scatter_matrix((topology.n_e, topology.n_e), pieces) for pieces in tangents)
+    return scatter_vector(topology.n_e, stress), by_e, by_ed if depends_on_rates(topology) else None
 
 
 @traced_once
@@ -304,8 +315,38 @@ def stress_tangents(
     if not is_nonlinear(topology):
         return stiffness, damping
     at_rest = jnp.zeros_like(e) if ed is None else ed
-    by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(topology, parameters, loads, e), at_rest)
-    return stiffness + by_e, by_ed if damping is None else damping + by_ed
+    _, by_e, by_ed = nonlinear_tangents(topology, parameters, strain_of(topology, parameters, loads, e), at_rest)
+    if by_ed is not None:
+        damping = by_ed if damping is None else damping + by_ed
+    return stiffness + by_e, damping
+
+
+def stress_and_tangent(
+    topology: Topology,
+    parameters: Parameters,
+    loads: Loads,
+    stiffness: Float[Array, "n_e n_e"],
+    e: Float[Array, "n_e"],
+) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"]]:
+    """At rest, :func:`stress_resultants` and their derivatives by the deformations, in one.
+
+    Args:
+        loads: Loads, of which prestress and temperature are used.
+        stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
+        e: Deformations, (n_e,) [m, rad].
+
+    Returns:
+        sigma, (n_e,) [N, N m], and S with the share of nonlinear elements, (n_e, n_e) [N/m, N m/rad].
+
+    Source:
+        THEORY.md 5, eq. (5.4).
+    """
+    strain = strain_of(topology, parameters, loads, e)
+    sigma = stiffness @ strain
+    if is_nonlinear(topology):
+        nonlinear, by_e, _ = nonlinear_tangents(topology, parameters, strain, jnp.zeros_like(e))
+        sigma, stiffness = sigma + nonlinear, stiffness + by_e
+    return sigma if loads.prestress is None else sigma + loads.prestress, stiffness
 
 
 def section_resultants(

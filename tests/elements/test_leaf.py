@@ -67,7 +67,7 @@ def test_guide_at_a_stroke_beside_solid_elements():
     )
     flexible = np.diag(np.asarray(fm.compliance(at, "stage")))
     found = [force, *1 / flexible[[0, 1, 3, 4, 5]]]
-    np.testing.assert_allclose(found, [9.937, 4.79616e6, 127955, 963.778, 11989.7, 470.742], rtol=0.013)
+    np.testing.assert_allclose(found, [9.937, 4.79616e6, 127955, 963.778, 11989.7, 470.742], rtol=0.016)
 
 
 def test_fold_beside_solid_elements():
