@@ -929,7 +929,8 @@ FAULTS = [
     ),
     Fault("model/model.py", '"ndof": nx - nxo - neo}', '"ndof": nx - nxo}', "checks/test_mobility.py -k self_stress"),
     # Leaf springs.
-    Fault("elements/leaf.py", "BENT, STRETCHED = 0.40", "BENT, STRETCHED = 0.10", "elements/test_leaf.py -k tip_of"),
+    Fault("elements/leaf.py", "[[0.14], [0.40]", "[[0.14], [0.10]", "elements/test_leaf.py -k tip_of"),
+    Fault("elements/leaf.py", "[0.065]])", "[0.01]])", "elements/test_leaf.py -k tip_of"),
     Fault(
         "elements/leaf.py",
         "* (rectangle.width * rectangle.thickness) ** 3 / 144",

@@ -26,9 +26,9 @@ from .section import Material, Rigidity, Scalar, Section
 from .sections import Rectangle
 from .spectral import check_section, pieces_of, relative, rigidities, series_matrix, strains
 
-# How far from a clamp a leaf spring bends and stretches as a plate, over its width.
-BENT, STRETCHED = 0.40, 0.14
-KEPT = ("EA", "EIy")
+# How far from a clamp a leaf spring stretches and bends, about its soft axis and sideways, as a plate, over its width.
+KEPT = ("EA", "EIy", "EIz")
+REACHES = np.array([[0.14], [0.40], [0.065]])
 # Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
@@ -77,13 +77,13 @@ class Leaf(Section):
         return Leaf(self.section, jnp.zeros(2)) if self.section.varies else self.section
 
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
-        """Where a clamp's influence on stretching and on bending ends.
+        """Where a clamp's influence on bending sideways, on stretching and on bending ends.
 
         Args:
             length: Of the leaf spring, () [m].
         """
-        (stretched, stretched_back), (bent, bent_back) = self.kept(length)[0]
-        return stretched, bent, 1 - bent_back, 1 - stretched_back
+        (stretched, stretched_back), (bent, bent_back), (sideways, sideways_back) = self.kept(length)[0]
+        return sideways, stretched, bent, 1 - bent_back, 1 - stretched_back, 1 - sideways_back
 
     def at(self, place: Scalar, length: Any) -> Section:
         """The rectangle at a place; clamps change strains, see :meth:`relative`.
@@ -110,21 +110,21 @@ class Leaf(Section):
         """Rectangles at the first end and at the last; one where the section does not vary."""
         return [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
 
-    def kept(self, length: Any) -> tuple[Float[Array, "2 2"], Float[Array, "2"]]:
+    def kept(self, length: Any) -> tuple[Float[Array, "kept 2"], Float[Array, "2"]]:
         """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
 
         Args:
             length: Of the leaf spring, () [m].
 
         Returns:
-            Over the length, of stretching and of bending (rows) at the first end and at the last, (2, 2) [-]; nu^2
-            at a clamped end and 0 at another, (2,) [-].
+            Over the length, of the strains of ``KEPT`` (rows) at the first end and at the last, (3, 2) [-]; nu^2 at a
+            clamped end and 0 at another, (2,) [-].
         """
         rectangles = self._at_ends(length)
         widths = jnp.stack([jnp.asarray(r.width / length, float) for r in rectangles])
         squares = jnp.stack([jnp.asarray(r.material.poisson() ** 2, float) for r in rectangles])
         widths, squares = jnp.broadcast_to(widths, (2,)), jnp.broadcast_to(squares, (2,))
-        return jnp.minimum(np.array([[STRETCHED], [BENT]]) * widths, 0.5), self.clamped * squares
+        return jnp.minimum(REACHES * widths, 0.5), self.clamped * squares
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
         """Compliances at places over what they are without clamps.
@@ -139,8 +139,8 @@ class Leaf(Section):
         base = relative(self, places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
 
-    def _flat(self, places: Any, reaches: Float[Array, "2 2"], shares: Float[Array, "2"]) -> Float[Array, "2 n"]:
-        """Of stretching and of bending, at places near the first end its share, near the last its own, else zero."""
+    def _flat(self, places: Any, reaches: Float[Array, "kept 2"], shares: Float[Array, "2"]) -> Float[Array, "kept n"]:
+        """Of each strain of ``KEPT``, at places near the first end its share, near the last its own, else zero."""
         ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
         return jnp.einsum("fen,e->fn", (ends < reaches[:, :, None]).astype(float), shares)
 
@@ -193,19 +193,23 @@ class Leaf(Section):
             count: Gauss nodes.
 
         Returns:
-            Places and weights, of stretching and of bending at both ends, (2, 2, s, count); the weights hold by which
-            share strains are smaller. Strains, (2, 2, s, count, order).
+            Places and weights, of those strains of ``KEPT`` that there are at both ends, (k, 2, s, count); the weights
+            hold by which share strains are smaller. Strains, (k, 2, s, count, order).
         """
         reaches, less = self.kept(length)
+        kept = [name for name in KEPT if name in names]
+        reaches = reaches[np.array([KEPT.index(name) for name in kept])]
         nodes, weights = gauss(count)
-        first = jnp.stack([jnp.broadcast_to(starts, (2, len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1)
-        last = jnp.stack([jnp.clip(reaches[:, :1], starts, ends), jnp.broadcast_to(ends, (2, len(starts)))], 1)
+        first = jnp.stack(
+            [jnp.broadcast_to(starts, (len(kept), len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1
+        )
+        last = jnp.stack([jnp.clip(reaches[:, :1], starts, ends), jnp.broadcast_to(ends, (len(kept), len(starts)))], 1)
         sizes = last - first
         places = first[..., None] + sizes[..., None] * nodes
         shapes = legendre_values_at(order, places)
         if self.section.varies:
             at = relative(self, places.reshape(-1), length, names)
-            at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(KEPT)])
+            at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(kept)])
             shapes = at[..., None] * shapes
         return places, sizes[..., None] * weights * less[:, None, None], shapes
 
@@ -269,7 +273,7 @@ class Leaf(Section):
         sizes = jnp.where(jnp.asarray(steps) > 0, steps, 1.0)[:, None]
         tested = legendre_values_at(3, (within - starts[:, None]) / sizes) * (shares / sizes)[..., None]
         cut = jnp.einsum("gj,feskj,fesko->fsgo", back, tested, shapes)
-        placed = [names.index(name) for name in KEPT]
+        placed = [names.index(name) for name in KEPT if name in names]
         plain = np.ones(fields) * (np.arange(fields) != turned)
         found = jnp.einsum("gk,skfo,f->sgfo", tests, own, plain)
         found = found - jnp.einsum("hsgo,hf->sgfo", cut, np.eye(fields)[placed])
@@ -303,13 +307,14 @@ class Leaf(Section):
         if not elastic:
             # Strains are smaller by 1 - nu^2 there, and damping is not larger.
             shares = shares * (2 - self.kept(length)[1])[:, None, None]
-        placed = np.eye(fields)[[names.index(name) for name in KEPT]]
+        kept = [name for name in KEPT if name in names]
+        placed = np.eye(fields)[[names.index(name) for name in kept]]
         if elastic and self.section.varies:
-            stiff = rigidities(of, places.reshape(-1), length, KEPT).reshape(*places.shape, 2)
-            stiff = jnp.stack([stiff[i, ..., i] for i in range(2)])
+            stiff = rigidities(of, places.reshape(-1), length, kept).reshape(*places.shape, len(kept))
+            stiff = jnp.stack([stiff[i, ..., i] for i in range(len(kept))])
         else:
             constant = of.rigidity() if isinstance(of, Section) else of
-            stiff = jnp.stack([jnp.asarray(getattr(constant, name), float) for name in KEPT])[:, None, None, None]
+            stiff = jnp.stack([jnp.asarray(getattr(constant, name), float) for name in kept])[:, None, None, None]
         cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
         found = found - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
         if "GIt" not in names:
@@ -356,9 +361,9 @@ class Leaf(Section):
         sizes = jnp.diff(ends)
         places = (ends[:-1, None] + sizes[:, None] * nodes).ravel()
         free = 1 - jnp.stack([self.clamped[0], 0.0, self.clamped[1]])
-        own = strains(order, self.plain(), places, length, KEPT)
-        own = own * (1 - self._flat(places, reaches, shares)).T[:, :, None] / length
-        stretch, bent = (own[:, i] @ c[at * order :][:order] for i, at in enumerate(map(names.index, KEPT)))
+        own = strains(order, self.plain(), places, length, KEPT[:2])
+        own = own * (1 - self._flat(places, reaches[:2], shares)).T[:, :, None] / length
+        stretch, bent = (own[:, i] @ c[at * order :][:order] for i, at in enumerate(map(names.index, KEPT[:2])))
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         # u^4, which is smooth in the curvature.
         fourth = 3 * (1 - nu**2) * (bent * wide**2 / thick) ** 2

@@ -48,9 +48,9 @@ SOLID = {
 }
 
 
-@pytest.mark.parametrize(("width", "tolerance"), [(0.018, 0.01), (0.05, 0.02)])
+@pytest.mark.parametrize(("width", "tolerance"), [(0.018, 0.002), (0.05, 0.01)])
 def test_tip_of_a_strip_beside_solid_elements(width, tolerance):
-    """REFERENCES.md A14-leaf; largest deviations 0.62 and 1.44 %."""
+    """REFERENCES.md A14-leaf; largest deviations 0.11 and 0.73 %."""
     flexible = np.asarray(fm.compliance(strip(width).build(), "tip"))
     stiff = np.linalg.inv(flexible)
     found = [*1 / np.diag(flexible), stiff[1, 1], stiff[2, 2]]
