@@ -285,6 +285,10 @@ def stress_resultants(
     sigma = stiffness @ strain
     if is_nonlinear(topology):
         sigma = sigma + nonlinear_stress(topology, parameters, strain, jnp.zeros_like(e) if ed is None else ed)
+    return _prestressed(sigma, loads)
+
+
+def _prestressed(sigma: Float[Array, "n_e"], loads: Loads) -> Float[Array, "n_e"]:
     return sigma if loads.prestress is None else sigma + loads.prestress
 
 
@@ -346,7 +350,7 @@ def stress_and_tangent(
     if is_nonlinear(topology):
         nonlinear, by_e, _ = nonlinear_tangents(topology, parameters, strain, jnp.zeros_like(e))
         sigma, stiffness = sigma + nonlinear, stiffness + by_e
-    return sigma if loads.prestress is None else sigma + loads.prestress, stiffness
+    return _prestressed(sigma, loads), stiffness
 
 
 def section_resultants(
