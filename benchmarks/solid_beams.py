@@ -102,8 +102,18 @@ def spectral(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
 
 
 def leaf_spring(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
-    """One leaf spring as it is."""
-    return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS)]
+    """One leaf spring as it is; where its thickness jumps, one a piece."""
+    if leaf is not REINFORCED:
+        return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS)]
+    start, end = (np.array(b.nodes[node].start) for node in (first, last))
+    nodes = [first, *(f"{first}-{last} {i}" for i in range(len(leaf.breaks))), last]
+    for node, place in zip(nodes[1:-1], leaf.breaks, strict=True):
+        b.node(node, [float(c) for c in start + place * (end - start)])
+    middles = [(p + q) / 2 for p, q in itertools.pairwise((0.0, *leaf.breaks, 1.0))]
+    return [
+        b.add(spatial.leaf_spring, p, q, section=leaf.at(middle), y=ACROSS)
+        for (p, q), middle in zip(itertools.pairwise(nodes), middles, strict=True)
+    ]
 
 
 # Builders of one leaf spring between two nodes; each gives the names of its elements.
@@ -210,10 +220,10 @@ def at_strokes(models, node, axes, component=2) -> dict[str, float]:
     """Force of the drive along z, and stiffnesses with it held."""
     found = {}
     for stroke, model in models.items():
-        name, solved = solid.millimetres(stroke), fm.equilibrium(model)
-        place = solved.labels.known(node)[component]
-        found[f"{name}, force of the drive"] = float(solved.reactions[place])
-        found |= along(fm.compliance(model, node), f"{name}, ", axes)
+        name, at = solid.millimetres(stroke), fm.linearize(model)
+        place = at.labels.known(node)[component]
+        found[f"{name}, force of the drive"] = float(at.matrices.reactions[place])
+        found |= along(fm.compliance(at, node), f"{name}, ", axes)
     return found
 
 
