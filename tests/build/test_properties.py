@@ -45,6 +45,7 @@ COMPANIONS = {
     "inertia": (heavy, {"area": 1.0}, "rho"),
     "force": (lambda p, q, *, ref, size, at: size * jnp.ones(4) * at, {"size": 1.0}, "at"),
     "resultants": (lambda p, q, *, ref, place, sigma, a, b: jnp.zeros(6), {"a": 1.0}, "b"),
+    "surface": (lambda e, *, ref, place, resultants, a, b: (jnp.zeros(8),) * 3, {"a": 1.0}, "b"),
     "shape": (lambda p, q, *, ref, place, bow, out: p, {"bow": 1.0}, "out"),
 }
 
