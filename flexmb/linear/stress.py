@@ -111,7 +111,8 @@ class Stress(Result, Record):
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
         """Each stress, of the points of a section the largest with its sign, and each force, (elements, places).
 
-        Where a material states its strength, also the largest von Mises stress over it, "utilisation".
+        Where there is stress across, also that, and where a material states its strength the largest von Mises stress
+        over it, "utilisation".
         """
         found = {}
         parts = {"von Mises": self.von_mises, "sigma_x": self.sigma_x, "tau": self.tau, "across": self.across}

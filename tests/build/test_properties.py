@@ -308,6 +308,10 @@ SHAPES = {
         {"deformation": bar, "inertia": lambda p, q, *, ref: (jnp.stack([p, q]), jnp.eye(1))},
         r"'own' \(bar\): its inertia must be vectors \(k, d\) and a matrix \(k, k\)",
     ),
+    "a surface without stress across": (
+        {"deformation": bar, "surface": lambda e, *, ref, place, resultants: (jnp.zeros(8), jnp.zeros(8))},
+        r"'own' \(bar\): its surface must be three vectors \(8,\)",
+    ),
     "nodes that are not annotated": (
         {"deformation": lambda p, q, *, ref: q - p},
         r"must be annotated with a node kind",
