@@ -130,6 +130,21 @@ def test_flattening_beside_solid_elements():
     np.testing.assert_allclose(across[[1, 5]], [0.4825, -0.4825], atol=0.005)
 
 
+def test_von_mises_at_a_stroke_beside_solid_elements():
+    """REFERENCES.md A14-stress: guided tip moved by 10 mm; 4.2 % at corners, 2.2 % in the middle, 2.5 % the largest.
+
+    Rows: 0.2, 0.5 and 1 widths from the clamp; corner and middle at +z, then at -z.
+    """
+    # What holds the tip there without turning it.
+    found = fm.stress(strip((0, 0, 4.993936), (0, 0.2481827, 0)), points=401)
+    solid = [[286.8, 287.9, 316.6, 277.0], [253.6, 253.2, 295.0, 238.5], [190.4, 208.6, 230.0, 191.8]]
+    places = np.array([0.2, 0.5, 1.0]) * W / L
+    stress = np.array([along(found, "von_mises", point, places) for point in (0, 1, 6, 5)]).T / 1e6
+    np.testing.assert_allclose(stress[:, [1, 3]], np.array(solid)[:, [1, 3]], rtol=0.025)
+    np.testing.assert_allclose(stress, solid, rtol=0.045)
+    assert float(found.maximum) == pytest.approx(360.4e6, rel=0.03)
+
+
 def test_derivatives_by_the_dimensions():
     """Of all stresses of an element in space by width, thickness, length and modulus, place, deformation and force."""
     element, rng = spatial.leaf_spring(3), np.random.default_rng(1)
