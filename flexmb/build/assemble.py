@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
-from ..elements.element import COMPANIONS, NONLINEAR, Element
+from ..elements.element import COMPANIONS, NONLINEAR, SECTIONAL, Element
 from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity
@@ -138,8 +138,8 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
             c
             for c in COMPANIONS
             # Nothing stiff is asked of an element whose deformations are all FIXED, and no stress where no section is.
-            if not (rigid and c in ("stiffness", "damping", "resultants", *NONLINEAR))
-            and (c != "resultants" or properties.get("section") is not None)
+            if not (rigid and c in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
+            and (c not in SECTIONAL or properties.get("section") is not None)
             and (c != "thermal" or name in warm)
             and element.arguments(getattr(element, _source(c, properties)), properties) is not None
         )

@@ -25,7 +25,7 @@ EMPTY = inspect.Parameter.empty
 # Annotation of what is true or not of each end.
 ENDS = tuple[bool, bool]
 # Companions whose shapes follow from no property: those of the package are right.
-SURE = ("inertia", "force", "resultants", "thermal")
+SURE = ("inertia", "force", "resultants", "surface", "thermal")
 
 
 def element_type(given: Any) -> Element:
@@ -325,6 +325,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         "damping": [],
         **{k: [vector(n), vector(n)] for k in NONLINEAR},
         "energy": [vector(n)],
+        "surface": [vector(n)],
     }
     wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
     wanted |= {"force": (sum(kind.size for kind in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
@@ -334,12 +335,21 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
             continue
         if kind == "thermal" and not element.expands({**numbers, **options}):
             continue
-        extra = {"place": jax.ShapeDtypeStruct((), float), "sigma": vector(n)} if kind == "resultants" else {}
+        place = jax.ShapeDtypeStruct((), float)
+        along = {
+            "resultants": {"place": place, "sigma": vector(n)},
+            "surface": {"place": place, "resultants": vector(6)},
+        }
+        extra = along.get(kind, {})
         answer = returned(kind, companion, of.get(kind, nodes), **extra)
         if answer is None:
             continue
         if kind == "inertia":
             _check_inertia(answer)
+        elif kind == "surface":
+            parts = answer if isinstance(answer, tuple) else ()
+            if [getattr(part, "shape", None) for part in parts] != [(8,)] * 3:
+                raise _WrongFunction(f"surface must be three vectors (8,), but is {_described(answer)}.")
         elif getattr(answer, "shape", None) != wanted[kind]:
             raise _WrongFunction(f"{kind} must have shape {wanted[kind]}, but {_has(answer)}.")
     return n

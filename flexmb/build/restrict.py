@@ -9,7 +9,7 @@ import numpy as np
 
 from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
-from ..elements.element import NONLINEAR
+from ..elements.element import NONLINEAR, SECTIONAL
 from ..elements.tie import Part, tie
 from ..math.subspace import independent_rows
 from ..mechanics.blocks import deforming
@@ -94,7 +94,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     for i, block in enumerate(blocks):
         if held.issuperset(np.asarray(block.e).ravel().tolist()):
             # As in a model built so: nothing stiff is asked of what does not deform.
-            rest = tuple(c for c in block.companions if c not in ("stiffness", "damping", "resultants", *NONLINEAR))
+            rest = tuple(c for c in block.companions if c not in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
             blocks[i] = dataclasses.replace(block, companions=rest)
     entries = model.labels.e
     if ties:

@@ -25,9 +25,10 @@ ALL = "all"
 # Companions by what makes them: stress resultants from deformations, and the rest.
 ELASTIC = ("stiffness", "energy", "law")
 NONLINEAR = ("energy", "dissipation", "law")
-COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", "resultants", "thermal")
+SECTIONAL = ("resultants", "surface")
+COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", *SECTIONAL, "thermal")
 # Keyword-only parameters that are handed to an element's functions and are no properties of it.
-GIVEN = ("ref", "near", "place", "sigma", "fall")
+GIVEN = ("ref", "near", "place", "sigma", "fall", "resultants")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,6 +66,10 @@ class Element:
             so that a positive normal force pulls. Asked of flexible elements with a section. One that names ``fall``
             is also given what acts on its mass: the acceleration of free fall less its own of each vector s, (k, d)
             [m/s^2], or None where nothing acts. Without it distributed loads are taken to act on the ends.
+        surface: ``f(e, *, ref, place, resultants, **properties) -> (sigma_x, tau, across)``, stress at eight points of
+            the surface at a place, from the deformations less initial strains (n_e,) and the force and moment there
+            (6,): along x, shear stress along the surface counter-clockwise about x, and normal stress along the surface
+            across x, each (8,) [Pa]. Without it stress is that of the section, which has none across.
         thermal: ``f(change, gradient, *, ref, **properties) -> (n_e,)``, the deformations that a change of temperature
             gives to the free element: there it is without stress, and deformations that are FIXED are held there.
             ``change`` is that of the first and of the last end, linear in between, (2,) [K]; ``gradient`` what it
@@ -97,6 +102,7 @@ class Element:
     dissipation: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
     resultants: Callable[..., Any] | None = None
+    surface: Callable[..., Any] | None = None
     thermal: Callable[..., Any] | None = None
     shape: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None

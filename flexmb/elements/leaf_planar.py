@@ -6,6 +6,7 @@ from jaxtyping import Array, Float
 from . import beams, spectral_planar
 from .element import Element
 from .leaf import faults_of_leaf, leaf_of
+from .leaf_stress import leaf_stress
 from .nodes import Angle, Point2, Series2, Static
 from .profile import Profile
 from .section import Damping
@@ -64,6 +65,11 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fal
     return spectral_planar._resultants(p, rot_p, q, rot_q, c, fall=fall, **own)
 
 
+def _surface(e, *, ref, place, resultants, section, clamped=None):
+    """Stress with what is across where clamps keep the section flat."""
+    return leaf_stress(leaf_of(section, clamped), place, beams.beam_length(ref), resultants)
+
+
 def _thermal(change, gradient, *, ref, section, order, clamped=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
@@ -88,6 +94,7 @@ leaf_spring = Element(
     damping=_damping,
     inertia=_inertia,
     resultants=_resultants,
+    surface=_surface,
     thermal=_thermal,
     shape=_shape,
     check=_check,
@@ -106,5 +113,8 @@ first end and its last are clamped, such as (True, False), where that shall not 
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6.
 
-Source: THEORY.md 2, eq. (2.22) and (2.23).
+Stress counts what is across the width where clamps keep it flat, and the flattening of the middle; see
+:mod:`.leaf_stress`.
+
+Source: THEORY.md 2, eq. (2.22), (2.23) and (2.28).
 """

@@ -6,6 +6,7 @@ from jaxtyping import Array, Float
 from . import beams, spectral_spatial
 from .element import Element
 from .leaf import faults_of_leaf, leaf_of
+from .leaf_stress import leaf_stress, twist_at
 from .nodes import Point3, Rotation3, Series3, Static, Warping
 from .profile import Profile
 from .section import Damping
@@ -81,6 +82,13 @@ def _resultants(*nodes, ref, place, sigma, section, order, fall=None, clamped=No
     return spectral_spatial._resultants(*_spectral(nodes, ref), ref=ref, place=place, **own)
 
 
+def _surface(e, *, ref, place, resultants, section, order, clamped=None):
+    """Stress with restrained warping, and across where clamps keep the section flat."""
+    leaf, length, at = leaf_of(section, clamped), beams.beam_length(ref), CLOSURE + WARPINGS + order
+    twisting = jnp.concatenate([e[at : at + order], e[CLOSURE : CLOSURE + WARPINGS]])
+    return leaf_stress(leaf, place, length, resultants, twist_at(leaf, place, length, order, twisting))
+
+
 def _thermal(change, gradient, *, ref, section, order, clamped=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
@@ -105,6 +113,7 @@ leaf_spring = Element(
     damping=_damping,
     inertia=_inertia,
     resultants=_resultants,
+    surface=_surface,
     thermal=_thermal,
     shape=_shape,
     check=_check,
@@ -128,8 +137,10 @@ local y, along the width); clamped, whether its first end and its last are clamp
 shall not be found.
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6.
-Stress is that of the section with the whole torque twisting it: the stress of restrained warping and that across the
-width at clamps are not counted.
+Stress counts the bimoment of restrained warping, what is across the width where clamps keep it flat, and what the
+flattening of the middle and the tension of the edges give; see :mod:`.leaf_stress`. Nearer to a clamp than a tenth of
+the width a solid model has less of bending at the corners and a singularity on the very edge; what a clamp adds that
+does not warm up with the leaf spring is not counted.
 
-Source: THEORY.md 2, eq. (2.22) to (2.25).
+Source: THEORY.md 2, eq. (2.22) to (2.30).
 """

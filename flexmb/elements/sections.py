@@ -190,7 +190,8 @@ class Rectangle(Section):
         """Corners and middles of the sides in turn, from the corner at +y, +z on, counter-clockwise about x.
 
         Torsion is Saint-Venant's also where its warping is restrained: the stress of the restraint is not counted, nor
-        that it takes a share of the torque near the clamp.
+        that it takes a share of the torque near the clamp. Those of a ``leaf_spring`` are, see
+        :mod:`flexmb.elements.leaf_stress`.
 
         Args:
             resultants: (6,) [N, N m].

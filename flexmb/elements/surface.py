@@ -2,8 +2,11 @@
 
 Everywhere: resultants (N, Vy, Vz, T, My, Mz) as :class:`flexmb.Element` defines them; stress along x, and shear stress
 along the surface, positive counter-clockwise about x. No other shear stress can be there, since the surface is free.
-Stress from restrained warping, from the clamping of the Poisson contraction and at notches is not counted.
+Stress from restrained warping and from the clamping of the Poisson contraction is that of elements, if any
+(:mod:`.leaf_stress`); that at notches is not counted.
 """
+
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -21,22 +24,29 @@ CATALAN = 0.9159655941772190
 DIRECTED = 1e-9
 
 Stress = tuple[Float[Array, "8"], Float[Array, "8"]]
+WithAcross = tuple[Float[Array, "8"], Float[Array, "8"], Float[Array, "8"]]
 
 
-def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Equivalent stress sqrt(sigma^2 + 3 tau^2), with a derivative of zero where nothing is stressed.
+def squared(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any = 0.0) -> Float[Array, "*n"]:
+    """Square of the equivalent stress, with the arguments of :func:`von_mises`, the same shape [Pa^2]."""
+    return sigma_x**2 + 3 * tau**2 + across * (across - sigma_x)
+
+
+def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any = 0.0) -> Float[Array, "*n"]:
+    """Equivalent stress sqrt(sigma^2 - sigma across + across^2 + 3 tau^2), whose derivative is zero where it is zero.
 
     Args:
         sigma_x: Stress along x, any shape [Pa].
         tau: Shear stress, the same shape [Pa].
+        across: Normal stress along the surface across x, the same shape [Pa].
 
     Returns:
         The same shape [Pa].
 
     Source:
-        Von Mises's criterion for one normal and one shear stress.
+        Von Mises's criterion for plane stress.
     """
-    square = sigma_x**2 + 3 * tau**2
+    square = squared(sigma_x, tau, across)
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
 
 

@@ -13,8 +13,9 @@ from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, counted, listed, span
 from ..elements.spectral import arc_length
-from ..elements.surface import POINTS, von_mises
+from ..elements.surface import POINTS, squared, von_mises
 from ..errors import ModelError, warn
+from ..mechanics.blocks import companion_of
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -89,11 +90,13 @@ class Stress(Result, Record):
         sigma_x: Stress along the element, (elements, places, 8) [Pa]; the points are those of each section's
             ``stress``: corners and middles of a rectangle, extremes of bending and shear of a circle.
         tau: Shear stress along the surface, counter-clockwise about x, (elements, places, 8) [Pa].
-        von_mises: sqrt(sigma_x^2 + 3 tau^2), (elements, places, 8) [Pa].
+        von_mises: Equivalent stress, sqrt(sigma_x^2 - sigma_x across + across^2 + 3 tau^2), (elements, places, 8) [Pa].
         resultants: Force and moment in the sections.
         strength: What the material bears, (elements, places) [Pa]; infinite where it states none, None where no
             material does.
         fatigue: Its fatigue limit, likewise.
+        across: Normal stress along the surface across the element, as leaf springs have it near clamps, (elements,
+            places, 8) [Pa]; None where no element has any.
     """
 
     sigma_x: Float[Array, "elements places 8"]
@@ -102,15 +105,20 @@ class Stress(Result, Record):
     resultants: SectionResultants
     strength: Float[Array, "elements places"] | None = None
     fatigue: Float[Array, "elements places"] | None = None
+    across: Float[Array, "elements places 8"] | None = None
     one_axis = "resultants.places"
 
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
         """Each stress, of the points of a section the largest with its sign, and each force, (elements, places).
 
-        Where a material states its strength, also the largest von Mises stress over it, "utilisation".
+        Where there is stress across, also that, and where a material states its strength the largest von Mises stress
+        over it, "utilisation".
         """
         found = {}
-        for name, values in (("von Mises", self.von_mises), ("sigma_x", self.sigma_x), ("tau", self.tau)):
+        parts = {"von Mises": self.von_mises, "sigma_x": self.sigma_x, "tau": self.tau, "across": self.across}
+        for name, values in parts.items():
+            if values is None:
+                continue
             at_points = np.asarray(values)
             largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
             found[name] = (np.take_along_axis(at_points, largest, axis=2)[:, :, 0], "Pa")
@@ -237,7 +245,7 @@ class Stress(Result, Record):
         """Norm of high order of the von Mises stress over a limit."""
         if not isinstance(sharpness, jax.core.Tracer) and not sharpness >= 2:
             raise ValueError(f"Argument `sharpness` must be at least 2, but is {sharpness}.")
-        square = (self.sigma_x**2 + 3 * self.tau**2) / limit**2
+        square = squared(self.sigma_x, self.tau, 0.0 if self.across is None else self.across) / limit**2
         # Scaled by the largest, so that no power overflows; the value does not depend on the scale.
         largest = jax.lax.stop_gradient(jnp.max(square))
         largest = jnp.where(largest > 0, largest, 1.0)
@@ -302,32 +310,51 @@ def _limits(stack, lengths, places, quantity: str) -> Float[Array, "n places"]:
 
 
 @jit
-def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
+def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows, e):
     found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
     blocks = zip(topology.blocks, parameters.properties, strict=True)
     given = [(b, p) for b, p in blocks if "resultants" in b.companions]
     stated = [q for q in ("strength", "fatigue") if any(s.states(q) for _, p in given for s in _sections(p))]
+    strain = e if parameters.strain is None else e - parameters.strain
     pieces, limits = [], {quantity: [] for quantity in stated}
     for values, (block, properties) in zip(found, given, strict=True):
         lengths, start = _lengths(block, properties, parameters.reference), 0
         for stack in _sections(properties):
-            own, length = (all_[start : start + _count(stack)] for all_ in (values, lengths))
-            start += _count(stack)
+            part = slice(start, start + _count(stack))
+            own, length, start = values[part], lengths[part], part.stop
             for quantity in stated:
                 limits[quantity].append(_limits(stack, length, places, quantity))
-            if stack.has_shape:
+            if "surface" in block.companions:
+                alike = {n: jax.tree.map(lambda p, at=part: p[at], v) for n, v in properties.items() if n != "section"}
+                function, alike = companion_of(block, {**alike, "section": stack}, "surface")
+                ref = parameters.reference[block.x]
+                pieces.append(_along(function, strain[block.e][part], ref[part], alike, places, own))
+            elif stack.has_shape:
                 at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
                 pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, places, own))
             else:
                 # A rigid element in a block with flexible ones has no stress; ``rows`` leaves these zeros out.
                 pieces.append((jnp.zeros((*own.shape[:2], POINTS)),) * 2)
-    sigma_x, tau = (jnp.concatenate(part)[rows] for part in zip(*pieces, strict=True))
+    sigma_x, tau = (jnp.concatenate([piece[i] for piece in pieces])[rows] for i in range(2))
+    across = None
+    if any(len(piece) > 2 for piece in pieces):
+        across = jnp.concatenate([piece[2] if len(piece) > 2 else jnp.zeros_like(piece[0]) for piece in pieces])[rows]
+    equivalent = von_mises(sigma_x, tau, 0.0 if across is None else across)
     borne = {quantity: jnp.concatenate(own)[rows] for quantity, own in limits.items()}
-    return jnp.concatenate(found)[rows], sigma_x, tau, von_mises(sigma_x, tau), borne
+    return jnp.concatenate(found)[rows], sigma_x, tau, equivalent, {**borne, "across": across}
+
+
+def _along(function, e, ref, properties, places, resultants):
+    """Stress by elements' own companion, at places along each."""
+
+    def at(e, ref, own, place, resultants):
+        return function((e,), ref, own, place=place, resultants=resultants)
+
+    return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
 
 def _state(model: Model, points: int, at, load_factor: float, increment: float | None, throw: bool, function: str):
-    """Names, places, what both kernels take, and code of the equilibrium."""
+    """Names, places, what both kernels take, and the state."""
     (as_determined if at is None else as_model)(model, function)
     points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
@@ -347,7 +374,7 @@ def _state(model: Model, points: int, at, load_factor: float, increment: float |
             " a path, give path.linearization(step); of a motion, fm.motion.linearize_motion(motion).instant(number)."
         )
     places = np.linspace(0.0, 1.0, points)
-    return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at.result
+    return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at
 
 
 def section_resultants(
@@ -386,8 +413,8 @@ def section_resultants(
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; THEORY.md 7.
     """
-    names, places, inputs, result = _state(model, points, at, load_factor, increment, throw, "section_resultants")
-    return SectionResultants(_resultants(*inputs), jnp.asarray(places), result, names)
+    names, places, inputs, at = _state(model, points, at, load_factor, increment, throw, "section_resultants")
+    return SectionResultants(_resultants(*inputs), jnp.asarray(places), at.result, names)
 
 
 def stress(
@@ -429,9 +456,9 @@ def stress(
             f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
-    names, places, inputs, result = _state(model, points, at, load_factor, increment, throw, "stress")
-    values, sigma_x, tau, equivalent, borne = _stress(*inputs)
-    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names), **borne)
+    names, places, inputs, at = _state(model, points, at, load_factor, increment, throw, "stress")
+    values, sigma_x, tau, equivalent, more = _stress(*inputs, at.e)
+    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), at.result, names), **more)
     if found.strength is not None and is_concrete(found):
         _warn_of_failure(found)
     return found

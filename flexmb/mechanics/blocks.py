@@ -43,7 +43,7 @@ def element_function(block: Block, companion, properties):
     if chosen is None:
         return None
     takes_nothing = companion in (element.stiffness, element.damping)
-    takes_all = companion in [getattr(element, name) for name in (*NONLINEAR, "thermal")]
+    takes_all = companion in [getattr(element, name) for name in (*NONLINEAR, "surface", "thermal")]
 
     def function(x, ref, own, **extra):
         named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
@@ -175,8 +175,11 @@ def _taken(block: Block, companion: str, function, properties: dict[str, Any]) -
     e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
     own = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
     heat = tuple(jax.ShapeDtypeStruct((k,), float) for k in heat_sizes(block.element))
-    taken: Any = {"energy": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}.get(companion, coordinates)
-    extra = {"place": place, "sigma": e} if companion == "resultants" else {}
+    of = {"energy": (e,), "surface": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}
+    taken: Any = of.get(companion, coordinates)
+    wrench = jax.ShapeDtypeStruct((6,), float)
+    along = {"resultants": {"place": place, "sigma": e}, "surface": {"place": place, "resultants": wrench}}
+    extra: dict[str, Any] = dict(along.get(companion, {}))
     if companion == "deformation" and block.element.tracks_angle:
         extra["near"] = e
     return captured(lambda x, ref, own, extra: function(x, ref, own, **extra), taken, coordinates, own, extra)

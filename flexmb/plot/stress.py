@@ -13,6 +13,7 @@ SURFACE = {
     "von Mises": "von Mises stress [MPa]",
     "sigma_x": "normal stress σx [MPa]",
     "tau": "shear stress τ [MPa]",
+    "across": "stress across [MPa]",
 }
 
 
@@ -33,9 +34,9 @@ def stress(
     Args:
         found: Stress or section resultants.
         shown: What it is the stress of: Linearization, Model (drawn undeformed), or Path with ``step``.
-        quantity: "von Mises", "sigma_x" or "tau" of a Stress, "utilisation" of one whose materials state their
-            strength; "normal force", "shear force y", "shear force z",
-            "torque", "bending moment y" or "bending moment z" of both. Von Mises or bending moment y unless given.
+        quantity: "von Mises", "sigma_x" or "tau" of a Stress, "across" of one with leaf springs, "utilisation" of one
+            whose materials state their strength; "normal force", "shear force y", "shear force z", "torque",
+            "bending moment y" or "bending moment z" of both. Von Mises or bending moment y unless given.
         step: Which step of a path; the last unless given.
         scale: Factor of the displacements.
         ax: matplotlib Axes to draw in; new ones unless given.

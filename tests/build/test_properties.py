@@ -45,6 +45,7 @@ COMPANIONS = {
     "inertia": (heavy, {"area": 1.0}, "rho"),
     "force": (lambda p, q, *, ref, size, at: size * jnp.ones(4) * at, {"size": 1.0}, "at"),
     "resultants": (lambda p, q, *, ref, place, sigma, a, b: jnp.zeros(6), {"a": 1.0}, "b"),
+    "surface": (lambda e, *, ref, place, resultants, a, b: (jnp.zeros(8),) * 3, {"a": 1.0}, "b"),
     "shape": (lambda p, q, *, ref, place, bow, out: p, {"bow": 1.0}, "out"),
 }
 
@@ -306,6 +307,10 @@ SHAPES = {
     "an inertia whose matrix is small": (
         {"deformation": bar, "inertia": lambda p, q, *, ref: (jnp.stack([p, q]), jnp.eye(1))},
         r"'own' \(bar\): its inertia must be vectors \(k, d\) and a matrix \(k, k\)",
+    ),
+    "a surface without stress across": (
+        {"deformation": bar, "surface": lambda e, *, ref, place, resultants: (jnp.zeros(8), jnp.zeros(8))},
+        r"'own' \(bar\): its surface must be three vectors \(8,\)",
     ),
     "nodes that are not annotated": (
         {"deformation": lambda p, q, *, ref: q - p},

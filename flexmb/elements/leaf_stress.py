@@ -1,0 +1,142 @@
+"""Stress of a leaf spring beyond that of its section: restrained warping, clamps, and flattening at large curvature.
+
+Here z = 1 is the side of positive local z, y = 1 the edge at positive local y. Lengths across are in widths.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from . import surface
+from .leaf import BENT, SMALL, STRETCHED, Leaf, curving
+from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
+
+# In its middle a strip is kept flat so much further than on the average of its width, as solid elements have it.
+MIDDLE = 1.4
+# By how much more, over Poisson's ratio, the middle is bent at a clamp than all of the width, and how far, in widths.
+MORE, NEAR = 0.65, 0.15
+
+
+def leaf_stress(
+    leaf: Leaf,
+    place: Float[Array, ""],
+    length: Any,
+    resultants: Float[Array, "6"],
+    twist: tuple[Float[Array, ""], Float[Array, ""]] | None = None,
+) -> surface.WithAcross:
+    """Stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
+
+    Args:
+        leaf: Its section.
+        place: From 0 to 1, () [-].
+        length: Of the leaf spring, () [m].
+        resultants: Force and moment in the section, (6,) [N, N m].
+        twist: Its rate of twist and the slope of that along it, () [1/m] and () [1/m^2]; None in the plane.
+
+    Returns:
+        Stress along x, shear stress, and stress across along the surface, each (8,) [Pa].
+
+    Source:
+        THEORY.md 2, eq. (2.27) to (2.29).
+    """
+    rectangle = leaf.rectangle(place, length)
+    wide, thick, numbers = rectangle.width, rectangle.thickness, rectangle.rigidity()
+    youngs, nu = rectangle.material.E, rectangle.material.poisson()
+    force, _, _, torque, moment, _ = resultants
+    warped = tension = shear = jnp.zeros(())
+    if twist is not None:
+        rate, slope = twist
+        square = (wide * rate) ** 2
+        of_edges = wide**2 * rate * (force / 12 + numbers.EA * square / 360)
+        # What neither Saint-Venant's shear nor the edges carry, the warping does.
+        shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
+        warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
+        resultants = resultants.at[3].set(numbers.GIt * rate)
+    sigma, tau = rectangle.stress(resultants)
+    stretched, bent = force / (wide * thick), 6 * moment / (wide * thick**2)
+    # Each end in turn, in widths.
+    away = jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length / wide
+    flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in (STRETCHED, BENT))
+    more = nu * MORE * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped
+    stiffer, keeps, lifted, lowered = _flattened(moment / numbers.EIy, wide, thick, nu)
+    free = 1 - flat_bent
+    fibres = youngs * nu * (moment / numbers.EIy / stiffer * wide) ** 2 / 12
+    at_edges = 1 + free * (1 / stiffer - 1)
+    in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + more
+    y, z = RECTANGLE.T
+    sigma = sigma + bent * z * (CORNER * (at_edges - 1) + AT_Z * (in_middle - 1))
+    sigma = sigma + (fibres * free * lifted + 2 * tension) * y**2 - (fibres * free * lowered / 2 + tension) * AT_Z
+    curved = free * keeps
+    across = nu * AT_Z * (bent * z * in_middle * (1 - curved) / (1 - nu**2 * curved) + stretched * flat_stretched)
+    return sigma + warped * y * z, tau + AT_Y * shear, across
+
+
+def twist_at(
+    leaf: Leaf, place: Float[Array, ""], length: Any, order: int, c: Float[Array, "c"]
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Rate of twist at a place, and its slope along the leaf spring.
+
+    Args:
+        leaf: Its section.
+        place: From 0 to 1, () [-].
+        length: Of the leaf spring, () [m].
+        order: Coefficients of the twist.
+        c: These, and the warping of both ends times length, (order + 2,) [rad].
+
+    Returns:
+        () [1/m] and () [1/m^2].
+
+    Source:
+        THEORY.md 2, eq. (2.24).
+    """
+    place = jnp.asarray(place, float)[None]
+    rate, slope = jax.jvp(lambda at: leaf.twist(order, at, length) @ c, (place,), (jnp.ones_like(place),))
+    return rate[0] / length, slope[0] / length**2
+
+
+def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Array, ""]:
+    """How flat the middle of the width is kept at distances from both ends, from 0 to 1."""
+    # On the average of the width the share's integral is the distance of (2.22), in the middle MIDDLE times it.
+    fallen = 2 * away / (MIDDLE * reach)
+    return 1 - jnp.prod(1 - clamped * (1 + fallen) * jnp.exp(-fallen))
+
+
+def _flattened(curvature, wide, thick, nu) -> tuple[Float[Array, ""], ...]:
+    """Of a strip that is bent by M = EIy times a curvature, far from clamps, how stiff and how flat it is.
+
+    Returns:
+        M over EIy times the curvature that it has; how much of its curvature across it keeps in its middle; by how
+        much its edges are lifted and its middle is lowered. The last three are 1 at small curvature.
+    """
+
+    def fourth(curvature):
+        return 3 * (1 - nu**2) * (curvature * wide**2 / thick) ** 2
+
+    def stiffer(fourth):
+        kept, slope = jax.jvp(curving, (fourth,), (jnp.ones_like(fourth),))
+        return (1 - nu**2 * (kept + fourth * slope)) / (1 - nu**2)
+
+    # It varies by nu^2 at most, so that one step finds it.
+    found = stiffer(fourth(curvature))
+    return found, *_across(fourth(curvature / found))
+
+
+def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
+    """Curvature in the middle, lift of the edges and drop of the middle of a flattened strip, of u^4."""
+    small = fourth < SMALL
+    v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
+    below = 1 + v / 120 + v**2 / 362880
+    series = 1 - v / 480 + v**2 / 5806080, 1 + v / 840 + v**2 / 6652800, 1 - v / 3360 + v**2 / 106444800
+    # Over exp(u)/2, so that nothing overflows.
+    half, cosine, sine = jnp.exp(-u / 2), jnp.cos(u / 2), jnp.sin(u / 2)
+    down, up = half * (1 - half**2), half * (1 + half**2)
+    whole, twice = 1 - half**4, 2 * half**2 * jnp.sin(u)
+    large = (
+        2 * (up * sine + down * cosine),
+        6 / u**2 * (whole - twice),
+        24 / u**2 * (up * sine - down * cosine),
+    )
+    found = [jnp.where(small, near / below, far / (whole + twice)) for near, far in zip(series, large, strict=True)]
+    return found[0], found[1], found[2]
