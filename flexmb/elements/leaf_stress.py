@@ -10,13 +10,15 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from . import surface
-from .leaf import BENT, SMALL, STRETCHED, Leaf, curving
+from .leaf import REACHES, Leaf, curving
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
 # In its middle a strip is kept flat so much further than on the average of its width, as solid elements have it.
 MIDDLE = 1.4
 # By how much more, over Poisson's ratio, the middle is bent at a clamp than all of the width, and how far, in widths.
 MORE, NEAR = 0.65, 0.15
+# Up to this u^4 a quotient of power series is used, exact to 1e-10.
+SMALL = 0.06
 
 
 def leaf_stress(
@@ -45,11 +47,13 @@ def leaf_stress(
     wide, thick, numbers = rectangle.width, rectangle.thickness, rectangle.rigidity()
     youngs, nu = rectangle.material.E, rectangle.material.poisson()
     force, _, _, torque, moment, _ = resultants
+    stiffer, flat, keeps, lifted, lowered = _flattened(moment / numbers.EIy, wide, thick, nu)
     warped = tension = shear = jnp.zeros(())
     if twist is not None:
         rate, slope = twist
         square = (wide * rate) ** 2
         of_edges = wide**2 * rate * (force / 12 + numbers.EA * square / 360)
+        of_edges = of_edges + 2 * nu * numbers.EIy / (1 - nu**2) * flat * rate
         # What neither Saint-Venant's shear nor the edges carry, the warping does.
         shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
         warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
@@ -58,9 +62,8 @@ def leaf_stress(
     stretched, bent = force / (wide * thick), 6 * moment / (wide * thick**2)
     # Each end in turn, in widths.
     away = jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length / wide
-    flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in (STRETCHED, BENT))
+    flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
     more = nu * MORE * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped
-    stiffer, keeps, lifted, lowered = _flattened(moment / numbers.EIy, wide, thick, nu)
     free = 1 - flat_bent
     fibres = youngs * nu * (moment / numbers.EIy / stiffer * wide) ** 2 / 12
     at_edges = 1 + free * (1 / stiffer - 1)
@@ -107,8 +110,8 @@ def _flattened(curvature, wide, thick, nu) -> tuple[Float[Array, ""], ...]:
     """Of a strip that is bent by M = EIy times a curvature, far from clamps, how stiff and how flat it is.
 
     Returns:
-        M over EIy times the curvature that it has; how much of its curvature across it keeps in its middle; by how
-        much its edges are lifted and its middle is lowered. The last three are 1 at small curvature.
+        M over EIy times the curvature that it has; 1 - F of (2.23); how much of its curvature across it keeps in its
+        middle; by how much its edges are lifted and its middle is lowered. The last three are 1 at small curvature.
     """
 
     def fourth(curvature):
@@ -120,7 +123,8 @@ def _flattened(curvature, wide, thick, nu) -> tuple[Float[Array, ""], ...]:
 
     # It varies by nu^2 at most, so that one step finds it.
     found = stiffer(fourth(curvature))
-    return found, *_across(fourth(curvature / found))
+    at = fourth(curvature / found)
+    return found, 1 - curving(at), *_across(at)
 
 
 def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:

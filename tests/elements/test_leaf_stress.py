@@ -177,7 +177,7 @@ def test_derivative_of_the_largest_stress_and_utilisation():
         b.node("foot", (0, 0))
         b.node("tip", (L, 0))
         material = dataclasses.replace(STEEL, strength=500e6, fatigue=200e6)
-        b.add(planar.leaf_spring, "foot", "tip", name="leaf", section=fm.Rectangle(W, thickness, material))
+        b.add(planar.leaf_spring(5), "foot", "tip", name="leaf", section=fm.Rectangle(W, thickness, material))
         b.fix("foot")
         b.force("tip", (10.0, 1.0))
         for number in range(4, 14):
