@@ -17,6 +17,7 @@ from ..elements import spatial
 from ..errors import ModelError, SpacarError, clean
 from ..model.roles import Role
 from . import actions as act
+from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
 from .kinds import KINDS
 from .lines import (
@@ -81,7 +82,9 @@ def read_spacar(
     deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients. So are the
     form of PLBELT, with radii positive where the belt runs to the left of the centre on the way from p to q, and the
     deformations of SCREW: 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and 6
-    tilt.
+    tilt. LEAF and PLLEAF are leaf springs by their SECTION, with the deformation numbers of spectral beams; their
+    warping, where it is free, is a degree of freedom by itself, and CLAMP says which ends are clamped where that shall
+    not be found.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
@@ -162,6 +165,7 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
     _warn_of_screws(r)
+    _warn_of_rigid_leaves(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
@@ -184,6 +188,8 @@ class _Blocks:
                 self.faults.blame(s, str(fault), _form(s.keyword))
                 if _may_declare(s.keyword):
                     self.reading.excused |= s.numbers
+                if _near(s.keyword) == "SECTION":
+                    self.reading.unsized |= s.numbers
             else:
                 if row is not None:
                     yield row, s
@@ -277,6 +283,8 @@ def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _F
                 r.excused |= s.numbers
             elif row.action is act.position:
                 r.misplaced |= s.numbers
+            elif row.action is act.section:
+                r.unsized |= s.numbers
 
 
 def _without_name(text: str) -> str:
@@ -300,9 +308,15 @@ def _build(r: Reading, faults: _Faults) -> None:
         r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
     for number, declared in r.elements.items():
         kind, names = declared.kind, [str(n) for n in declared.nodes]
+        lines = r.lines.get(number, {})
+        if kind.sized and "SECTION" not in lines and number in r.unsized:
+            continue
         try:
             _check_rigid(r, declared)
-            lines = r.lines.get(number, {})
+            if kind.sized and "SECTION" not in lines:
+                raise Fault(
+                    f"needs its section in the dynamics block: SECTION {number} width thickness E G rho [alpha]"
+                )
             element = kind.element_of(declared.order, lines.get("ESTIFF", []))
             properties = kind.properties(lines, declared.vector, declared.numbers)
             r.builder.add(element, *names, name=str(number), released=(), **properties)
@@ -327,6 +341,21 @@ def _warn_of_screws(r: Reading) -> None:
         if declared.kind.element is spatial.screw and member is not None and member.roles[1] is Role.FIXED:
             text = f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
             r.warnings.append((declared.statement, text))
+
+
+def _warn_of_rigid_leaves(r: Reading) -> None:
+    """A leaf spring of which nothing is released is a rigid bar, for which there are other keywords."""
+    for number, declared in r.elements.items():
+        member = r.builder.members.get(str(number))
+        if declared.kind.sized and member is not None:
+            own = [member.roles[n - 1] for field in member.element.fields for n in field]
+            if all(role is Role.FIXED for role in own):
+                count = series.closure(member.element)
+                numbers = " ".join(map(str, range(1, count + 1)))
+                text = (
+                    f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
+                )
+                r.warnings.append((declared.statement, text))
 
 
 def _warn_of_drawing(r: Reading) -> None:
