@@ -98,7 +98,7 @@ def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given
         if given and said is not None and bool(said[place]) is not restrained:
             raise ModelError(
                 f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but one is clamped there and the"
-                " other is not. Give `clamped` for both alike."
+                " other is not. Give `clamped`, in a file CLAMP, for both alike."
             )
     if restrained and node.roles[0] is Role.DEPENDENT:
         node.roles[0] = Role.FIXED

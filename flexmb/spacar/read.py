@@ -11,10 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import is_concrete
 from ..build.builder import Builder
+from ..build.clamps import with_clamps
 from ..display import Result, Summary, listed
 from ..elements import spatial
-from ..errors import ModelError, SpacarError, clean
+from ..errors import ModelError, SpacarError, clean, heard
 from ..model.roles import Role
 from . import actions as act
 from . import series as series
@@ -164,6 +166,8 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     _build(r, faults)
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
+    if not faults:
+        _check_clamps(r, faults)
     _warn_of_screws(r)
     _warn_of_rigid_leaves(r)
     _warn_of_drawing(r)
@@ -332,6 +336,19 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
         if all(map(known, (*p, *q))) and not np.linalg.norm(np.subtract(q, p)):
             pin = "PINBODY" if declared.kind.dimension == 3 else "PLPINBODY"
             raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
+
+
+def _check_clamps(r: Reading, faults: _Faults) -> None:
+    """Whether it can be found which ends of leaf springs are clamped; building says so too, but knows of no line."""
+    members = r.builder.members.values()
+    if not is_concrete(([n.start for n in r.builder.nodes.values()], [m.properties for m in members])):
+        return
+    try:
+        with heard():
+            with_clamps(r.builder, None)
+    except ModelError as fault:
+        declared = r.elements[int(re.findall(r"'(\d+)'", str(fault))[0])]
+        faults.blame(declared.statement, re.sub(r"^Element '\d+': ", "", str(fault)), declared.kind.form)
 
 
 def _warn_of_screws(r: Reading) -> None:

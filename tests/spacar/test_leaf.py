@@ -162,10 +162,15 @@ def test_what_restrains_warping_in_a_file(tmp_path):
         f"SECTION 2 {NUMBERS}", "ESTIFF 2 1e6"
     )
     beam = beam.replace("TEMP 2", "% ").replace("OUTE 2 2 8", "% ")
-    with pytest.raises(fm.ModelError, match=r"Say it with clamped=.*, in a file with CLAMP"):
-        roles(beam, 4)
+    (fault,) = faults(beam)
+    assert fault.startswith(
+        "text:1: LEAF: element 1: whether '2' clamps its last end cannot be found, since its section"
+    )
+    assert fault.endswith("in a file with CLAMP.")
     said = beam.replace("X 1 0 0 0", "CLAMP 1 1 0\nX 1 0 0 0")
     assert roles(said, 2, 4) == [Role.FIXED, Role.DEPENDENT]
+    (fault,) = faults(CHAIN.replace("X 1 0 0 0", "CLAMP 1 1 0\nCLAMP 2 1 0\nX 1 0 0 0"))
+    assert fault.startswith("text:1: LEAF: element 1: Elements '1' and '2' share their warping at '4.warping', but one")
     fm.write_spacar(fm.read_spacar(said), tmp_path / "again.dat")
     assert "CLAMP 1 1 0\n" in (tmp_path / "again.dat").read_text()
     assert_same(fm.read_spacar(tmp_path / "again.dat").builder, fm.read_spacar(said).builder)
