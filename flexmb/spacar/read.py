@@ -79,14 +79,14 @@ def read_spacar(
 ) -> SpacarModel:
     """Read a SPACAR input file.
 
-    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Two keywords are our own: PLSBEAM
+    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Some keywords are our own: PLSBEAM
     and SBEAM, spectral beams of order p, 4 unless given; RLSE, DYNE, ESIG and EINIT take the numbers of a beam's
     deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients. So are the
     form of PLBELT, with radii positive where the belt runs to the left of the centre on the way from p to q, and the
     deformations of SCREW: 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and 6
-    tilt. LEAF and PLLEAF are leaf springs by their SECTION, with the deformation numbers of spectral beams; their
-    warping, where it is free, is a degree of freedom by itself, and CLAMP says which ends are clamped where that shall
-    not be found.
+    tilt. LEAF and PLLEAF are leaf springs of order p, 5 unless given, of the rectangle that SECTION says; RLSE and DYNE
+    take numbers as for spectral beams, single coefficients in space from 9. Free warping is a degree of freedom by
+    itself, and CLAMP says which ends are clamped where that shall not be found.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
