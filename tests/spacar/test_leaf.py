@@ -3,6 +3,8 @@
 import dataclasses
 import json
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.commands import command
@@ -175,6 +177,18 @@ def test_what_restrains_warping_in_a_file(tmp_path):
     fm.write_spacar(fm.read_spacar(said), tmp_path / "again.dat")
     assert "CLAMP 1 1 0\n" in (tmp_path / "again.dat").read_text()
     assert_same(fm.read_spacar(tmp_path / "again.dat").builder, fm.read_spacar(said).builder)
+
+
+def test_numbers_of_a_section_may_be_traced():
+    text = PLANE.replace("RLSE 1 1 2 3", "DYNE 1 1 2").replace("0.018 0.5e-3", "{w} {t}")
+
+    def rigidity(sizes):
+        model = fm.read_spacar(text, numbers={"w": sizes[0], "t": sizes[1]}).builder.build()
+        section = next(own["section"] for own in model.parameters.properties if "clamped" in own)
+        return section.width[0] * section.thickness[0] ** 3 / 12
+
+    found = jax.grad(rigidity)(jnp.array([0.018, 0.5e-3]))
+    np.testing.assert_allclose(found, [0.5e-3**3 / 12, 0.018 * 0.5e-3**2 / 4], rtol=1e-12)
 
 
 def test_a_rigid_leaf_spring_is_pointed_out():
