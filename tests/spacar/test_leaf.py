@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 
 import jax
 import jax.numpy as jnp
@@ -196,6 +197,19 @@ def test_a_rigid_leaf_spring_is_pointed_out():
     assert warning == (
         "text:1: LEAF: element 1 is rigid: RLSE 1 1 2 3 4 5 6 makes a leaf spring of it that deforms freely"
     )
+
+
+def test_no_deformation_of_a_rigid_leaf_spring_is_proposed_for_release():
+    text = (
+        CHAIN.replace("LEAF 2 3 4 5 6", "LEAF 2 1 2 3 4")
+        .replace("X 5 0.1 0 0\n", "")
+        .replace("RLSE 1 1 2 3 4 5 6\n", "")
+    )
+    text = re.sub("(?m)^(XM|XF|INPUTF|OUTX|OUTE) .*$", "", text.replace("RLSE 2 1 2 3 4 5 6", "RLSE 2 3"))
+    found = fm.mobility(fm.read_spacar(text).builder.build(check=False))
+    # Both join the same nodes: what node 3 cannot do is said by the first already.
+    assert found.overconstraints == len(found.release) == 4
+    assert {proposal[0] for proposal in found.release if proposal} == {"2"}
 
 
 BAD = [
