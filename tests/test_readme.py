@@ -104,6 +104,9 @@ def check_light(scope):
     assert stiffness.argmax() == 0
     assert stiffness[0] == pytest.approx(210e9 * 50e-3 * 0.5e-3 / 0.1, rel=0.01)
     assert scope["out"].load_factors.shape == (2, 7)
+    # A leaf spring bent by 1 N at the end of a bar: the moment at its foot is as large as that end is far.
+    bent = scope["bent"]
+    assert bent["stress"]["maximum"] == pytest.approx(bent["x"]["5"][0] / (0.018 * 0.5e-3**2 / 6), rel=1e-6)
 
 
 # What is right by another source than the manual, asked of what its code leaves behind.

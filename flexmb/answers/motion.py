@@ -22,7 +22,7 @@ from ..motion.simulate import simulate
 from ..results import RESULTS
 from ..spacar.reading import Setting
 from .mode import Found, Mode, Question
-from .parts import SHOWN_VALUES, row
+from .parts import SHOWN_VALUES, is_shown, row
 
 RTOL = 1e-5
 # What the output times of one motion may take. A number is kept in arrays, in lists and as text, 300 bytes in all, as
@@ -91,7 +91,7 @@ def _over_time(values, entries) -> dict[str, list]:
     """Columns of a history by the node or element they belong to, one row a time."""
     grouped: dict[str, list[int]] = {}
     for i, entry in enumerate(entries):
-        if entry.kind not in ("norm", "internal"):
+        if is_shown(entry):
             grouped.setdefault(entry.of, []).append(i)
     values = np.asarray(values)
     return {owner: values[:, columns].tolist() for owner, columns in grouped.items()}

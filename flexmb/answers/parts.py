@@ -11,7 +11,7 @@ from ..linear.modes import poles
 from ..linear.stress import stress, without_shape
 from ..math.linear import is_positive_definite
 from ..math.rotation import lbar
-from ..model.model import Labels
+from ..model.model import Entry, Labels
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
@@ -24,14 +24,20 @@ def number(name: str) -> int | str:
     return int(name) if name.isdigit() else name
 
 
+def is_shown(entry: Entry) -> bool:
+    """Whether a coordinate or deformation is listed by the node or element that it belongs to."""
+    return entry.kind not in ("norm", "internal") and not entry.of.endswith(".warping")
+
+
 def by_owner(values, entries) -> dict[str, list[float]]:
     """Entries of a vector by the node or element they belong to.
 
-    Coordinates that an element owns are among its deformations and not repeated.
+    What is among the deformations of an element is not repeated: coordinates that it owns, and warping that no line of
+    a file numbers.
     """
     grouped: dict[str, list[float]] = {}
     for value, entry in zip(np.asarray(values).tolist(), entries, strict=True):
-        if entry.kind not in ("norm", "internal"):
+        if is_shown(entry):
             grouped.setdefault(entry.of, []).append(value)
     return grouped
 
@@ -41,7 +47,7 @@ def reactions(lin: Linearization) -> dict[str, list[float]]:
     labels, found = lin.labels, {}
     held = set(np.asarray(lin.model.topology.x.held).tolist())
     reactions, x = np.asarray(lin.matrices.reactions), np.asarray(lin.matrices.x)
-    for node in dict.fromkeys(entry.of for entry in labels.x):
+    for node in dict.fromkeys(entry.of for entry in labels.x if is_shown(entry)):
         indices = labels.coordinates(node)
         if held.isdisjoint(indices):
             continue
@@ -98,8 +104,8 @@ def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
 
 def compliances(lin: Linearization) -> dict[str, list[float]]:
     """Directional compliance of each node, infinite (so that JSON has null) where it takes part in a free motion."""
-    own = {entry.of for entry in lin.labels.x if entry.kind == "internal"}
-    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node not in own}
+    own = {entry.of for entry in lin.labels.x if is_shown(entry)}
+    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node in own}
 
 
 def shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements.section import Section
+from ..elements.spectral_spatial import FIELDS
 from ..errors import FlexmbWarning, ModelError
 from ..model.model import Model
 from ..model.roles import Role
@@ -38,7 +39,8 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     """A builder whose leaf springs know which of their ends are clamped, and with warping held where it is restrained.
 
     An end is clamped whose rotation is held, or that is joined to a body, a hinge or something else rigid, or to a part
-    at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared.
+    at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared. What does not
+    twist, since that is FIXED, does not warp.
 
     Args:
         builder: Builder; not changed.
@@ -61,17 +63,18 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         member = twin.members[name]
         given = member.properties["clamped"]
         flat, restrained = [], []
+        untwisted = _is_untwisted(member)
         for end in _ends(name, member):
             if given is not None:
                 found = bool(given[end.number]), bool(given[end.number])
             else:
                 found = is_clamped(builder, end, _as_before(before, end))
             flat.append(found[0])
-            restrained.append(found[1])
+            restrained.append(found[1] or untwisted)
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
-            _hold(twin, warping, name, is_restrained, given is not None)
+            _hold(twin, warping, name, is_restrained, given is not None and not untwisted)
     return twin
 
 
@@ -95,7 +98,7 @@ def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given
         if given and said is not None and bool(said[place]) is not restrained:
             raise ModelError(
                 f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but one is clamped there and the"
-                " other is not. Give `clamped` for both alike."
+                " other is not. Give `clamped`, in a file CLAMP, for both alike."
             )
     if restrained and node.roles[0] is Role.DEPENDENT:
         node.roles[0] = Role.FIXED
@@ -121,7 +124,9 @@ def _as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
 
 def is_clamped(builder: Description, end: End, before: tuple[bool, bool] | None = None) -> tuple[bool, bool]:
     """Whether an end is kept flat, and whether its warping is restrained."""
-    if all(role in HELD for role in builder.nodes[end.rotation].roles):
+    rotation = builder.nodes[end.rotation]
+    # Three of four Euler parameters that are held hold the fourth.
+    if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
         return True, True
     flat = restrained = False
     for name, other in builder.members.items():
@@ -134,7 +139,8 @@ def is_clamped(builder: Description, end: End, before: tuple[bool, bool] | None 
                 return before
             raise ModelError(
                 f"Element '{end.leaf}': whether '{name}' clamps its {('first', 'last')[end.number]} end cannot be"
-                f" found, since {reason}. Say it with clamped=(True or False of the first end, of the last)."
+                f" found, since {reason}. Say it with clamped=(True or False of the first end, of the last), in a file"
+                " with CLAMP."
             ) from None
         flat, restrained = flat or found[0], restrained or found[1]
     return flat, restrained
@@ -145,9 +151,10 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     element, section = other.element, other.properties.get("section")
     if other.hidden:
         return element.inertia is not None, element.inertia is not None
-    flexible = section is not None and any(role not in HELD for role in other.roles)
+    roles = _own_roles(other)
+    flexible = section is not None and any(role not in HELD for role in roles)
     if not flexible:
-        held = any(role in HELD for role in other.roles)
+        held = any(role in HELD for role in roles)
         return held, held
     number = parts_of(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
@@ -171,6 +178,19 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
         )
         return True, True
     return bool(abs(along @ along_other) < np.cos(FOLD)), False
+
+
+def _own_roles(member: Member) -> list[Role]:
+    """Roles of the deformations of an element that someone may hold: not of those that are measured."""
+    return [role for number, role in enumerate(member.roles, 1) if number not in member.element.measured]
+
+
+def _is_untwisted(member: Member) -> bool:
+    """Whether the twist of a leaf spring in space is held all along: then it does not warp either."""
+    if not parts_of(member, "warping"):
+        return False
+    twist = member.element.fields[FIELDS.index("GIt")]
+    return all(member.roles[number - 1] is Role.FIXED for number in twist)
 
 
 def _thickness(builder: Description, member: Member, end: int) -> Any:

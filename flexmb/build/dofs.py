@@ -10,6 +10,7 @@ from ..math.subspace import independent_rows
 from ..model.model import Model
 from ..model.roles import Role
 from .assemble import assemble
+from .clamps import with_clamps
 from .description import Description
 
 # What must be left of a candidate once those already chosen are taken out, of 1.
@@ -93,21 +94,23 @@ def complete_series(builder: Description, model: Model) -> Model:
 
     Args:
         builder: Builder of the model; not changed.
-        model: Assembled model.
+        model: Assembled model, with the clamps of its leaf springs.
 
     Returns:
         The model, assembled anew if there are such coefficients and nothing else is undetermined.
     """
-    return _with_coefficients(builder, model, motions_of(model)[0]) if _coefficients(model) else model
+    if not _coefficients(model):
+        return model
+    return _with_coefficients(with_clamps(builder, None), model, motions_of(model)[0])
 
 
 def _coefficients(model: Model) -> list[int]:
-    """Deformations that are coefficients of a spectral beam with stiffness, and DEPENDENT."""
+    """Coefficients of spectral beams with stiffness, and the warping of their ends, that are DEPENDENT deformations."""
     released = set(np.asarray(model.topology.e.dependent).tolist())
     found = []
     for block in model.topology.blocks:
         if block.element.fields and "stiffness" in block.companions:
-            own = [n - 1 for field in block.element.fields for n in field]
+            own = [n - 1 for n in (*(n for field in block.element.fields for n in field), *block.element.measured)]
             found += [i for i in np.asarray(block.e)[:, own].ravel().tolist() if i in released]
     return found
 

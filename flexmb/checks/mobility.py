@@ -342,5 +342,5 @@ def _flexible(model: Model) -> np.ndarray:
             continue
         elastic = [n - 1 for field in element.fields for n in field] or slice(None)
         for row in np.asarray(block.e):
-            flexible[row[elastic]] = not free.isdisjoint(row.tolist())
+            flexible[row[elastic]] = not free.isdisjoint(row[elastic].tolist())
     return flexible

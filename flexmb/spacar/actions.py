@@ -13,7 +13,7 @@ from ..elements.spectral import LARGEST_ORDER
 from ..errors import clean
 from ..model.roles import Role
 from . import series as series
-from .kinds import NOTHING, ElementKind
+from .kinds import NOTHING, SIZES, ElementKind, rectangle
 from .lines import DRAWING, Fault, Statement, known
 from .reading import Declared, Reading, Setting
 
@@ -40,8 +40,7 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
     if p.get("p", 1) > LARGEST_ORDER:
         raise Fault(f"p, the coefficients of a strain field, must be at most {LARGEST_ORDER}, but is {p['p']}")
     named: dict[int, tuple[NodeKind, Statement]] = {}
-    node_kinds = [k for k in kind.element.nodes.values() if k.part != "internal"]
-    for node, node_kind in zip(nodes, node_kinds, strict=True):
+    for node, node_kind in zip(nodes, kind.node_kinds, strict=True):
         known, line = r.nodes.get(node) or named.setdefault(node, (node_kind, s))
         if known.part != node_kind.part:
             raise Fault(
@@ -86,6 +85,7 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
     names = {"ESTIFF": kind.stiffness, "EM": kind.mass, "EDAMP": kind.damping}[s.keyword]
     if not names:
         instead = "put mass on nodes with XM" if s.keyword == "EM" else "it has no stiffness of its own"
+        instead = "SECTION gives its stiffness and its mass" if kind.sized else instead
         raise Fault(f"{kind.keyword} takes no {s.keyword}: {instead}")
     if len(values) > len(names):
         raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
@@ -100,6 +100,31 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{kind.keyword} counts shear in both directions or in none: give shear_z and shear_y, or neither")
     r.once(s, p["element"])
     r.lines.setdefault(p["element"], {})[s.keyword] = values
+
+
+def section(r: Reading, s: Statement, p: Values) -> None:
+    """SECTION: sizes and material of a leaf spring."""
+    kind = r.declared(p["element"]).kind
+    if not kind.sized:
+        raise Fault(f"{kind.keyword} takes no SECTION, but ESTIFF and EM; LEAF and PLLEAF are made of one")
+    values = [p[name] for name in SIZES if name in p]
+    if all(map(known, values)):
+        for fault in rectangle(values).faults():
+            raise Fault(f"has {fault.removesuffix(', or give nu')}")
+    r.once(s, p["element"])
+    r.lines.setdefault(p["element"], {})["SECTION"] = values
+
+
+def clamp(r: Reading, s: Statement, p: Values) -> None:
+    """CLAMP: which ends of a leaf spring are clamped, where that shall not be found."""
+    kind = r.declared(p["element"]).kind
+    if not kind.sized:
+        raise Fault(f"{kind.keyword} takes no CLAMP: that says of a LEAF or PLLEAF which of its ends are clamped")
+    for name in ("first", "last"):
+        if p[name] > 1:
+            raise Fault(f"{name} must be 1 for a clamped end or 0 for a free one, but is {p[name]}")
+    r.once(s, p["element"])
+    r.lines.setdefault(p["element"], {})["CLAMP"] = [p["first"], p["last"]]
 
 
 def _counted(names: tuple[str, ...]) -> str:
@@ -233,7 +258,14 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
     roles = r.entries(of, list(range(1, len(values) + 1)), "element")
     r.once(s, of)
     member = r.builder.members[str(of)]
-    if member.element.fields:
+    if r.declared(of).kind.sized:
+        first = member.element.fields[0][0]
+        if given := [i for i, v in enumerate(values[: first - 1], 1) if not (known(v) and v == 0)]:
+            raise Fault(
+                f"{r.declared(of).kind.keyword} takes values of single coefficients alone, from deformation {first} on;"
+                f" value {given[0]} must be 0"
+            )
+    elif member.element.fields:
         start, end = (r.builder.nodes[member.nodes[k]].start for k in (0, 2))
         length = sum((q - p) ** 2 for p, q in zip(start, end, strict=True)) ** 0.5
         try:
@@ -266,6 +298,8 @@ def expansion(r: Reading, s: Statement, p: Values) -> None:
     kind = r.declared(p["element"]).kind
     if kind.element.thermal is None:
         raise Fault(f"{kind.keyword} takes no ALPHA: no temperature deforms it")
+    if kind.sized:
+        raise Fault(f"{kind.keyword} takes no ALPHA: alpha is the last number of its SECTION")
     r.once(s, p["element"])
     r.lines.setdefault(p["element"], {})["ALPHA"] = [p["value"]]
 
@@ -373,6 +407,8 @@ def signal(r: Reading, s: Statement, p: Values) -> None:
     side = "input" if s.keyword.startswith("IN") else "output"
     number_signal(r, s, p["number"])
     r.single(of, component, kind)
+    if side == "input":
+        r.not_warping(of, component, kind)
     quantity = QUANTITIES.get(s.keyword)
     if kind == "node" and r.kind_of(of) is ROTATION3:
         r.warnings.append((s, EULER[side]))

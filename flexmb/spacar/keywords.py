@@ -57,6 +57,7 @@ ROWS = (
     Row("DYNE", KINEMATICS, "element deformation ...", act.degree_of_freedom),
     Row("INPUTX", KINEMATICS, "node coordinate ...", act.prescribed),
     Row("INPUTE", KINEMATICS, "element deformation ...", act.prescribed),
+    Row("CLAMP", KINEMATICS, "element first last", act.clamp, DESCRIBE),
     *(
         Row(keyword, block, "log store", act.log_level)
         for keyword in ("OUTLEVEL", "LEVELLOG")
@@ -65,6 +66,7 @@ ROWS = (
     Row("ESTIFF", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
     Row("EM", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
     Row("EDAMP", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("SECTION", DYNAMICS, "element width thickness E G rho [alpha]", act.section, DESCRIBE),
     Row("XM", DYNAMICS, "node value ...", act.lumped),
     Row("XF", DYNAMICS, "node value ...", act.force),
     Row("DELXF", DYNAMICS, "node value ...", act.force),
@@ -106,8 +108,7 @@ _KINEMATIC = (
 )
 UNKNOWN_MOTION = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
 REFUSED = {
-    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE", "LEAF", "PLLEAF"), f"element type {_LATER}"),
-    "SECTION": f"(a section by its dimensions) {_LATER}",
+    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE"), f"element type {_LATER}"),
     **dict.fromkeys(("TRAJX", "TRAJE"), f"(a trajectory) {_LATER}"),
     **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
     **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),

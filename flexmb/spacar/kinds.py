@@ -6,13 +6,16 @@ from typing import Any
 from ..build.assemble import stack
 from ..elements import planar, spatial
 from ..elements.element import Element
-from ..elements.sections import Damping, Rigidity
+from ..elements.nodes import NodeKind
+from ..elements.sections import Damping, Material, Rectangle, Rigidity
 from .lines import known
 
 # A place in a line of numbers that must be zero, since the element has nothing for it.
 NOTHING = ""
 # Coefficients of each strain field of a spectral beam: as many as are usual, and as are sensible at most.
 ORDER = 4
+# What SECTION gives, in order, up to the coefficient of thermal expansion.
+SIZES = ("width", "thickness", "E", "G", "rho", "alpha")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,6 +30,7 @@ class ElementKind:
         mass: Names in Rigidity of the numbers of EM.
         damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
         numbers: Other numbers of the form and the properties they are, in the order of the form.
+        sized: Whether SECTION gives its sizes and its material, in place of ESTIFF and EM.
     """
 
     keyword: str
@@ -36,6 +40,7 @@ class ElementKind:
     mass: tuple[str, ...] = ()
     damping: tuple[str, ...] = ()
     numbers: tuple[tuple[str, str], ...] = ()
+    sized: bool = False
 
     @property
     def dimension(self) -> int:
@@ -46,6 +51,11 @@ class ElementKind:
     def node_names(self) -> list[str]:
         """Names of the node numbers in the form."""
         return [name for name in self.form.split() if name in ("xp", "rotp", "xq", "rotq")]
+
+    @property
+    def node_kinds(self) -> list[NodeKind]:
+        """Kinds of these nodes."""
+        return [kind for kind in self.element.nodes.values() if has_number(kind)]
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
         """Element type of one line of a file.
@@ -68,11 +78,15 @@ class ElementKind:
         """Properties for ``Builder.add``.
 
         Args:
-            lines: Numbers of ESTIFF, EM, EDAMP and ALPHA, where given.
+            lines: Numbers of ESTIFF, EM, EDAMP, ALPHA, SECTION and CLAMP, where given.
             vector: Local y vector or axis, where given.
             numbers: Other numbers, by property.
         """
         found: dict[str, Any] = dict(numbers)
+        if "SECTION" in lines:
+            found["section"] = rectangle(lines["SECTION"])
+        if "CLAMP" in lines:
+            found["clamped"] = [bool(flag) for flag in lines["CLAMP"]]
         rigid = "alpha" in self.element.properties
         if vector is not None and "y" in self.element.properties and ("ALPHA" in lines or not rigid):
             found["y"] = stack(vector)
@@ -98,6 +112,21 @@ class ElementKind:
         return found
 
 
+def has_number(kind: NodeKind) -> bool:
+    """Whether a file numbers nodes of a kind: not coordinates that an element owns, nor warping."""
+    return kind.part not in ("internal", "warping")
+
+
+def rectangle(sizes: list[float]) -> Rectangle:
+    """Section of a leaf spring.
+
+    Args:
+        sizes: Numbers of SECTION.
+    """
+    width, thickness, *material = sizes
+    return Rectangle(width, thickness, Material(**dict(zip(SIZES[2:], material, strict=False))))
+
+
 _BEAM = ("EA", "GIt", "EIy", "EIz", "shear_z", "shear_y")
 _TURNS = ("stiffness",) * 3, (), ("damping",) * 3
 
@@ -118,6 +147,7 @@ KINDS = (
         ("mass", "Jx", "Jy", "Jz", "Jyz"),
         _BEAM[:4],
     ),
+    ElementKind("LEAF", spatial.leaf_spring, "element xp rotp xq rotq y1 y2 y3 [p]", damping=_BEAM[:4], sized=True),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
     ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
     ElementKind("HINGE", spatial.hinge, "element rotp rotq axis1 axis2 axis3", *_TURNS),
@@ -139,6 +169,7 @@ KINDS = (
         ("mass", "Jy"),
         ("EA", "EIy"),
     ),
+    ElementKind("PLLEAF", planar.leaf_spring, "element xp rotp xq rotq [p]", damping=("EA", "EIy"), sized=True),
     ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
     ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),
     ElementKind("PLTRUSS", planar.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),

@@ -22,7 +22,7 @@ BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
 WHOLE: dict[str, int] = dict.fromkeys(
     ("element", "node", "xp", "rotp", "xq", "rotq", "p", "coordinate", "deformation", "number"), 1
 )
-WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0}
+WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0, "first": 0, "last": 0}
 TEXT = ("name",)
 # Real numbers are zero or between these: beyond, their squares and cubes leave double precision.
 SMALLEST, LARGEST = 1e-100, 1e50

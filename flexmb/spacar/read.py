@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import is_concrete
 from ..build.builder import Builder
+from ..build.clamps import with_clamps
 from ..display import Result, Summary, listed
 from ..elements import spatial
-from ..errors import ModelError, SpacarError, clean
+from ..errors import ModelError, SpacarError, clean, heard
 from ..model.roles import Role
 from . import actions as act
+from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
 from .kinds import KINDS
 from .lines import (
@@ -76,12 +79,14 @@ def read_spacar(
 ) -> SpacarModel:
     """Read a SPACAR input file.
 
-    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Two keywords are our own: PLSBEAM
+    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Some keywords are our own: PLSBEAM
     and SBEAM, spectral beams of order p, 4 unless given; RLSE, DYNE, ESIG and EINIT take the numbers of a beam's
     deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients. So are the
     form of PLBELT, with radii positive where the belt runs to the left of the centre on the way from p to q, and the
     deformations of SCREW: 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and 6
-    tilt.
+    tilt. LEAF and PLLEAF are leaf springs of order p, 6 unless given, of the rectangle that SECTION says; RLSE and DYNE
+    take numbers as for spectral beams, single coefficients in space from 9. Free warping is a degree of freedom by
+    itself, and CLAMP says which ends are clamped where that shall not be found.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
@@ -161,7 +166,10 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     _build(r, faults)
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
+    if not faults:
+        _check_clamps(r, faults)
     _warn_of_screws(r)
+    _warn_of_rigid_leaves(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
@@ -184,6 +192,8 @@ class _Blocks:
                 self.faults.blame(s, str(fault), _form(s.keyword))
                 if _may_declare(s.keyword):
                     self.reading.excused |= s.numbers
+                if _near(s.keyword) == "SECTION":
+                    self.reading.unsized |= s.numbers
             else:
                 if row is not None:
                     yield row, s
@@ -277,6 +287,8 @@ def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _F
                 r.excused |= s.numbers
             elif row.action is act.position:
                 r.misplaced |= s.numbers
+            elif row.action is act.section:
+                r.unsized |= s.numbers
 
 
 def _without_name(text: str) -> str:
@@ -300,9 +312,15 @@ def _build(r: Reading, faults: _Faults) -> None:
         r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
     for number, declared in r.elements.items():
         kind, names = declared.kind, [str(n) for n in declared.nodes]
+        lines = r.lines.get(number, {})
+        if kind.sized and "SECTION" not in lines and number in r.unsized:
+            continue
         try:
             _check_rigid(r, declared)
-            lines = r.lines.get(number, {})
+            if kind.sized and "SECTION" not in lines:
+                raise Fault(
+                    f"needs its section in the dynamics block: SECTION {number} width thickness E G rho [alpha]"
+                )
             element = kind.element_of(declared.order, lines.get("ESTIFF", []))
             properties = kind.properties(lines, declared.vector, declared.numbers)
             r.builder.add(element, *names, name=str(number), released=(), **properties)
@@ -320,6 +338,19 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
             raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
 
 
+def _check_clamps(r: Reading, faults: _Faults) -> None:
+    """Whether it can be found which ends of leaf springs are clamped; building says so too, but knows of no line."""
+    members = r.builder.members.values()
+    if not is_concrete(([n.start for n in r.builder.nodes.values()], [m.properties for m in members])):
+        return
+    try:
+        with heard():
+            with_clamps(r.builder, None)
+    except ModelError as fault:
+        declared = r.elements[int(re.findall(r"'(\d+)'", str(fault))[0])]
+        faults.blame(declared.statement, re.sub(r"^Element '\d+': ", "", str(fault)), declared.kind.form)
+
+
 def _warn_of_screws(r: Reading) -> None:
     """A screw that cannot turn is a weld, which nobody writes as a screw."""
     for number, declared in r.elements.items():
@@ -327,6 +358,21 @@ def _warn_of_screws(r: Reading) -> None:
         if declared.kind.element is spatial.screw and member is not None and member.roles[1] is Role.FIXED:
             text = f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
             r.warnings.append((declared.statement, text))
+
+
+def _warn_of_rigid_leaves(r: Reading) -> None:
+    """A leaf spring of which nothing is released is a rigid bar, for which there are other keywords."""
+    for number, declared in r.elements.items():
+        member = r.builder.members.get(str(number))
+        if declared.kind.sized and member is not None:
+            own = [member.roles[n - 1] for field in member.element.fields for n in field]
+            if all(role is Role.FIXED for role in own):
+                count = series.closure(member.element)
+                numbers = " ".join(map(str, range(1, count + 1)))
+                text = (
+                    f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
+                )
+                r.warnings.append((declared.statement, text))
 
 
 def _warn_of_drawing(r: Reading) -> None:

@@ -60,7 +60,8 @@ class Reading:
         nodes: Kind of each node, and the line that says so.
         positions: Coordinates that X gives.
         misplaced: Nodes whose X line is at fault.
-        lines: Numbers of ESTIFF, EM, EDAMP and ALPHA by element and keyword.
+        lines: Numbers of ESTIFF, EM, EDAMP, ALPHA, SECTION and CLAMP by element and keyword.
+        unsized: Numbers in faulty SECTION lines, whose elements are not blamed for having none.
         roles: Which line gave an entry its role.
         given: Which line gave what can be given once.
         signals: Inputs and outputs by number: their line, and the call that adds them.
@@ -77,6 +78,7 @@ class Reading:
     positions: dict[int, list[float]] = dataclasses.field(default_factory=dict)
     misplaced: set[int] = dataclasses.field(default_factory=set)
     lines: dict[int, dict[str, list[float]]] = dataclasses.field(default_factory=dict)
+    unsized: set[int] = dataclasses.field(default_factory=set)
     roles: dict[tuple[str, int, int], Statement] = dataclasses.field(default_factory=dict)
     given: dict[tuple, Statement] = dataclasses.field(default_factory=dict)
     signals: dict[str, dict[int, tuple[Statement, Callable[[], None] | None]]] = dataclasses.field(
@@ -128,20 +130,33 @@ class Reading:
     def meant(self, of: int, component: int, kind: str) -> tuple[int, ...]:
         """Coordinates or deformations that a number stands for: all of a strain field, of a spectral beam."""
         self.entries(of, [component], kind)
+        self.not_warping(of, component, kind)
         return (component,) if kind == "node" else series.meant(self.builder.members[str(of)].element, component)
+
+    def not_warping(self, of: int, component: int, kind: str) -> None:
+        """Refuse the warping of a leaf spring's end where something is given or held."""
+        if kind == "element" and component in series.warping(self.builder.members[str(of)].element):
+            raise Fault(
+                f"deformation {component} of {self.declared(of).kind.keyword} is the warping of an end, which what is"
+                " joined there holds, or CLAMP; where it is free it is a degree of freedom by itself"
+            )
 
     def single(self, of: int, component: int, kind: str) -> None:
         """Refuse a whole strain field where one number is wanted."""
         self.entries(of, [component], kind)
-        if kind == "element" and component <= (first := series.closure(self.builder.members[str(of)].element)):
+        if kind == "node":
+            return
+        element = self.builder.members[str(of)].element
+        if component <= series.closure(element):
             raise Fault(
                 f"{self.declared(of).kind.keyword} has a strain field there; name one of its coefficients by its number"
-                f" in e, from {first + 1} on, not {component}"
+                f" in e, from {element.fields[0][0]} on, not {component}"
             )
 
     def require(self, of: int, component: int, kind: str, role: Role) -> None:
         """Refuse a value for an entry that has another role."""
         self.single(of, component, kind)
+        self.not_warping(of, component, kind)
         if self.entries(of, [component], kind) != [role]:
             letter = "X" if kind == "node" else "E"
             keyword = f"INPUT{letter}" if role is Role.PRESCRIBED else f"DYN{letter}"

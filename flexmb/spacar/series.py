@@ -2,7 +2,8 @@
 
 A file speaks of a spectral beam as of a beam: the beam's numbers, up to 3 in the plane and 6 in space, stand for whole
 strain fields (1 elongation, 2 torsion, 3 or 4 and 5 or 6 the two bendings; in the plane 1, and 2 or 3). The closure,
-which has these numbers in ``e``, is always FIXED and needs none. The numbers after them are single coefficients.
+which has these numbers in ``e``, is always FIXED and needs none. The numbers after them are single coefficients; of a
+leaf spring in space 7 and 8 are the warping of its ends, of which a file says nothing.
 """
 
 import math
@@ -25,7 +26,12 @@ _BENDINGS = {2: ((1, 2, -1.0),), 3: ((2, 3, 1.0), (3, 5, 1.0))}
 
 def closure(element: Element) -> int:
     """Number of deformations that close a spectral beam; none for any other element."""
-    return element.fields[0][0] - 1 if element.fields else 0
+    return element.fields[0][0] - 1 - len(warping(element)) if element.fields else 0
+
+
+def warping(element: Element) -> tuple[int, ...]:
+    """Deformations that are the warping of the ends of a leaf spring in space; none of any other element."""
+    return element.measured if element.fields else ()
 
 
 def _dimension(element: Element) -> int:
@@ -128,4 +134,5 @@ def described(element: Element) -> str:
     """Which deformations belong to what, for the log."""
     names = FIELDS[_dimension(element)]
     parts = [f"{name} {own[0]} to {own[-1]}" for name, own in zip(names, element.fields, strict=False)]
-    return ", ".join([f"closure 1 to {closure(element)}", *parts])
+    ends = [f"warping {' and '.join(map(str, own))}"] if (own := warping(element)) else []
+    return ", ".join([f"closure 1 to {closure(element)}", *ends, *parts])

@@ -15,26 +15,28 @@ from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
-from ..elements.sections import MaterialDamping
+from ..elements.sections import MaterialDamping, Rectangle
 from ..errors import ModelError, clean
 from ..files import write_whole
 from ..model.roles import Role
 from . import series as series
 from .actions import QUANTITIES
-from .kinds import KINDS, NOTHING, ElementKind
+from .kinds import KINDS, NOTHING, ElementKind, has_number
 from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
 from .read import SpacarModel
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
+# Poisson's ratios are one up to round-off.
+EQUAL = 1e-12
 
 
 def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
 
     Nodes and elements that are not named by numbers are numbered; comments say which is which. Sections are written
-    as their rigidities. Comments of a file that was read, names of inputs and outputs, and user routines themselves
-    are not kept.
+    as their rigidities, those of leaf springs by their sizes. Comments of a file that was read, names of inputs and
+    outputs, and user routines themselves are not kept.
 
     Args:
         model: Builder, or what read_spacar returned, whose settings are written too.
@@ -88,6 +90,11 @@ class _Nodes(dict[str, int]):
     """Number of each node that the format has a number for."""
 
     def __missing__(self, name: str):
+        if name.endswith(".warping"):
+            raise ModelError(
+                f"'{name}' has a role, a load or a signal, but a SPACAR input file has no number for warping. Leave it"
+                " out: where it is free it is a degree of freedom by itself, and `clamped` of the element holds it."
+            )
         raise ModelError(
             f"'{name}' is named, coordinates that an element owns, for which a SPACAR input file has no number; name"
             " the deformations of the element instead."
@@ -104,7 +111,7 @@ class _Writer:
         self.builder, self.settings = builder, settings
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
-        self.node = _Nodes(_numbered([n for n, node in builder.nodes.items() if node.kind.part != "internal"]))
+        self.node = _Nodes(_numbered([n for n, node in builder.nodes.items() if has_number(node.kind)]))
         self.element = _numbered(list(self.shown))
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
         self._check()
@@ -153,6 +160,8 @@ class _Writer:
                 )
         for name, m in self.shown.items():
             self._check_closure(name, m)
+            if self.kinds[name].sized:
+                self._check_leaf(name, m)
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(f"Node '{name}' is in no element, so a SPACAR input file cannot have it.")
@@ -164,15 +173,47 @@ class _Writer:
     def _check_closure(self, name: str, m: Member) -> None:
         """Numbers up to those of the closure stand for strain fields in a file, so that nothing can be said of it."""
         closed = range(1, series.closure(m.element) + 1)
-        values = [
-            *(k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0),
-            *(signal.key for signals in self.builder.signals.values() for signal in signals),
-        ]
+        warping = series.warping(m.element)
+        given = [k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0]
+        inputs, outputs = ([signal.key for signal in self.builder.signals[side]] for side in ("input", "output"))
+        values = [*given, *inputs, *outputs]
         if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
             raise ModelError(
                 f"Element '{name}' ({m.element.name}) has a role, a load or a signal at its closure, deformations 1 to"
                 f" {len(closed)}, which a SPACAR input file cannot express."
             )
+        if any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in (*inputs, *given) for n in warping):
+            raise ModelError(
+                f"Element '{name}' ({m.element.name}) has a role, a load or an input at its warping, deformations"
+                f" {warping[0]} and {warping[-1]}, which a SPACAR input file cannot express."
+            )
+
+    def _check_leaf(self, name: str, m: Member) -> None:
+        """A leaf spring is a rectangle of one material, whose warping goes with the rotations of its ends."""
+        what = f"Element '{name}' ({m.element.name})"
+        section = m.properties["section"]
+        if not isinstance(section, Rectangle):
+            raise ModelError(f"{what} has a section that varies along it, which a SPACAR input file cannot express.")
+        material = section.material
+        told = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
+        if material.nu is not None and abs(float(material.nu) - float(material.E / (2 * material.G) - 1)) > EQUAL:
+            told.append("nu other than E/(2 G) - 1")
+        told += ["torsion by an approximation"] if section.torsion != "series" else []
+        told += [] if section.rotary else ["no rotary inertia"]
+        if told:
+            raise ModelError(
+                f"{what}: its section has {', '.join(told)}, which a SPACAR input file cannot express: SECTION gives"
+                " width, thickness, E, G, rho and alpha."
+            )
+        nodes = {kind.part: [] for kind in m.element.nodes.values()}
+        for node, kind in zip(m.nodes, m.element.nodes.values(), strict=True):
+            nodes[kind.part].append(node)
+        for rotation, warping in zip(nodes["rotation"], nodes.get("warping", []), strict=False):
+            if warping != f"{rotation.removesuffix('.rotation')}.warping":
+                raise ModelError(
+                    f"{what} has the warping '{warping}' at '{rotation}'. In a SPACAR input file it has that which goes"
+                    " with the rotation: leave it out."
+                )
 
     def _loads_of_deformations(self) -> list[list[dict]]:
         """Loads of each set but for temperatures, which are of whole elements."""
@@ -192,23 +233,24 @@ class _Writer:
     # -- kinematics -----------------------------------------------------------------------------------------------
 
     def _kinematics(self) -> list[str]:
-        lines = []
+        lines, clamps = [], []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
-            if (keyword == "RBEAM" and vector is None) or (keyword == "SBEAM" and vector is None):
+            if keyword in ("RBEAM", "SBEAM", "LEAF") and vector is None:
                 vector = self._across(m)
-            nodes = [
-                self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if k.part != "internal"
-            ]
+            nodes = [self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if has_number(k)]
             order = [len(m.element.fields[0])] if m.element.fields else []
             across = [] if vector is None else _numbers(vector)
             own = [float(m.properties[prop]) for _, prop in self.kinds[name].numbers]
             lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
+            clamped = m.properties.get("clamped")
+            clamps += [] if clamped is None else [_line("CLAMP", self.element[name], *map(int, clamped))]
+        lines += clamps
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
                 lines.append(_line("X", self.node[name], *_numbers(node.start)))
         for name, node in self.builder.nodes.items():
-            if node.kind.part != "internal" or any(role is not Role.DEPENDENT for role in node.roles):
+            if has_number(node.kind) or any(role is not Role.DEPENDENT for role in node.roles):
                 lines += self._roles(self.node[name], node.roles, {Role.FIXED: "FIX", Role.PRESCRIBED: "INPUTX"})
         for name, m in self.shown.items():
             keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
@@ -229,7 +271,8 @@ class _Writer:
 
     def _across(self, m: Member) -> np.ndarray:
         """A local y vector for a beam that needs none here but has one in the format; the one taken without."""
-        p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (m.nodes[0], m.nodes[-1]))
+        own = [self.builder.nodes[n] for n in m.nodes]
+        p, q = (np.asarray(node.start, float) for node in own if node.kind.part == "position")
         return np.eye(3)[np.argmin(np.abs(q - p))]
 
     @staticmethod
@@ -263,7 +306,9 @@ class _Writer:
                     lines.append(_line(keyword, number, *_trimmed(values)))
             return lines
         section, damping, alpha = (m.properties.get(name) for name in ("section", "damping", "alpha"))
-        if section is not None:
+        if kind.sized:
+            lines.append(_line("SECTION", number, *_sizes(m.properties["section"])))
+        elif section is not None:
             s = section.rigidity()
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
@@ -272,7 +317,7 @@ class _Writer:
             )
             lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
             lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
-        if alpha is not None and m.element.thermal is not None:
+        if alpha is not None and not kind.sized and m.element.thermal is not None:
             lines.append(_line("ALPHA", number, float(np.asarray(alpha))))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)
@@ -359,6 +404,13 @@ class _Writer:
                 keyword = "INPUTS" if (side, quantity) == ("input", "stress") else keywords[quantity]
                 lines.append(_line(keyword, i, (self.node if kind == "node" else self.element)[of], number))
         return lines
+
+
+def _sizes(section: Rectangle) -> list[float]:
+    """Numbers of SECTION."""
+    material = section.material
+    values = (section.width, section.thickness, material.E, material.G, material.rho, material.alpha)
+    return [float(np.asarray(value)) for value in values if value is not None]
 
 
 def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:

@@ -113,7 +113,23 @@ IN_SPACE = {
     "HINGE": ("kinematics", "HINGE 3 6 8 0 1 0\nTRUSS 8 5 7", "HINGE 3 6 8 0 0 1\nTRUSS 8 5 7"),
     "SCREW": ("kinematics", "SCREW 3 5 6 7 8 1 0 0 0.1", "SCREW 3 5 6 7 8 1 0 0 0.2"),
 }
-CASES = {**{k: (PLANE, *v) for k, v in IN_PLANE.items()}, **{k: (SPACE, *v) for k, v in IN_SPACE.items()}}
+# A leaf spring and its section stand in two blocks; each case has one of them, or both.
+SIZES = "SECTION 1 0.02 1e-3 2e11 8e10 7800"
+LEAF = "{kinematics}\nX 3 1\nFIX 1\nFIX 2\nEND\nHALT\n{dynamics}\nEND\nHALT\n{signals}\nEND\nEND\n"
+SIZED = LEAF.replace("{dynamics}", SIZES + "\n{dynamics}")
+SHAPED = SIZED.replace("{kinematics}", "LEAF 1 1 2 3 4 0 0 1\n{kinematics}")
+OF_LEAVES = {
+    "LEAF": (SIZED, "kinematics", "LEAF 1 1 2 3 4 0 0 1 2", "LEAF 1 1 2 3 4 0 0 1 3"),
+    "PLLEAF": (SIZED, "kinematics", "PLLEAF 1 1 2 3 4", "PLLEAF 1 3 4 1 2"),
+    "CLAMP": (SHAPED, "kinematics", "CLAMP 1 1 0", "CLAMP 1 0 0"),
+    "SECTION": (
+        LEAF.replace("{kinematics}", "LEAF 1 1 2 3 4 0 0 1"),
+        "dynamics",
+        SIZES,
+        SIZES + " 1e-5",
+    ),
+}
+CASES = {**{k: (PLANE, *v) for k, v in IN_PLANE.items()}, **{k: (SPACE, *v) for k, v in IN_SPACE.items()}, **OF_LEAVES}
 # What analyses take from the settings; a test below sees them arrive.
 TAKEN = ("TIMESTEP", "ERROR", "INPUTX", "INPUTE")
 
@@ -227,7 +243,7 @@ NUMBERS = {
     "INX " + "9" * 5000 + " 1 1": "INX: input " + "9" * LONGEST + "... (5000 characters): (prescribed motion",
     "USERSIG \x1b[31m": r"USERSIG: needs the user routine '\x1b[31m'",
     "NOMS 1 1 1": "NOMS: input 1: is refused",
-    "LEAF 3 1 2 3 4": "LEAF: element 3: element type is not available yet",
+    "TUBE 3 1 2 3 4": "TUBE: element 3: element type is not available yet",
     "TRAJX 2 1 0 1 1": "TRAJX: node 2: (a trajectory) is not available yet",
 }
 

@@ -303,6 +303,18 @@ def test_named_mechanism_of_python(tmp_path):
     np.testing.assert_allclose(fm.frequencies(again), fm.frequencies(there), rtol=1e-9)
 
 
+@pytest.mark.parametrize("element", [spatial.spectral_beam(2), spatial.leaf_spring(order=2)])
+def test_a_local_y_that_is_not_given_is_written_as_it_is_taken(element, tmp_path):
+    b = fm.Builder()
+    for name, place in {"foot": (0, 0, 0), "top": (0.1, 0.02, 0.03)}.items():
+        b.node(name, place)
+    b.add(element, "foot", "top", section=fm.Rectangle(0.018, 5e-4, fm.Material(210e9, 80e9, 7850)))
+    b.fix("foot")
+    fm.write_spacar(b, tmp_path / "leaf.dat")
+    # The axis that the beam is least along.
+    np.testing.assert_array_equal(member(tmp_path / "leaf.dat").properties["y"], [0, 1, 0])
+
+
 INEXPRESSIBLE = {
     "Element 'left' (spectral_beam) has an initial curvature": named(curvature=2.0),
     "Element 'left' (spectral_beam) has a role, a load or a signal at its closure, deformations 1 to 3": named(),
