@@ -10,7 +10,8 @@ from scipy.integrate import solve_bvp
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.elements.leaf_stress import _across
+from flexmb.elements.leaf import Leaf
+from flexmb.elements.leaf_stress import _across, leaf_stress
 
 L, W, T, E, NU = 0.1, 0.018, 0.5e-3, 210e9, 0.3
 STEEL = fm.Material(E=E, G=E / (2 * (1 + NU)), rho=7850.0)
@@ -76,6 +77,26 @@ def test_plate_at_a_clamp():
     for name in ("sigma_x", "tau", "across", "von_mises"):
         inner, outer = np.asarray(getattr(flat, name)), np.asarray(getattr(found, name))
         np.testing.assert_allclose(inner, outer, atol=1e-5 * np.abs(outer).max())
+
+
+def test_tension_of_the_edges_of_a_twisted_strip():
+    """Fibres are longer by y^2 kappa^2/2; what they pull at their angle y kappa is a torque. Integrals by numpy."""
+    rate, force = 30.0, 40.0
+    y, weights = np.polynomial.legendre.leggauss(8)
+    y, weights = y * W / 2, weights * W / 2
+    lengthened = E * rate**2 / 2 * y**2
+    sigma = lengthened - weights @ lengthened / W + force / (W * T)
+    torque = float(weights @ (sigma * y**2 * rate) * T)
+    rectangle = fm.Rectangle(W, T, STEEL)
+    wrench = jnp.array([force, 0, 0, torque + float(rectangle.rigidity().GIt) * rate, 0, 0])
+    strip_alone = Leaf(rectangle, jnp.zeros(2))
+    found, tau, across = leaf_stress(strip_alone, jnp.array(0.5), L, wrench, (jnp.array(rate), jnp.zeros(())))
+    middle = force / (W * T) - weights @ lengthened / W
+    edge = middle + E * rate**2 / 2 * (W / 2) ** 2
+    np.testing.assert_allclose(found, [edge, middle, edge, edge, edge, middle, edge, edge], rtol=1e-12)
+    # Fibres and Saint-Venant's shear take all of the torque.
+    assert float(tau[EDGE]) == pytest.approx(0.7424538 * float(tau[MIDDLE]), rel=1e-6)
+    assert not np.any(np.asarray(across))
 
 
 def plate(u: float) -> tuple[float, float, float]:
