@@ -1,4 +1,4 @@
-"""Which ends of leaf springs are clamped, found from what they are joined to."""
+"""Which ends of leaf springs and warping beams are clamped, found from what they are joined to."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import dataclasses
 import warnings
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 
 from ..arguments import is_concrete
-from ..elements.section import Section
+from ..elements.section import Rigidity, Section
+from ..elements.spectral_spatial import FIELDS
 from ..errors import FlexmbWarning, ModelError
 from ..model.model import Model
 from ..model.roles import Role
@@ -20,10 +22,12 @@ THICK = 3.0
 # Leaf springs that meet at a larger angle are a fold [rad].
 FOLD = np.radians(5.0)
 HELD = (Role.FIXED, Role.PRESCRIBED)
+# Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
+TWIST = 2
 
 
 class _End(NamedTuple):
-    """An end of a leaf spring: its rotation, and whether it is the first end (0) or the last (1)."""
+    """An end of a leaf spring or warping beam: its rotation, and whether it is the first end (0) or the last (1)."""
 
     leaf: str
     rotation: str
@@ -38,17 +42,18 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     """A builder whose leaf springs know which of their ends are clamped, and with warping held where it is restrained.
 
     An end is clamped whose rotation is held, or that is joined to a body, a hinge or something else rigid, or to a part
-    at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared.
+    at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared. What does not
+    twist, since that is FIXED, does not warp.
 
     Args:
         builder: Builder; not changed.
         before: Model that a traced build repeats, whose ends are taken, or None.
 
     Returns:
-        A copy; the builder itself where there are no leaf springs.
+        A copy; the builder itself where there are neither leaf springs nor warping beams.
 
     Raises:
-        ModelError: It depends on traced numbers or on a section without sizes; two leaf springs contradict each other.
+        ModelError: It depends on traced numbers or on a section without sizes; two elements contradict each other.
 
     Source:
         THEORY.md 2, below eq. (2.26).
@@ -61,17 +66,18 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         member = twin.members[name]
         given = member.properties["clamped"]
         flat, restrained = [], []
+        untwisted = _is_untwisted(member)
         for end in _ends(name, member):
             if given is not None:
                 found = bool(given[end.number]), bool(given[end.number])
             else:
                 found = _clamped(builder, end, _as_before(before, end))
             flat.append(found[0])
-            restrained.append(found[1])
+            restrained.append(found[1] or untwisted)
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(_parts(member, "warping"), restrained, strict=False):
-            _hold(twin, warping, name, is_restrained, given is not None)
+            _hold(twin, warping, name, is_restrained, given is not None and not untwisted)
     return twin
 
 
@@ -86,7 +92,7 @@ def _ends(name: str, member: Member) -> list[_End]:
 
 
 def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given: bool) -> None:
-    """Hold the warping of a node, or refuse to where another leaf spring there is said not to be clamped."""
+    """Hold the warping of a node, or refuse to where another element there is said not to be clamped."""
     node = builder.nodes[warping]
     others = [n for n, m in builder.members.items() if n != leaf and warping in m.nodes]
     for other in others:
@@ -145,16 +151,14 @@ def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool
     element, section = other.element, other.properties.get("section")
     if other.hidden:
         return element.inertia is not None, element.inertia is not None
-    flexible = section is not None and any(role not in HELD for role in other.roles)
+    roles = _own_roles(other)
+    flexible = section is not None and any(role not in HELD for role in roles)
     if not flexible:
-        held = any(role in HELD for role in other.roles)
+        held = any(role in HELD for role in roles)
         return held, held
     number = _parts(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
-    thin, thick = _thickness(builder, leaf, end.number), _thickness(builder, other, number)
-    if not is_concrete((thin, thick)):
-        raise _Unknown("it depends on how thick they are, and these numbers are traced")
-    if np.asarray(thick) >= THICK * np.asarray(thin):
+    if _is_thick(builder, leaf, end.number, other, number):
         return True, True
     if "clamped" not in other.properties:
         return False, False
@@ -164,13 +168,45 @@ def _by(builder: Description, end: _End, name: str, other: Member) -> tuple[bool
     (along, across), (along_other, across_other) = axes
     if abs(across @ across_other) < np.cos(FOLD):
         warnings.warn(
-            f"Leaf springs '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
+            f"Elements '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
             " other. Say with `clamped` whether they do.",
             FlexmbWarning,
             stacklevel=6,
         )
         return True, True
     return bool(abs(along @ along_other) < np.cos(FOLD)), False
+
+
+def _own_roles(member: Member) -> list[Role]:
+    """Roles of the deformations of an element that someone may hold: not of those that are measured."""
+    return [role for number, role in enumerate(member.roles, 1) if number not in member.element.measured]
+
+
+def _is_untwisted(member: Member) -> bool:
+    """Whether the twist of an element whose warping is a coordinate is held all along: then it does not warp either."""
+    if not _parts(member, "warping"):
+        return False
+    fields = member.element.fields
+    twist = fields[FIELDS.index("GIt")] if fields else (TWIST,)
+    return all(member.roles[number - 1] is Role.FIXED for number in twist)
+
+
+def _is_thick(builder: Description, leaf: Member, end: int, other: Member, number: int) -> bool:
+    """Whether another element is so thick at one of its ends that it clamps an end of a leaf spring."""
+    if _alike(leaf.properties["section"], other.properties["section"]):
+        return False
+    thin, thick = _thickness(builder, leaf, end), _thickness(builder, other, number)
+    if not is_concrete((thin, thick)):
+        raise _Unknown("it depends on how thick they are, and these numbers are traced")
+    return bool(np.asarray(thick) >= THICK * np.asarray(thin))
+
+
+def _alike(one: Section, other: Section) -> bool:
+    """Whether two sections are given by the same numbers, and so are equally thick whatever they look like."""
+    if not (isinstance(one, Rigidity) and isinstance(other, Rigidity)):
+        return False
+    pair = [jax.tree.leaves(section) for section in (one, other)]
+    return one is other or (is_concrete(pair) and [float(a) for a in pair[0]] == [float(b) for b in pair[1]])
 
 
 def _thickness(builder: Description, member: Member, end: int) -> Any:
