@@ -76,7 +76,7 @@ def restrained_torsion(git, eiw, l0) -> tuple:
         Four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
 
     Source:
-        THEORY.md 2, eq. (2.27): the energy of the solution of GIt k - EIw k'' = constant for the twist rate k. For a
+        THEORY.md 2, eq. (2.29): the energy of the solution of GIt k - EIw k'' = constant for the twist rate k. For a
         short beam it is that of a cubic twist.
     """
     warps = jnp.asarray(eiw) > 0

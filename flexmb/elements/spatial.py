@@ -273,13 +273,13 @@ warping_beam = Element(
     check=_check_warping,
     measured=(7, 8),
 )
-"""Flexible beam whose warping is a coordinate of each end, shared by the warping beams and leaf springs that meet there:
-e1 to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times length [rad], which the nodes' warping
-coordinates give.
+"""Flexible beam whose warping is a coordinate of each end, shared by warping beams and leaf springs that meet there: e1
+to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times length [rad], which the nodes' warping gives.
 
-Warping is zero where it is restrained, which is found when the model is built as for ``spatial.leaf_spring``: where the
-rotation is held, or something rigid, a hinge, a body or a part at least three times as thick is joined. Torsion is exact
-for a torque that is constant along the beam, so that one beam does where a leaf spring is twisted alone.
+Warping is zero where it is restrained. That is found when the model is built, as for ``spatial.leaf_spring``: where the
+rotation is held, or something rigid, a hinge, a body or a part at least three times as thick is joined. Elsewhere it is
+free. Torsion is exact for a torque that is constant along the beam, so that one beam does where a leaf spring is only
+twisted.
 
 Properties: section (with EIw: a :class:`flexmb.Rectangle` or a :class:`flexmb.Rigidity`), damping, y (vector that fixes
 local y), clamped (whether warping is restrained at its first end and at its last, such as (True, False), where that
@@ -287,7 +287,7 @@ shall not be found).
 
 Options: second_order, as of ``spatial.beam``.
 
-Source: THEORY.md 2, eq. (2.27).
+Source: THEORY.md 2, eq. (2.29).
 """
 
 
