@@ -78,6 +78,14 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(_parts(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, is_restrained, given is not None and not untwisted)
+    for name in leaves:
+        member = twin.members[name]
+        if not member.element.fields:
+            # A beam is not kept flat: of it this says only where its warping is held, by whatever.
+            held = [twin.nodes[warping].roles[0] in HELD for warping in _parts(member, "warping")]
+            twin.members[name] = dataclasses.replace(
+                member, properties={**member.properties, "clamped": np.array(held, float)}
+            )
     return twin
 
 

@@ -6,6 +6,7 @@ from typing import Any
 from ..build.assemble import stack
 from ..elements import planar, spatial
 from ..elements.element import Element
+from ..elements.nodes import NodeKind
 from ..elements.sections import Damping, Rigidity
 from .lines import known
 
@@ -45,7 +46,18 @@ class ElementKind:
     @property
     def node_names(self) -> list[str]:
         """Names of the node numbers in the form."""
-        return [name for name in self.form.split() if name in ("xp", "rotp", "xq", "rotq")]
+        return [name for name in self.form.split() if name in ("xp", "rotp", "warpp", "xq", "rotq", "warpq")]
+
+    @property
+    def warps(self) -> bool:
+        """Whether a line names the warping of the ends, of which FIX and DYNX then say what it does."""
+        return "warpp" in self.node_names
+
+    @property
+    def node_kinds(self) -> list[NodeKind]:
+        """Kinds of the nodes that a line names."""
+        left_out = ("internal",) if self.warps else ("internal", "warping")
+        return [kind for kind in self.element.nodes.values() if kind.part not in left_out]
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
         """Element type of one line of a file.
@@ -73,6 +85,9 @@ class ElementKind:
             numbers: Other numbers, by property.
         """
         found: dict[str, Any] = dict(numbers)
+        if self.warps:
+            # Nothing is looked for: what is held, FIX says.
+            found["clamped"] = False
         rigid = "alpha" in self.element.properties
         if vector is not None and "y" in self.element.properties and ("ALPHA" in lines or not rigid):
             found["y"] = stack(vector)
@@ -99,6 +114,7 @@ class ElementKind:
 
 
 _BEAM = ("EA", "GIt", "EIy", "EIz", "shear_z", "shear_y")
+_INERTIA = ("mass", "Jx", "Jy", "Jz", "Jyz")
 _TURNS = ("stiffness",) * 3, (), ("damping",) * 3
 
 KINDS = (
@@ -107,7 +123,15 @@ KINDS = (
         spatial.beam,
         "element xp rotp xq rotq [y1 y2 y3]",
         _BEAM,
-        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _INERTIA,
+        _BEAM[:4],
+    ),
+    ElementKind(
+        "BEAMW",
+        spatial.warping_beam,
+        "element xp rotp warpp xq rotq warpq [y1 y2 y3]",
+        (*_BEAM, "EIw"),
+        (*_INERTIA, "Jw"),
         _BEAM[:4],
     ),
     ElementKind(
@@ -115,7 +139,7 @@ KINDS = (
         spatial.spectral_beam(ORDER),
         "element xp rotp xq rotq y1 y2 y3 [p]",
         _BEAM,
-        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _INERTIA,
         _BEAM[:4],
     ),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),

@@ -289,8 +289,8 @@ def _build(r: Reading, faults: _Faults) -> None:
     first = next(iter(r.elements.values()), None)
     r.builder.dimension = first.kind.dimension if first else None
     for number, (kind, line) in sorted(r.nodes.items()):
-        if kind.part == "rotation":
-            r.builder.rotation(str(number))
+        if kind.part in ("rotation", "warping"):
+            (r.builder.rotation if kind.part == "rotation" else r.builder.warping)(str(number))
             continue
         if number in r.misplaced:
             # Anywhere, but apart from the others, so that further faults of its elements are found too.
