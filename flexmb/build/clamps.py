@@ -210,11 +210,13 @@ def _is_thick(builder: Description, leaf: Member, end: int, other: Member, numbe
 
 
 def _alike(one: Section, other: Section) -> bool:
-    """Whether two sections are given by the same numbers, and so are equally thick whatever they look like."""
-    if not (isinstance(one, Rigidity) and isinstance(other, Rigidity)):
+    """Whether two sections are one, traced or not, or given by the same numbers: then one is as thick as the other."""
+    if one is other:
+        return not one.varies
+    if not (isinstance(one, Rigidity) and isinstance(other, Rigidity) and is_concrete((one, other))):
         return False
-    pair = [jax.tree.leaves(section) for section in (one, other)]
-    return one is other or (is_concrete(pair) and [float(a) for a in pair[0]] == [float(b) for b in pair[1]])
+    own, others = (list(map(float, jax.tree.leaves(section))) for section in (one, other))
+    return own == others
 
 
 def _thickness(builder: Description, member: Member, end: int) -> Any:

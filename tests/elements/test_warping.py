@@ -220,6 +220,28 @@ def test_sections_by_their_numbers():
         rod([section, other], [0.05] * 2, ()).build()
 
 
+def test_a_chain_of_one_traced_section():
+    """Which is as thick as itself; slope by the thickness, backwards, beside a central difference of the closed form."""
+
+    def stiffness(thickness):
+        section = fm.Rectangle(0.018, thickness, STEEL)
+        b = rod([section] * 2, [0.05] * 2, ())
+        b.dof("n1.warping", "w")
+        b.dof("n2.warping", "w")
+        for beam in ("beam 0", "beam 1"):
+            b.dof(beam, *range(1, 7))
+        return 1 / fm.compliance(b.build(dofs="named"), "n2")[3, 3]
+
+    def closed(thickness):
+        own = fm.Rectangle(0.018, thickness, STEEL).rigidity()
+        al = LENGTH * float(jnp.sqrt(own.GIt / own.EIw))
+        return float(own.GIt) / LENGTH / (1 - np.tanh(al) / al)
+
+    value, slope = jax.value_and_grad(stiffness)(0.5e-3)
+    assert float(value) == pytest.approx(closed(0.5e-3), rel=1e-10)
+    assert float(slope) == pytest.approx((closed(0.5e-3 + 1e-8) - closed(0.5e-3 - 1e-8)) / 2e-8, rel=1e-7)
+
+
 def test_a_rod_that_is_free_at_its_foot():
     """What is held there is said by `clamped`, against what would be found."""
     b = fm.Builder()
