@@ -211,6 +211,20 @@ def test_what_restrains_warping(join, expected):
     assert warping_of(b.build()) == {"n0": "FIXED", **expected}
 
 
+def test_a_rigid_warping_beam_keeps_flat_what_it_joins():
+    """As any rigid part does, though its warping is not among what is FIXED of it."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.1 * i, 0, 0))
+    b.add(spatial.leaf_spring, "n0", "n1", name="leaf", section=LEAF, y=(0, 1, 0))
+    b.add(spatial.warping_beam, "n1", "n2", section=LEAF, y=(0, 1, 0), released=())
+    b.fix("n0")
+    model = b.build()
+    blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
+    flat = [own["clamped"] for block, own in blocks if block.element.name == "leaf_spring"]
+    np.testing.assert_array_equal(flat, [[[1.0, 1.0]]])
+
+
 def test_sections_by_their_numbers():
     """They have no thickness: alike they are a chain, others must be told apart."""
     section = fm.Rigidity(1e6, 1.0, 50.0, 0.05, EIw=1e-6)
@@ -221,7 +235,7 @@ def test_sections_by_their_numbers():
 
 
 def test_a_chain_of_one_traced_section():
-    """Which is as thick as itself; slope by the thickness, backwards, beside a central difference of the closed form."""
+    """Which is as thick as itself; slope by the thickness, reverse, beside a central difference of the closed form."""
 
     def stiffness(thickness):
         section = fm.Rectangle(0.018, thickness, STEEL)
