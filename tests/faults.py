@@ -979,6 +979,27 @@ FAULTS = [
     Fault(
         "build/clamps.py", "if given and said is not None and", "if False and", "elements/test_leaf.py -k contradict"
     ),
+    # Warping beams.
+    Fault("elements/beams.py", "2 * bimoment / t", "2 * bimoment * t", "elements/test_warping.py -k least_energy"),
+    Fault("elements/beams.py", "even - odd) / 2", "odd - even) / 2", "elements/test_warping.py -k least_energy"),
+    Fault("elements/spatial.py", "coupling / l0", "coupling", "elements/test_warping.py -k by_the_closed_form"),
+    Fault("elements/spatial.py", "section.rigidity().Jw * ", "", "elements/test_warping.py -k inertia_of_warping"),
+    Fault("elements/sections.py", "(w * t) ** 3 / 144", "(w * t) ** 3 / 12", "elements/test_warping.py -k fold_shares"),
+    Fault("build/clamps.py", "found[1] or untwisted", "found[1]", "elements/test_warping.py -k what_restrains"),
+    Fault("build/clamps.py", "if number not in member.element.measured", "", "elements/test_warping.py -k keeps_flat"),
+    Fault("spacar/kinds.py", 'found["clamped"] = False', "pass", "spacar/test_beamw.py -k closed_form"),
+    Fault(
+        "spacar/write.py",
+        "roles = self.clamped.nodes",
+        "roles = self.builder.nodes",
+        "spacar/test_beamw.py -k is_written",
+    ),
+    Fault(
+        "spacar/light_model.py",
+        '("fix", "fix_orien", "fix_warp")',
+        '("fix", "fix_orien")',
+        "spacar/test_light.py -k share_their_warping",
+    ),
     # Building blocks.
     Fault("blocks/site.py", "first[1], -first[0]", "-first[1], first[0]", "blocks/test_blocks.py -k in_the_plane"),
     Fault(

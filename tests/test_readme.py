@@ -104,8 +104,8 @@ def check_light(scope):
     assert stiffness.argmax() == 0
     assert stiffness[0] == pytest.approx(210e9 * 50e-3 * 0.5e-3 / 0.1, rel=0.01)
     assert scope["out"].load_factors.shape == (2, 7)
-    # A leaf spring bent by 1 N at the end of a bar: the moment at its foot is as large as that end is far. Its clamp bends
-    # the middle of its width 1 + 0.65 nu times as much, and adds nu times that across: THEORY.md (2.28).
+    # A leaf spring bent by 1 N at the end of a bar: the moment at its foot is as large as that end is far. The
+    # clamp bends the middle of its width 1 + 0.65 nu times as much, and adds nu times that across: THEORY.md (2.28).
     bent, nu = scope["bent"], 210 / 80.77 / 2 - 1
     clamp = (1 + 0.65 * nu) * (1 - nu + nu**2) ** 0.5
     assert bent["stress"]["maximum"] == pytest.approx(clamp * bent["x"]["5"][0] / (0.018 * 0.5e-3**2 / 6), rel=1e-6)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
-from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3
+from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
 from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
 from ..model.model import Model
@@ -98,6 +98,23 @@ class Builder(Description):
         kind = ANGLE if self._dimension_for(name) == 2 else ROTATION3
         own = list(kind.start) if start is None else listed(f"Start of rotation '{name}'", start)
         self._new_node(name, kind, own)
+        return name
+
+    def warping(self, name: str) -> str:
+        """Add a warping of its own, for beams that shall share no other one or another one than that of their node.
+
+        Args:
+            name: Its name, to be given to ``add`` among the nodes of an element that warps.
+
+        Returns:
+            The name.
+
+        Raises:
+            ModelError: The name is taken, or there is no node with a position in space yet.
+        """
+        name = named("A warping", name)
+        self._dimension_for(name)
+        self._new_node(name, WARPING, list(WARPING.start))
         return name
 
     def add(

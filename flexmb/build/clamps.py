@@ -1,4 +1,4 @@
-"""Which ends of leaf springs are clamped, found from what they are joined to."""
+"""Which ends of leaf springs and warping beams are clamped, found from what they are joined to."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import dataclasses
 import warnings
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 
 from ..arguments import is_concrete
-from ..elements.section import Section
+from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
 from ..errors import FlexmbWarning, ModelError
 from ..model.model import Model
@@ -21,10 +22,12 @@ THICK = 3.0
 # Leaf springs that meet at a larger angle are a fold [rad].
 FOLD = np.radians(5.0)
 HELD = (Role.FIXED, Role.PRESCRIBED)
+# Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
+TWIST = 2
 
 
 class End(NamedTuple):
-    """An end of a leaf spring: its rotation, and whether it is the first end (0) or the last (1)."""
+    """An end of a leaf spring or warping beam: its rotation, and whether it is the first end (0) or the last (1)."""
 
     leaf: str
     rotation: str
@@ -47,10 +50,10 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         before: Model that a traced build repeats, whose ends are taken, or None.
 
     Returns:
-        A copy; the builder itself where there are no leaf springs.
+        A copy; the builder itself where there are neither leaf springs nor warping beams.
 
     Raises:
-        ModelError: It depends on traced numbers or on a section without sizes; two leaf springs contradict each other.
+        ModelError: It depends on traced numbers or on a section without sizes; two elements contradict each other.
 
     Source:
         THEORY.md 2, below eq. (2.26).
@@ -75,6 +78,14 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, is_restrained, given is not None and not untwisted)
+    for name in leaves:
+        member = twin.members[name]
+        if not member.element.fields:
+            # A beam is not kept flat: of it this says only where its warping is held, by whatever.
+            held = [twin.nodes[warping].roles[0] in HELD for warping in parts_of(member, "warping")]
+            twin.members[name] = dataclasses.replace(
+                member, properties={**member.properties, "clamped": np.array(held, float)}
+            )
     return twin
 
 
@@ -89,7 +100,7 @@ def _ends(name: str, member: Member) -> list[End]:
 
 
 def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given: bool) -> None:
-    """Hold the warping of a node, or refuse to where another leaf spring there is said not to be clamped."""
+    """Hold the warping of a node, or refuse to where another element there is said not to be clamped."""
     node = builder.nodes[warping]
     others = [n for n, m in builder.members.items() if n != leaf and warping in m.nodes]
     for other in others:
@@ -158,10 +169,7 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
         return held, held
     number = parts_of(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
-    thin, thick = _thickness(builder, leaf, end.number), _thickness(builder, other, number)
-    if not is_concrete((thin, thick)):
-        raise _Unknown("it depends on how thick they are, and these numbers are traced")
-    if np.asarray(thick) >= THICK * np.asarray(thin):
+    if _is_thick(builder, leaf, end.number, other, number):
         return True, True
     if "clamped" not in other.properties:
         return False, False
@@ -171,7 +179,7 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     (along, across), (along_other, across_other) = axes
     if abs(across @ across_other) < np.cos(FOLD):
         warnings.warn(
-            f"Leaf springs '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
+            f"Elements '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
             " other. Say with `clamped` whether they do.",
             FlexmbWarning,
             stacklevel=6,
@@ -186,11 +194,32 @@ def _own_roles(member: Member) -> list[Role]:
 
 
 def _is_untwisted(member: Member) -> bool:
-    """Whether the twist of a leaf spring in space is held all along: then it does not warp either."""
+    """Whether the twist of an element whose warping is a coordinate is held all along: then it does not warp either."""
     if not parts_of(member, "warping"):
         return False
-    twist = member.element.fields[FIELDS.index("GIt")]
+    fields = member.element.fields
+    twist = fields[FIELDS.index("GIt")] if fields else (TWIST,)
     return all(member.roles[number - 1] is Role.FIXED for number in twist)
+
+
+def _is_thick(builder: Description, leaf: Member, end: int, other: Member, number: int) -> bool:
+    """Whether another element is so thick at one of its ends that it clamps an end of a leaf spring."""
+    if _alike(leaf.properties["section"], other.properties["section"]):
+        return False
+    thin, thick = _thickness(builder, leaf, end), _thickness(builder, other, number)
+    if not is_concrete((thin, thick)):
+        raise _Unknown("it depends on how thick they are, and these numbers are traced")
+    return bool(np.asarray(thick) >= THICK * np.asarray(thin))
+
+
+def _alike(one: Section, other: Section) -> bool:
+    """Whether two sections are one, traced or not, or given by the same numbers: then one is as thick as the other."""
+    if one is other:
+        return not one.varies
+    if not (isinstance(one, Rigidity) and isinstance(other, Rigidity) and is_concrete((one, other))):
+        return False
+    own, others = (list(map(float, jax.tree.leaves(section))) for section in (one, other))
+    return own == others
 
 
 def _thickness(builder: Description, member: Member, end: int) -> Any:

@@ -51,6 +51,48 @@ def combine(coefficients, matrices) -> Float[Array, "n n"]:
     return jnp.tensordot(jnp.stack([jnp.asarray(c, float) for c in coefficients]), matrices, 1)
 
 
+# Of (1 - tanh(u)/u)/u^2, in powers of u^2.
+_TANH = np.array(
+    [1 / 3, -2 / 15, 17 / 315, -62 / 2835, 1382 / 155925, -21844 / 6081075, 929569 / 638512875],
+)
+# Up to this u^2 the series is exact to round-off, and loses less than the quotient does.
+_SMALL = 0.03
+
+
+def restrained_torsion(git, eiw, l0) -> tuple:
+    """Stiffness of a beam that a constant torque twists while its ends warp as they are told.
+
+    With u = (l0/2) sqrt(GIt/EIw) and t = tanh(u)/u it is, between the angle of twist and the twist rates of both ends
+    times length,
+
+    S = GIt/(l0 (1 - t)) [[1, -t/2, -t/2], [., a, b], [., ., a]],  a + b = t/2,  a - b = (1 - t)/(2 u^2 t).
+
+    Args:
+        git: Torsional rigidity, () [N m^2].
+        eiw: Warping rigidity, () [N m^4]; zero leaves torsion as it is without warping.
+        l0: Undeformed length, () [m].
+
+    Returns:
+        Four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
+
+    Source:
+        THEORY.md 2, eq. (2.34): the energy of the solution of GIt k - EIw k'' = constant for the twist rate k. For a
+        short beam it is that of a cubic twist.
+    """
+    warps = jnp.asarray(eiw) > 0
+    z = jnp.where(warps, git * l0**2 / (4 * jnp.where(warps, eiw, 1.0)), 1.0)
+    small = z < _SMALL
+    u = jnp.sqrt(jnp.where(small, 1.0, z))
+    quotient = jnp.where(small, polynomial.polyval(jnp.where(small, z, 0.0), _TANH), (1 - jnp.tanh(u) / u) / u**2)
+    t = 1 - z * quotient
+    bimoment = eiw / l0**3
+    twist = jnp.where(warps, 4 * bimoment / quotient, git / l0)
+    # Zero without warping rigidity, as that of warping itself is.
+    coupling = jnp.where(warps, t / 2 * twist, 0.0)
+    even, odd = coupling, 2 * bimoment / t
+    return twist, -coupling, (even + odd) / 2, (even - odd) / 2
+
+
 def bending_shortening(ends, l0) -> Float[Array, "*planes"]:
     """Shortening of the chord by bending in one plane, second order: (2 ep^2 + ep eq + 2 eq^2)/(30 l0).
 

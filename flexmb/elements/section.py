@@ -160,6 +160,8 @@ class Rigidity(Section):
         mass: Mass per length [kg/m].
         Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
         alpha: Coefficient of thermal expansion [1/K]; None where it is not stated.
+        EIw: Warping rigidity, of a beam whose warping is a coordinate (``spatial.warping_beam``) [N m^4].
+        Jw: Its inertia against warping per length [kg m^3].
     """
 
     EA: Scalar = 0.0
@@ -174,6 +176,8 @@ class Rigidity(Section):
     Jz: Scalar = 0.0
     Jyz: Scalar = 0.0
     alpha: Scalar | None = None
+    EIw: Scalar = 0.0
+    Jw: Scalar = 0.0
 
     def rigidity(self) -> "Rigidity":
         """The numbers themselves."""

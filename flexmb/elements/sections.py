@@ -1,5 +1,6 @@
 """Cross-sections and materials: leaf-spring dimensions to rigidities and mass; axes as in :mod:`.section`."""
 
+import dataclasses
 from typing import Literal
 
 import jax.numpy as jnp
@@ -158,7 +159,7 @@ class Rectangle(Section):
         torsion: "series" or "approximate" (4.9).
         warping_length: Length of the whole leaf spring [m] where warping at clamped ends is restrained, else None.
         clamped_ends: Number of ends at which warping is restrained.
-        warping_modulus: "plate" or "beam", see :func:`warping_factor`.
+        warping_modulus: "plate" or "beam", see :func:`warping_factor`; also of the warping rigidity EIw.
     """
 
     width: Scalar
@@ -177,14 +178,18 @@ class Rectangle(Section):
         return super().faults() + ([] if known else [f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2"])
 
     def rigidity(self) -> Rigidity:
-        """Rigidities of the rectangle; equations above."""
+        """Rigidities of the rectangle; equations above. The warping constant (w t)^3/144 is that of a narrow strip."""
         w, t, material = self.width, self.thickness, self.material
         it = (torsion_series if self.torsion == "series" else torsion_approximate)(w, t)
         nu = material.poisson()
         if self.warping_length is not None:
             it = it * warping_factor(self.warping_length, w, nu, self.clamped_ends, self.warping_modulus)
         k = 10 * (1 + nu) / (12 + 11 * nu)
-        return _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
+        found = _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
+        modulus = material.E / (1 - nu**2) if self.warping_modulus == "plate" else material.E
+        constant = (w * t) ** 3 / 144
+        rho = material.rho if self.rotary else 0.0
+        return dataclasses.replace(found, EIw=modulus * constant, Jw=rho * constant)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
         """Corners and middles of the sides in turn, from the corner at +y, +z on, counter-clockwise about x.

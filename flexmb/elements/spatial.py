@@ -3,6 +3,8 @@
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
 """
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -12,7 +14,7 @@ from ..math.rotation import CROSS, initial_frame, lbar, turned
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .laws import characteristic
-from .nodes import Point3, Rotation3, Static
+from .nodes import Point3, Rotation3, Static, Warping
 from .sections import Damping, Section
 
 
@@ -179,6 +181,113 @@ beam = Element(
 Properties: section, damping, y (vector that fixes local y).
 
 Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
+"""
+
+
+def _warping_beam(
+    p: Point3,
+    rot_p: Rotation3,
+    warp_p: Warping,
+    q: Point3,
+    rot_q: Rotation3,
+    warp_q: Warping,
+    *,
+    ref,
+    y: Float[Array, "3"] | None = None,
+    second_order: Static[bool] = True,
+) -> Float[Array, "8"]:
+    """Those of the beam, then the twist rates of both ends times length."""
+    own = _beam(p, rot_p, q, rot_q, ref=ref, y=y, second_order=second_order)
+    return jnp.concatenate([own, beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])])
+
+
+# Places of the coefficients of beams.restrained_torsion: the twist is e2/l0, the warpings are e7 and e8.
+TORSION = np.zeros((4, 8, 8))
+TORSION[0, 1, 1] = TORSION[2, 6, 6] = TORSION[2, 7, 7] = 1.0
+TORSION[1, 1, 6:] = TORSION[1, 6:, 1] = TORSION[3, 6, 7] = TORSION[3, 7, 6] = 1.0
+
+
+def _warping_stiffness(*, ref, section: Section) -> Float[Array, "8 8"]:
+    """That of the beam, but for its torsion."""
+    s, l0 = section.rigidity(), beams.beam_length(ref)
+    plain = _beam_stiffness(ref=ref, section=dataclasses.replace(s, GIt=0.0))
+    twist, coupling, *warping = beams.restrained_torsion(s.GIt, s.EIw, l0)
+    return jnp.pad(plain, (0, 2)) + beams.combine([twist / l0**2, coupling / l0, *warping], TORSION)
+
+
+def _warping_damping(*, ref, damping: Damping) -> Float[Array, "8 8"]:
+    """That of the beam: what warps is not damped by it."""
+    return jnp.pad(_beam_damping(ref=ref, damping=damping), (0, 2))
+
+
+def _warping_inertia(p, rot_p, warp_p, q, rot_q, warp_q, *, ref, section: Section, y=None):
+    """That of the beam, and linear interpolation of the warping, by which the section moves along the axis."""
+    vectors, h = _beam_inertia(p, rot_p, q, rot_q, ref=ref, section=section, y=y)
+    along = jnp.concatenate([warp_p, warp_q])[:, None] * np.eye(3)[:1]
+    own = section.rigidity().Jw * beams.beam_length(ref) * beams.LINEAR_MASS
+    n = h.shape[0]
+    return jnp.concatenate([vectors, along]), jnp.pad(h, (0, 2)) + jnp.pad(own, (n, 0))
+
+
+def _warping_resultants(
+    p, rot_p, warp_p, q, rot_q, warp_q, *, ref, place, sigma, section: Section, second_order, fall=None, y=None
+) -> Float[Array, "6"]:
+    """Those of the beam: a bimoment has no resultant."""
+    own = {"section": section, "second_order": second_order, "y": y}
+    fall = None if fall is None else fall[:-2]
+    return _beam_resultants(p, rot_p, q, rot_q, ref=ref, place=place, sigma=sigma[:6], fall=fall, **own)
+
+
+def _warping_thermal(change, gradient, *, ref, section: Section) -> Float[Array, "8"]:
+    """That of the beam."""
+    return jnp.pad(_beam_thermal(change, gradient, ref=ref, section=section), (0, 2))
+
+
+def _check_warping(
+    *,
+    ref,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+    clamped: tuple[bool, bool] | bool | None = None,
+) -> list[str]:
+    faults = _check_beam(ref=ref, y=y)
+    if section is None or faults:
+        return faults
+    if getattr(section, "warping_length", None) is not None:
+        return ["has a section with warping_length, but it counts restrained warping itself: leave it out"]
+    s = section.rigidity()
+    if np.any((np.asarray(s.GIt) > 0) & (np.asarray(s.EIw) <= 0)):
+        return [
+            "has a section without warping rigidity EIw, so that nothing resists its warping: give EIw, or take a beam"
+        ]
+    return []
+
+
+warping_beam = Element(
+    _warping_beam,
+    stiffness=_warping_stiffness,
+    damping=_warping_damping,
+    inertia=_warping_inertia,
+    resultants=_warping_resultants,
+    thermal=_warping_thermal,
+    check=_check_warping,
+    measured=(7, 8),
+)
+"""Flexible beam whose warping is a coordinate of each end, shared by warping beams and leaf springs that meet there: e1
+to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times length [rad], which the nodes' warping gives.
+
+Warping is zero where it is restrained. That is found when the model is built, as for ``spatial.leaf_spring``: where the
+rotation is held, or something rigid, a hinge, a body or a part at least three times as thick is joined. Elsewhere it is
+free. Torsion is exact for a torque that is constant along the beam, so that one beam does where a leaf spring is only
+twisted.
+
+Properties: section (with EIw: a :class:`flexmb.Rectangle` or a :class:`flexmb.Rigidity`), damping, y (vector that fixes
+local y), clamped (whether warping is restrained at its first end and at its last, such as (True, False), where that
+shall not be found).
+
+Options: second_order, as of ``spatial.beam``.
+
+Source: THEORY.md 2, eq. (2.34).
 """
 
 

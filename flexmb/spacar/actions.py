@@ -54,22 +54,22 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
 
 
 def _check_ends(kind: ElementKind, p: Values) -> None:
-    p_end, q_end = ("xp", "xq") if "xp" in p else ("rotp", "rotq")
-    if p[p_end] == p[q_end]:
-        raise Fault(f"joins node {p[p_end]} to itself; {kind.keyword} needs two nodes {p_end} and {q_end}")
+    for p_end, q_end in (("xp", "xq") if "xp" in p else ("rotp", "rotq"), ("warpp", "warpq")):
+        if p_end in p and p[p_end] == p[q_end]:
+            raise Fault(f"joins node {p[p_end]} to itself; {kind.keyword} needs two nodes {p_end} and {q_end}")
 
 
 def _part(kind: NodeKind) -> str:
-    return "translational" if kind.part == "position" else "rotational"
+    return {"position": "translational", "rotation": "rotational"}.get(kind.part, kind.part)
 
 
 def position(r: Reading, s: Statement, p: Values) -> None:
     """X: position of a translational node."""
     kind = r.kind_of(p["node"])
-    if kind.part == "rotation":
+    if kind.part != "position":
         line = r.nodes[p["node"]][1]
         raise Fault(
-            f"is a rotational node ({line.keyword} on line {line.line}): only a translational node has a position"
+            f"is a {_part(kind)} node ({line.keyword} on line {line.line}): only a translational node has a position"
         )
     values = [p[name] for name in ("x", "y", "z") if name in p]
     if len(values) > kind.size:
@@ -200,6 +200,8 @@ def lumped(r: Reading, s: Statement, p: Values) -> None:
     """XM: mass of a translational node, rotary inertia of a rotational one."""
     kind, values = r.kind_of(p["node"]), p["value"]
     r.entries(p["node"], [], "node")
+    if kind.part == "warping":
+        raise Fault("is a warping node, which carries no lumped mass: EM of BEAMW gives Jw as its sixth number")
     wanted = {"position": 1, "rotation": 1 if kind is ANGLE else 6}[kind.part]
     if len(values) != wanted:
         names = "mass" if kind.part == "position" else "J" if kind is ANGLE else "Ixx Ixy Ixz Iyy Iyz Izz"

@@ -108,7 +108,7 @@ _KINEMATIC = (
 )
 UNKNOWN_MOTION = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
 REFUSED = {
-    **dict.fromkeys(("BEAMW", "TUBE", "PLTUBE"), f"element type {_LATER}"),
+    **dict.fromkeys(("TUBE", "PLTUBE"), f"element type {_LATER}"),
     **dict.fromkeys(("TRAJX", "TRAJE"), f"(a trajectory) {_LATER}"),
     **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
     **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),

@@ -50,12 +50,18 @@ class ElementKind:
     @property
     def node_names(self) -> list[str]:
         """Names of the node numbers in the form."""
-        return [name for name in self.form.split() if name in ("xp", "rotp", "xq", "rotq")]
+        return [name for name in self.form.split() if name in ("xp", "rotp", "warpp", "xq", "rotq", "warpq")]
+
+    @property
+    def warps(self) -> bool:
+        """Whether a line names the warping of the ends, of which FIX and DYNX then say what it does."""
+        return "warpp" in self.node_names
 
     @property
     def node_kinds(self) -> list[NodeKind]:
-        """Kinds of these nodes."""
-        return [kind for kind in self.element.nodes.values() if has_number(kind)]
+        """Kinds of the nodes that a line names."""
+        own = self.element.nodes.values()
+        return [kind for kind in own if has_number(kind) or (kind.part == "warping" and self.warps)]
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
         """Element type of one line of a file.
@@ -83,6 +89,9 @@ class ElementKind:
             numbers: Other numbers, by property.
         """
         found: dict[str, Any] = dict(numbers)
+        if self.warps:
+            # Nothing is looked for: what is held, FIX says.
+            found["clamped"] = False
         if "SECTION" in lines:
             found["section"] = rectangle(lines["SECTION"])
         if "CLAMP" in lines:
@@ -128,6 +137,7 @@ def rectangle(sizes: list[float]) -> Rectangle:
 
 
 _BEAM = ("EA", "GIt", "EIy", "EIz", "shear_z", "shear_y")
+_INERTIA = ("mass", "Jx", "Jy", "Jz", "Jyz")
 _TURNS = ("stiffness",) * 3, (), ("damping",) * 3
 
 KINDS = (
@@ -136,7 +146,15 @@ KINDS = (
         spatial.beam,
         "element xp rotp xq rotq [y1 y2 y3]",
         _BEAM,
-        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _INERTIA,
+        _BEAM[:4],
+    ),
+    ElementKind(
+        "BEAMW",
+        spatial.warping_beam,
+        "element xp rotp warpp xq rotq warpq [y1 y2 y3]",
+        (*_BEAM, "EIw"),
+        (*_INERTIA, "Jw"),
         _BEAM[:4],
     ),
     ElementKind(
@@ -144,7 +162,7 @@ KINDS = (
         spatial.spectral_beam(ORDER),
         "element xp rotp xq rotq y1 y2 y3 [p]",
         _BEAM,
-        ("mass", "Jx", "Jy", "Jz", "Jyz"),
+        _INERTIA,
         _BEAM[:4],
     ),
     ElementKind("LEAF", spatial.leaf_spring, "element xp rotp xq rotq y1 y2 y3 [p]", damping=_BEAM[:4], sized=True),

@@ -40,8 +40,10 @@ def spacar_light(
 
     Different from it, and better: rot_x and rot prescribe the angle itself, past full turns; buckling multipliers keep
     their sign; reaction moments are right at turned nodes; with transfer the mechanism may be loaded, and the state
-    space is that about the last step; warping is the closed form of a leaf spring clamped where a support or a rigid
-    element is. The axis of an element of type "hinge" is its orien. ``silent`` leaves out warnings, not checks.
+    space is that about the last step. Elements with ``warping`` that meet at a node share its warping, which is zero
+    where the rotation is held, by fix_warp, and where an element that is rigid or a hinge is joined; one beam is exact
+    where the torque is constant. The axis of an element of type "hinge" is its orien. ``silent`` leaves out warnings,
+    not checks.
 
     Args:
         nodes: Positions, one row a node, (n, 3) [m]; or the whole script in one struct (a Struct or a dictionary) with

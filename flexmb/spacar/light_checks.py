@@ -151,8 +151,10 @@ def _set(script: Script, number: int) -> Iterator[str]:
         if missing:
             yield f"{where}: flexible elements need {', '.join(missing)} too."
     for name in ("warping", "cw"):
-        if name in own and not (flex and own.get("cshape") == "rect"):
-            script.warnings.append(f"{where}.{name} has no effect: it is for flexible elements of cshape 'rect'.")
+        if name in own and not (2 in flex and own.get("cshape") == "rect"):
+            script.warnings.append(
+                f"{where}.{name} has no effect: it is for elements of cshape 'rect' whose torsion, 2, is in flex."
+            )
     if "warping" in own and "cw" in own:
         yield f"{where}: has warping and cw, which count the same effect; leave out cw."
     if own.get("nbeams", 1) > MOST_BEAMS:

@@ -127,6 +127,11 @@ class Script:
         """Deformations that may change, numbers from 1; none for a rigid element."""
         return (1,) if self.is_hinge(element) else tuple(self.properties(element).get("flex", ()))
 
+    def warps(self, element: int) -> bool:
+        """Whether the warping of an element's nodes counts: of strips that can be twisted, where that is asked for."""
+        own = self.properties(element)
+        return bool(own.get("warping")) and own.get("cshape") == "rect" and 2 in self.flexible(element)
+
     def ends(self, element: int) -> tuple[int, int]:
         """Numbers of an element's nodes."""
         p, q = self.elements[element - 1].tolist()

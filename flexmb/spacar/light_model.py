@@ -146,6 +146,9 @@ def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
                 b.release(beam, *free)
             if rest:
                 b.dof(beam, *rest)
+    for name, node in list(b.nodes.items()):
+        if node.kind.part == "warping" and not _holds_warping(script, name.removesuffix(".warping")):
+            b.dof(name, 1)
     if not bare and "gravity" in script.opt and acts(script.opt["gravity"]):
         b.gravity(list(script.opt["gravity"]))
     return b
@@ -169,7 +172,11 @@ def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
         ends.append(b.node(f"e{k}.n{i}", list(start + (end - start) * (i / len(beams)))))
     ends.append(node_name(q))
     for beam, one, other in zip(beams, ends[:-1], ends[1:], strict=True):
-        b.add(spatial.beam, one, other, name=beam, section=section, y=y, released=())
+        named = {"name": beam, "section": section, "y": y, "released": ()}
+        if script.warps(k):
+            b.add(spatial.warping_beam, one, other, clamped=[_holds_warping(script, n) for n in (one, other)], **named)
+        else:
+            b.add(spatial.beam, one, other, **named)
 
 
 def section_of(script: Script, k: int) -> Section | None:
@@ -183,17 +190,9 @@ def section_of(script: Script, k: int) -> Section | None:
     if own["cshape"] == "circ":
         section: Section = Circle(dim[0], material, shear=True)
     else:
-        clamped = _clamped_ends(script, k) if flexible else None
-        length = None if clamped is None else _length(script, k)
-        section = Rectangle(
-            dim[0],
-            dim[1],
-            material,
-            shear=True,
-            warping_length=length,
-            clamped_ends=clamped or 0,
-            warping_modulus="beam",
-        )
+        # The closed form of both ends, for all of the element; a warping beam needs no such thing.
+        length = _length(script, k) if flexible and own.get("cw") else None
+        section = Rectangle(dim[0], dim[1], material, shear=True, warping_length=length, warping_modulus="beam")
     if flexible:
         return section
     s = section.rigidity()
@@ -206,29 +205,19 @@ def _length(script: Script, k: int) -> Any:
     return (along @ along) ** 0.5
 
 
-def _clamped_ends(script: Script, k: int) -> int | None:
-    """At how many ends of an element warping is restrained; None where it is not asked for.
+def _holds_warping(script: Script, name: str) -> bool:
+    """Whether nothing warps at a node: where its rotation is held, or a rigid element or a hinge is joined.
 
-    ``cw`` is the closed form for both ends. ``warping`` had a coordinate a node in the predecessor; here a support or a
-    rigid element restrains it, and the element's closed form takes its place.
+    Nodes between the beams of an element are in no script, and free. A build finds it by these rules too, and by how
+    thick things are, which may be traced here.
     """
-    own = script.properties(k)
-    if own.get("cw"):
-        return 2
-    if not own.get("warping"):
-        return None
-    clamped = 0
-    for node in script.ends(k):
-        others = [j for j in script.at(node) if j != k and not script.is_hinge(j)]
-        supported = any(name in script.nprops.get(node, {}) for name in ("fix", "fix_warp"))
-        if supported or any(not script.flexible(j) for j in others):
-            clamped += 1
-        elif shared := [j for j in others if script.properties(j).get("warping")]:
-            raise ModelError(
-                f"Elements {k} and {shared[0]}: share their warping at node {node}, which is not offered. Model them"
-                " as one element with nbeams, or leave out warping."
-            )
-    return clamped
+    number = next((i for i in range(1, len(script.nodes) + 1) if node_name(i) == name), None)
+    if number is None:
+        return False
+    own = script.nprops.get(number, {})
+    if any(held in own for held in ("fix", "fix_orien", "fix_warp")) or rotations(own):
+        return True
+    return any(script.is_hinge(k) or not script.flexible(k) for k in script.at(number))
 
 
 def _support(b: Builder, node: str, own: dict[str, Any], bare: bool) -> None:

@@ -281,7 +281,8 @@ class LightElement(_Numbered):
     def e(self) -> np.ndarray:
         """Deformations, one row a beam, (beams, 6, steps) [m]; of a hinge (1, 3, steps) [rad]."""
         entries, every = self._light.model.labels.e, self._light.values("e")
-        rows = [[i for i, entry in enumerate(entries) if entry.of == name] for name in self.names]
+        # Of what warps, the deformations of a beam.
+        rows = [[i for i, entry in enumerate(entries) if entry.of == name][:6] for name in self.names]
         return self._at(every[:, np.array(rows)])
 
     @property

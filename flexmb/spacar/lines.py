@@ -20,7 +20,7 @@ BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
 
 # Parameters that are whole numbers, and the least that each may be. Every other one is a real number.
 WHOLE: dict[str, int] = dict.fromkeys(
-    ("element", "node", "xp", "rotp", "xq", "rotq", "p", "coordinate", "deformation", "number"), 1
+    ("element", "node", "xp", "rotp", "warpp", "xq", "rotq", "warpq", "p", "coordinate", "deformation", "number"), 1
 )
 WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0, "first": 0, "last": 0}
 TEXT = ("name",)

@@ -301,8 +301,8 @@ def _build(r: Reading, faults: _Faults) -> None:
     first = next(iter(r.elements.values()), None)
     r.builder.dimension = first.kind.dimension if first else None
     for number, (kind, line) in sorted(r.nodes.items()):
-        if kind.part == "rotation":
-            r.builder.rotation(str(number))
+        if kind.part in ("rotation", "warping"):
+            (r.builder.rotation if kind.part == "rotation" else r.builder.warping)(str(number))
             continue
         if number in r.misplaced:
             # Anywhere, but apart from the others, so that further faults of its elements are found too.
@@ -311,8 +311,7 @@ def _build(r: Reading, faults: _Faults) -> None:
             r.warnings.append((line, f"node {number} has no X and stands at the origin"))
         r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
     for number, declared in r.elements.items():
-        kind, names = declared.kind, [str(n) for n in declared.nodes]
-        lines = r.lines.get(number, {})
+        kind, lines = declared.kind, r.lines.get(number, {})
         if kind.sized and "SECTION" not in lines and number in r.unsized:
             continue
         try:
@@ -323,10 +322,29 @@ def _build(r: Reading, faults: _Faults) -> None:
                 )
             element = kind.element_of(declared.order, lines.get("ESTIFF", []))
             properties = kind.properties(lines, declared.vector, declared.numbers)
-            r.builder.add(element, *names, name=str(number), released=(), **properties)
+            r.builder.add(element, *_names_of_nodes(r, declared), name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):
                 faults.blame(declared.statement, _without_name(str(fault)), kind.form)
+
+
+def _names_of_nodes(r: Reading, declared: Declared) -> list[str]:
+    """Nodes of an element; a leaf spring in space also has the warping that BEAMW names at its ends, or its own."""
+    names = [str(n) for n in declared.nodes]
+    if not declared.kind.sized or declared.kind.dimension == 2:
+        return names
+    found = []
+    for name, node in zip(names, declared.nodes, strict=True):
+        found.append(name)
+        if r.nodes[node][0].part == "rotation":
+            beams = [d.nodes for d in r.elements.values() if d.kind.warps and node in d.nodes]
+            own = sorted({nodes[nodes.index(node) + 1] for nodes in beams})
+            if len(own) > 1:
+                raise Fault(
+                    f"shares the warping of node {node}, where BEAMW names several: {listed([str(n) for n in own])}"
+                )
+            found.append(str(own[0]) if own else f"{name}.warping")
+    return found
 
 
 def _check_rigid(r: Reading, declared: Declared) -> None:

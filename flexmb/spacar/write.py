@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..build.builder import Builder
+from ..build.clamps import with_clamps
 from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
@@ -21,7 +22,7 @@ from ..files import write_whole
 from ..model.roles import Role
 from . import series as series
 from .actions import QUANTITIES
-from .kinds import KINDS, NOTHING, ElementKind, has_number
+from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
 from .read import SpacarModel
 
@@ -111,9 +112,12 @@ class _Writer:
         self.builder, self.settings = builder, settings
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
-        self.node = _Nodes(_numbered([n for n, node in builder.nodes.items() if has_number(node.kind)]))
-        self.element = _numbered(list(self.shown))
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
+        named = {node for name, m in self.shown.items() for node in self._named(name, m)}
+        self.node = _Nodes(_numbered([n for n in builder.nodes if n in named]))
+        self.element = _numbered(list(self.shown))
+        # Files say what is held; a build finds it where nothing is said.
+        self.clamped = with_clamps(builder, None) if any(kind.warps for kind in self.kinds.values()) else builder
         self._check()
 
     def lines(self) -> list[str]:
@@ -121,6 +125,12 @@ class _Writer:
         signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
         third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
+
+    def _named(self, name: str, member: Member) -> list[str]:
+        """Nodes that the line of an element names."""
+        parts = [kind.part for kind in self.kinds[name].node_kinds]
+        kinds = member.element.nodes.values()
+        return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part in parts]
 
     def _kind(self, name: str, member: Member) -> ElementKind:
         found = [kind for kind in KINDS if kind.stands_for(member.element)]
@@ -209,10 +219,12 @@ class _Writer:
         for node, kind in zip(m.nodes, m.element.nodes.values(), strict=True):
             nodes[kind.part].append(node)
         for rotation, warping in zip(nodes["rotation"], nodes.get("warping", []), strict=False):
-            if warping != f"{rotation.removesuffix('.rotation')}.warping":
+            beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
+            own = {nodes[nodes.index(rotation) + 1] for nodes in beams}
+            if {warping} != (own or {f"{rotation.removesuffix('.rotation')}.warping"}):
                 raise ModelError(
                     f"{what} has the warping '{warping}' at '{rotation}'. In a SPACAR input file it has that which goes"
-                    " with the rotation: leave it out."
+                    " with the rotation, or which all warping beams have there."
                 )
 
     def _loads_of_deformations(self) -> list[list[dict]]:
@@ -238,20 +250,22 @@ class _Writer:
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
             if keyword in ("RBEAM", "SBEAM", "LEAF") and vector is None:
                 vector = self._across(m)
-            nodes = [self.node[n] for n, k in zip(m.nodes, m.element.nodes.values(), strict=True) if has_number(k)]
+            nodes = [self.node[n] for n in self._named(name, m)]
             order = [len(m.element.fields[0])] if m.element.fields else []
             across = [] if vector is None else _numbers(vector)
             own = [float(m.properties[prop]) for _, prop in self.kinds[name].numbers]
             lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
-            clamped = m.properties.get("clamped")
+            # Of warping beams FIX says it.
+            clamped = None if self.kinds[name].warps else m.properties.get("clamped")
             clamps += [] if clamped is None else [_line("CLAMP", self.element[name], *map(int, clamped))]
         lines += clamps
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
                 lines.append(_line("X", self.node[name], *_numbers(node.start)))
         for name, node in self.builder.nodes.items():
-            if has_number(node.kind) or any(role is not Role.DEPENDENT for role in node.roles):
-                lines += self._roles(self.node[name], node.roles, {Role.FIXED: "FIX", Role.PRESCRIBED: "INPUTX"})
+            if name in self.node or any(role is not Role.DEPENDENT for role in node.roles):
+                roles = self.clamped.nodes[name].roles
+                lines += self._roles(self.node[name], roles, {Role.FIXED: "FIX", Role.PRESCRIBED: "INPUTX"})
         for name, m in self.shown.items():
             keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
             lines += self._roles(self.element[name], m.roles, keywords, m.element)

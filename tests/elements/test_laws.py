@@ -74,7 +74,7 @@ def vectors(size: int, bound: float = 1.0):
 def rigidities(draw):
     # Of a real section: Jx = Jy + Jz, and Jyz^2 < Jy Jz.
     jy, jz, share = draw(POSITIVE), draw(POSITIVE), draw(NUMBER)
-    names = ("EA", "EIy", "EIz", "GIt", "shear_z", "shear_y", "mass")
+    names = ("EA", "EIy", "EIz", "GIt", "shear_z", "shear_y", "mass", "EIw", "Jw")
     numbers = {name: draw(POSITIVE) for name in names}
     return fm.Rigidity(**numbers, Jx=jy + jz, Jy=jy, Jz=jz, Jyz=0.9 * share * np.sqrt(jy * jz))
 
@@ -493,6 +493,9 @@ def test_power_of_the_end_sections_is_that_of_the_stress(element, data):
         if kind.part == "position":
             rates.append(velocities[seen][: kind.dimension])
             seen += 1
+        elif kind.part == "warping":
+            # Bimoments, which are no resultants, do work on it.
+            rates.append(np.zeros(part.size))
         else:
             omega = spins[seen - 1]
             rates.append(omega[2:] if in_plane else product(np.r_[0.0, omega], part) / 2)
@@ -664,7 +667,7 @@ def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
         tensor += s.mass * length(sample) / 3 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         if element in (planar.beam, planar.spectral_beam, planar.leaf_spring):
             tensor[2, 2] += s.Jy * length(sample)
-        elif element in (spatial.beam, spatial.spectral_beam, spatial.leaf_spring):
+        elif element in (spatial.beam, spatial.warping_beam, spatial.spectral_beam, spatial.leaf_spring):
             frame = local_frame(arm, sample.properties["y"])
             own = np.diag([float(s.Jx), float(s.Jy), float(s.Jz)])
             own[1, 2] = own[2, 1] = s.Jyz

@@ -106,6 +106,7 @@ IN_PLANE = {
 }
 IN_SPACE = {
     "BEAM": ("kinematics", "BEAM 3 5 6 7 8 1 0 0", "BEAM 3 5 6 7 8 0 0 1"),
+    "BEAMW": ("kinematics", "BEAMW 3 5 6 11 7 8 12 1 0 0", "BEAMW 3 5 6 11 7 8 12 0 0 1"),
     "SBEAM": ("kinematics", "SBEAM 3 5 6 7 8 1 0 0 2", "SBEAM 3 5 6 7 8 1 0 0 3"),
     "RBEAM": ("kinematics", "RBEAM 3 5 6 7 1 0 0", "RBEAM 3 3 4 7 1 0 0"),
     "PINBODY": ("kinematics", "PINBODY 3 5 6 7", "PINBODY 3 3 4 7"),

@@ -591,7 +591,7 @@ BAD = [
         "BEAM 3 7 8 9 10",
         "{K}: BEAM: element 3: BEAM is spatial, but PLBEAM on line 1 is planar; a mechanism is one or",
     ),
-    ("K", "BEAMW 3 5 6 7 8 9 10 0 0 1\nFIX 7", "{K}: BEAMW: element 3: element type is not available yet"),
+    ("K", "TUBE 3 5 6 7 8 9 10 0 0 1\nFIX 7", "{K}: TUBE: element 3: element type is not available yet"),
     (
         "K",
         "GEAR 3 5 6 7 8",
