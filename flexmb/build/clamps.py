@@ -124,7 +124,10 @@ def _clamped(builder: Description, end: _End, before: tuple[bool, bool] | None) 
     if all(role in HELD for role in builder.nodes[end.rotation].roles):
         return True, True
     flat = restrained = False
-    for name, other in builder.members.items():
+    # What has no section is asked first: where it is rigid, nothing else needs to be known, nor to be numbers.
+    for name, other in sorted(builder.members.items(), key=lambda item: item[1].properties.get("section") is not None):
+        if flat and restrained:
+            break
         if name == end.leaf or end.rotation not in other.nodes:
             continue
         try:
