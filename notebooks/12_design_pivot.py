@@ -134,7 +134,7 @@ print(found)
 # ## What beams would have said
 #
 # Near its clamps a leaf spring is a plate and no beam: it is stiffer there, and stressed more. So the design that a
-# search with beams finds exceeds the limit of the stress, and the best one that keeps it shifts more than beams promise.
+# search with beams finds exceeds the limit of the stress, and the best one that keeps it shifts more than beams say.
 
 # %%
 really = turned(**of_beams.dimensions)
