@@ -151,7 +151,7 @@ def test_compliance_in_the_plane_is_that_of_the_frame(case):
     np.testing.assert_allclose(found, expected[np.ix_(plane, plane)], rtol=1e-9, atol=1e-12)
 
 
-# Of solid elements: REFERENCES.md A14-leaf, A14-pivot. Base at the origin, along x and y, width along z; the place of
+# Of solid elements: REFERENCES.md A14-leaf, B5-solid. Base at the origin, along x and y, width along z; the place of
 # what is asked, and its stiffness along and about these axes, all else free. Solid values about other axes are renamed.
 SOLID = {
     "parallel guide": (
