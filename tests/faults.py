@@ -950,12 +950,6 @@ FAULTS = [
     Fault(
         "build/clamps.py", "if given and said is not None and", "if False and", "elements/test_leaf.py -k contradict"
     ),
-    Fault(
-        "build/clamps.py",
-        "        if flat and restrained:\n            break",
-        "",
-        "blocks/test_blocks.py -k a_body_between",
-    ),
     # Building blocks.
     Fault("blocks/site.py", "first[1], -first[0]", "-first[1], first[0]", "blocks/test_blocks.py -k in_the_plane"),
     Fault(
@@ -966,6 +960,12 @@ FAULTS = [
         "(planar if b.dimension == 2 else spatial).leaf_spring, section",
         "(planar if b.dimension == 2 else spatial).spectral_beam, section",
         "blocks/test_blocks.py -k 'solid or clamped'",
+    ),
+    Fault(
+        "build/clamps.py",
+        "        if flat and restrained:\n            break",
+        "",
+        "blocks/test_blocks.py -k a_body_between",
     ),
     Fault("blocks/guides.py", "along=-s.axes[0]", "along=s.axes[0]", "blocks/test_blocks.py -k in_space"),
     Fault("blocks/pivots.py", "-side * (1 - ratio)", "-side * ratio", "blocks/test_blocks.py -k in_space"),
