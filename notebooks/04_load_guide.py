@@ -22,8 +22,9 @@ cache = fm.enable_cache(thorough=False)
 #
 # Two leaf springs of 100 × 18 × 0.5 mm, 100 mm apart, and a rigid stage. S is the middle of the stage. Each leaf spring
 # is one **spectral beam**: its elongation and its curvature along the whole length are polynomials, here with five
-# coefficients each, which is enough for six digits at a large stroke. `planar.beam`, the cubic beam of SPACAR, is shown
-# for comparison.
+# coefficients each, which is enough for six digits of beam theory at a large stroke. `planar.beam`, the cubic beam of
+# SPACAR, is shown for comparison. How far beams are from a leaf spring as it is, is asked in notebook
+# [18](18_check_beam.ipynb).
 
 # %%
 length, width, thickness, apart, stroke = 0.1, 0.018, 0.5e-3, 0.1, 5e-3

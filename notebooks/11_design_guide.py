@@ -2,7 +2,7 @@
 # # Design study: a guide that stays stiff over its stroke
 #
 # **Question.** What is the largest support stiffness that a guide can keep at a stroke of ±10 mm, for a given drive
-# stiffness, stress and parasitic frequency?
+# stiffness, fatigue limit and parasitic frequency?
 #
 # A leaf spring that is bent gives way to loads along its length, since they bend it further (notebook 04). Where its
 # middle is reinforced, only the short ends bend, and the loss is smaller. But a reinforced leaf spring is stiffer to
@@ -24,16 +24,21 @@ cache = fm.enable_cache(thorough=False)
 # ## The model
 #
 # Two leaf springs 100 mm apart carry a stage of 0.5 kg. Each leaf spring is three elements: a flexible end, the middle
-# with plates on it, 3 mm thick in all, and a flexible end. The ends are spectral beams of order 3, the middle is one
-# cubic beam. The stroke of S, the middle of the stage, is prescribed. The model is planar: it knows the motions and
-# stresses in the plane of the guide.
+# with plates on it, 3 mm thick in all, and a flexible end, all of hard spring steel. The ends are leaf springs, the
+# middle is one cubic beam. The stroke of S, the middle of the stage, is prescribed. The model is planar: it knows the
+# motions and stresses in the plane of the guide.
+#
+# The flexible ends are wide beside their length, and clamped on both sides: by what they stand on, and by the plates,
+# which are more than three times as thick. There a leaf spring bends as a plate, a tenth stiffer than a beam.
+# `planar.leaf_spring` finds that by itself; beams take its place where they are compared.
 
 # %%
-steel = fm.Material(E=210e9, G=80e9, rho=7850)
+steel = fm.materials.stainless_301
 apart, mass, stroke, plates = 0.1, 0.5, 10e-3, 3e-3
+ends = planar.leaf_spring(3)
 
 
-def guide(length, thickness, width, reinforced, *, order=3, stroke=stroke):
+def guide(length, thickness, width, reinforced, *, element=ends, stroke=stroke):
     leaf = fm.Rectangle(width, thickness, steel)
     middle = fm.Rectangle(width, plates, steel)
     heights = length * jnp.stack([jnp.zeros(()), (1 - reinforced) / 2, (1 + reinforced) / 2, jnp.ones(())])
@@ -43,8 +48,8 @@ def guide(length, thickness, width, reinforced, *, order=3, stroke=stroke):
         b.node(f"{side} 0", (x, 0.0))
         for part in (1, 2, 3):
             b.node(f"{side} {part}", (x, heights[part]))
-            element, section = (planar.beam, middle) if part == 2 else (planar.spectral_beam(order), leaf)
-            b.add(element, f"{side} {part - 1}", f"{side} {part}", name=f"{side} part {part}", section=section)
+            kind, section = (planar.beam, middle) if part == 2 else (element, leaf)
+            b.add(kind, f"{side} {part - 1}", f"{side} {part}", name=f"{side} part {part}", section=section)
         b.fix(f"{side} 0")
         b.add(planar.beam, "S", f"{side} 3", name=f"stage {side}")  # no section: rigid
     b.mass("S", mass, inertia=mass * apart**2 / 12)
@@ -60,12 +65,17 @@ ax = fm.plot.stress(fm.stress(shown.model, at=shown), shown)
 # ## Answers
 #
 # All of them at the full stroke. The function that is tuned returns the linearisation there. The drive holds the
-# stroke, so that the lowest frequency about this state is that of the first parasitic motion.
+# stroke, so that the lowest frequency about this state is that of the first parasitic motion. The guide moves to both
+# sides, and often: its largest von Mises stress is taken over the fatigue limit that the material states.
 
 
 # %%
 def at_stroke(length, thickness, width, reinforced):
     return fm.linearize(guide(length, thickness, width, reinforced))
+
+
+def beams_at_stroke(length, thickness, width, reinforced):
+    return fm.linearize(guide(length, thickness, width, reinforced, element=planar.spectral_beam(3)))
 
 
 def support(lin):
@@ -76,45 +86,66 @@ def drive(lin):
     return jnp.abs(lin.reactions[lin.labels.known("S")[0]]) / stroke
 
 
-def stress(lin):
-    return fm.stress(lin.model, at=lin).smooth_maximum(200)
+def fatigue(lin):
+    return fm.stress(lin.model, at=lin).smooth_maximum(200) / steel.fatigue
 
 
 def parasitic(lin):
     return fm.frequencies(lin)[0]
 
 
-answers = {"support": support, "drive": drive, "stress": stress, "parasitic": parasitic}
+answers = {"support": support, "drive": drive, "fatigue": fatigue, "parasitic": parasitic}
 before = {name: float(f(shown)) for name, f in answers.items()}
 print({name: f"{value:.4g}" for name, value in before.items()})
 
 # %% [markdown]
 # ## The search
 #
-# Drive stiffness 1000 N/m, stress at most 300 MPa, first parasitic frequency at full stroke at least 200 Hz. The start
+# Drive stiffness 1000 N/m, stress at most half of the fatigue limit, first parasitic frequency at full stroke at least
+# 200 Hz. Once with leaf springs, and once with plain spectral beams in their place. The start
 # fills the space that there is and has about the wanted drive stiffness, with half of each leaf spring reinforced. A
 # violation of a thousandth is none (`tolerance`), which is closer than such things are made.
 
 # %%
-limits = {"stress": (None, 300e6), "parasitic": (200.0, None)}
-found = fm.tune(
-    at_stroke,
-    answers,
-    start,
-    bounds={
+asked = {
+    "bounds": {
         "length": (0.06, 0.12),
         "thickness": (0.15e-3, 0.8e-3),
         "width": (0.02, 0.06),
         "reinforced": (0.05, 0.85),
     },
-    maximize="support",
-    equal={"drive": 1000.0},
-    limits=limits,
-    tolerance=1e-3,
-)
+    "maximize": "support",
+    "equal": {"drive": 1000.0},
+    "limits": {"fatigue": (None, 0.5), "parasitic": (200.0, None)},
+    "tolerance": 1e-3,
+}
+found = fm.tune(at_stroke, answers, start, **asked)
+of_beams = fm.tune(beams_at_stroke, answers, start, **asked)
 print(found)
 
 # %% [markdown]
+# ## What beams would have said
+#
+# The design of a search with beams, and what it really is:
+
+# %%
+really = at_stroke(**of_beams.dimensions)
+rows = {
+    "leaf springs": (found.dimensions, found.answers),
+    "beams": (of_beams.dimensions, of_beams.answers),
+    "beams, really": (of_beams.dimensions, {name: float(f(really)) for name, f in answers.items()}),
+}
+for label, (dimensions, values) in rows.items():
+    print(
+        f"{label:14} reinforced {dimensions['reinforced']:.3f}, {1e3 * dimensions['thickness']:.4f} mm:"
+        f" support {1e-6 * values['support']:.1f} N/μm, drive {values['drive']:.0f} N/m,"
+        f" fatigue {values['fatigue']:.1%}, parasitic {values['parasitic']:.0f} Hz"
+    )
+
+# %% [markdown]
+# It is 8 % too stiff to drive, and stressed too much. Whoever keeps both limits with leaf springs as they are
+# reinforces less of them, and gets a smaller support stiffness than beams promise.
+#
 # Length and width stay at their bounds, the space there is. Thinner leaf springs, reinforced over more of their length,
 # carry at their ends the stress they may. What is won over the stroke, and where the stress is:
 
@@ -135,24 +166,27 @@ ax = fm.plot.stress(fm.stress(lin.model, points=9, at=lin), lin, ax=axes[1])
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *A finer model* of the found design: every flexible end a spectral beam of order 5 instead of 3. And for the drive
+# *A finer model* of the found design: every flexible end a leaf spring of order 5 instead of 3. And for the drive
 # stiffness a closed form of small strokes: a leaf spring whose middle is rigid over a share $p$ of its length has
-# $12EI/(l^3(1-p^3))$.
+# $12EI/(l^3(1-p^3))$. Its ends are shorter than $0.8\,w$, so that they are plates all over, with $EI/(1-\nu^2)$.
 
 # %%
-fine = fm.linearize(guide(**found.dimensions, order=5))
+fine = fm.linearize(guide(**found.dimensions, element=planar.leaf_spring(5)))
 checked = {name: float(f(fine)) for name, f in answers.items()}
 for name, value in checked.items():
     print(f"{name}: {found.answers[name]:.6g} found, {value:.6g} finer, {before[name]:.6g} at the start")
 print(f"the support stiffness at full stroke is {checked['support'] / before['support']:.1f} times that of the start")
 
 length, thickness, width, reinforced = found.dimensions.values()
-closed = 2 * steel.E * width * thickness**3 / length**3 / (1 - reinforced**3)
+plate = steel.E / (1 - steel.poisson() ** 2)
+closed = 2 * plate * width * thickness**3 / length**3 / (1 - reinforced**3)
 print(f"drive stiffness at small strokes, middle rigid: {closed:.1f} N/m")
 for name, value in checked.items():
     assert abs(value / found.answers[name] - 1) < 0.01, name
-assert checked["stress"] < 300e6 * 1.01
+assert checked["fatigue"] < 0.5 * 1.01
 assert checked["parasitic"] > 200.0
 assert abs(checked["drive"] / 1000 - 1) < 2e-3
 assert abs(closed / 1000 - 1) < 0.05
 assert checked["support"] > 2 * before["support"]
+assert checked["support"] < 0.95 * of_beams.answers["support"]
+assert min(rows["beams, really"][1]["drive"] / 1000, rows["beams, really"][1]["fatigue"] / 0.5) > 1.05

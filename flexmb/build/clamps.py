@@ -140,7 +140,10 @@ def is_clamped(builder: Description, end: End, before: tuple[bool, bool] | None 
     if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
         return True, True
     flat = restrained = False
-    for name, other in builder.members.items():
+    # What has no section is asked first: where it is rigid, nothing else needs to be known, nor to be numbers.
+    for name, other in sorted(builder.members.items(), key=lambda item: item[1].properties.get("section") is not None):
+        if flat and restrained:
+            break
         if name == end.leaf or end.rotation not in other.nodes:
             continue
         try:
