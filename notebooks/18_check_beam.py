@@ -19,7 +19,7 @@ from flexmb import spatial
 fm.enable_x64()
 cache = fm.enable_cache(thorough=False)
 # Beams leave out more than a percent of some stiffnesses here, which is warned of; that is what is looked at.
-warnings.filterwarnings("ignore", message="Plain beams")
+warnings.filterwarnings("ignore", category=fm.BeamTheoryWarning)
 
 # %% [markdown]
 # ## What solid elements say

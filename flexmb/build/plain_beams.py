@@ -37,7 +37,7 @@ class _Chain(NamedTuple):
 def warn_of_plain_beams(builder: Description) -> None:
     """Warn where plain beams leave out shear, or warping that clamps restrain, of more than 1 % of a stiffness.
 
-    Only sections whose sizes are known are looked at: rectangles and circles.
+    Only sections whose sizes are known are looked at: rectangles and circles, and such that vary smoothly.
 
     Source:
         Of a beam guided at its end, shear adds 12 EI/(GAk L^2) to its compliance; warping as
@@ -63,6 +63,8 @@ def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
     member = builder.members[chain.names[0]]
     section: Section = member.properties["section"]
     if isinstance(section, Profile):
+        if section.breaks:
+            return {}
         section = section.at(0.5, chain.length)
     if not isinstance(section, Rectangle | Circle) or not is_concrete(section):
         return {}
