@@ -1009,7 +1009,7 @@ FAULTS = [
         "blocks/site.py",
         "(planar if b.dimension == 2 else spatial).leaf_spring, section",
         "(planar if b.dimension == 2 else spatial).spectral_beam, section",
-        "blocks/test_blocks.py -k 'solid or clamped'",
+        "blocks/test_blocks.py -k solid or clamped",
     ),
     Fault(
         "build/clamps.py",
