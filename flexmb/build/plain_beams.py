@@ -1,7 +1,7 @@
 """What plain beams leave out of a leaf spring, told where it would change a stiffness."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -12,8 +12,9 @@ from ..elements.profile import Profile
 from ..elements.section import Section
 from ..elements.sections import Circle, Rectangle
 from ..errors import BeamTheoryWarning, ModelError, warn
+from ..math.quadrature import gauss
 from ..model.roles import Role
-from .clamps import End, axes_of, is_clamped, parts_of
+from .clamps import THICK, End, axes_of, is_clamped, parts_of
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, spatial.beam, spatial.spectral_beam)
@@ -24,6 +25,8 @@ SHARE = 0.01
 IN_LINE = np.radians(1.0)
 # From this width over thickness on a rectangle warps as a thin strip.
 STRIP = 3.0
+# Places in each smooth piece of a section that varies.
+SAMPLES = 12
 
 
 class _Chain(NamedTuple):
@@ -37,11 +40,11 @@ class _Chain(NamedTuple):
 def warn_of_plain_beams(builder: Description) -> None:
     """Warn where plain beams leave out shear, or warping that clamps restrain, of more than 1 % of a stiffness.
 
-    Only sections whose sizes are known are looked at: rectangles and circles, and such that vary smoothly.
+    Only sections whose sizes are known are looked at: rectangles and circles, and such that vary.
 
     Source:
-        Of a beam guided at its end, shear adds 12 EI/(GAk L^2) to its compliance; warping as
-        :func:`flexmb.sections.warping_factor` has it.
+        Of a beam guided at its end, shear adds 12 EI/(GAk L^2) to its compliance, and where its section varies what the
+        integrals of both compliances say; warping as :func:`flexmb.sections.warping_factor` has it.
     """
     found: dict[str, tuple[float, str, str]] = {}
     for chain in _chains(builder):
@@ -62,29 +65,43 @@ def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
     """By which share a stiffness changes with what is left out, by what."""
     member = builder.members[chain.names[0]]
     section: Section = member.properties["section"]
+    places, weights = gauss(SAMPLES)
     if isinstance(section, Profile):
-        if section.breaks:
-            return {}
-        section = section.at(0.5, chain.length)
-    if not isinstance(section, Rectangle | Circle) or not is_concrete(section):
+        ends = np.unique(np.clip([0.0, *map(float, section.breaks_at(chain.length)), 1.0], 0.0, 1.0))
+        sizes = np.diff(ends)
+        places = (ends[:-1, None] + sizes[:, None] * places).ravel()
+        weights = (sizes[:, None] * weights).ravel()
+        sections: list[Any] = [section.at(place, chain.length) for place in places]
+    else:
+        sections = [section] * len(places)
+    section = sections[0]
+    if not isinstance(section, Rectangle | Circle) or not is_concrete(sections):
         return {}
     nu, found = float(section.material.poisson()), {}
-    # By Cowper's shear coefficient, 12/k times the radius of gyration over the side, squared.
     if isinstance(section, Rectangle):
-        sides = float(section.thickness), float(section.width)
+        across = np.array([(float(one.thickness), float(one.width)) for one in sections]).T
         shape = (12 + 11 * nu) / (10 * (1 + nu))
     else:
-        sides = (float(section.diameter),) * 2
+        across = np.array([(float(one.diameter),) * 2 for one in sections]).T
         shape = (7 + 6 * nu) / (6 * (1 + nu)) * 3 / 4
     in_space = builder.dimension == 3
-    bends = {"shear in bending along local z": sides[0], "shear in bending along local y": sides[1]}
-    for number, (what, side) in enumerate(bends.items()):
+    area = across[0] * across[1]
+    for number, what in enumerate(("shear in bending along local z", "shear in bending along local y")):
         if not section.shear and _is_free(member, 2 + number if in_space else 1) and (in_space or not number):
-            found[what] = shape * 2 * (1 + nu) * (side / chain.length) ** 2
-    strip = isinstance(section, Rectangle) and section.warping_length is None and sides[1] >= STRIP * sides[0]
+            # About the place where a force turns nothing; shape is 12/k, with Cowper's k, times (radius/side)^2.
+            side = across[number]
+            bends = weights / (area * side**2)
+            centre = (bends @ places) / bends.sum()
+            found[what] = shape * 2 * (1 + nu) / 12 * (weights @ (1 / area)) / (bends @ (places - centre) ** 2)
+            found[what] = found[what] / chain.length**2
+    thick, wide = across[0].min(), across[1][across[0].argmin()]
+    strip = isinstance(section, Rectangle) and section.warping_length is None and wide >= STRIP * thick
     if in_space and strip and not parts_of(member, "warping") and _is_free(member, 1):
-        count = sum(_is_restrained(builder, end) for end in chain.ends)
-        decay = chain.length * math.sqrt(24 * (1 - nu)) / sides[1]
+        # The length of the thinnest section that twists as much; parts three times as thick hold its warping.
+        length = chain.length * (weights @ (across[1] * across[0] ** 3) ** -1.0) * wide * thick**3
+        notched = across[0].max() >= THICK * thick
+        count = 2 if notched else sum(_is_restrained(builder, end) for end in chain.ends)
+        decay = length * math.sqrt(24 * (1 - nu)) / wide
         found["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
     return found
 

@@ -347,6 +347,9 @@ def _from_geometry(section, area, iy, iz, it, k) -> Rigidity:
 def notch_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material) -> Profile:
     """Bar with a circular notch from both sides in its middle, the hinge of Paros and Weisbord.
 
+    Its twist by beams is that of a neck that warps freely, which a short neck between thick parts cannot: a solid model
+    with a neck of 0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. In bending it is within 6 %.
+
     Args:
         width: Side of the bar along local y, () [m].
         height: Side of the bar along local z, away from the notch, () [m].

@@ -2,6 +2,7 @@
 
 import warnings
 
+import numpy as np
 import pytest
 
 import flexmb as fm
@@ -56,3 +57,17 @@ def test_what_is_held_or_small_is_not_told():
     thick = fm.Rectangle(0.018, 0.01, STEEL)
     assert "along local z by 3%" in told(planar.beam, thick, ends=((0, 0), (0.1, 0)))
     assert "along local z by 2%" in told(spatial.beam, fm.Circle(0.01, STEEL))
+
+
+def test_sections_that_vary():
+    """A taper is nearly its mean; at the centre of a notch hinge nothing bends, and its short neck cannot warp."""
+    taper = fm.sections.taper(STRIP, fm.Rectangle(0.018, 0.4e-3, STEEL))
+    assert "along local y by 10%" in told(spatial.spectral_beam, taper)
+    notch = fm.sections.notch_circular(0.01, 5e-3, 0.3e-3, 5e-3, STEEL)
+    found = told(spatial.spectral_beam, notch, ends=((0, 0, 0), (0, 0, 0.02)))
+    # Trapezoidal rule over half of it, from the neck on.
+    x = np.linspace(0, 0.01, 200001)
+    t = np.where(x < np.sqrt(2.35e-3 * 7.65e-3), 0.3e-3 + 2 * (5e-3 - np.sqrt(np.maximum(25e-6 - x**2, 0))), 5e-3)
+    shear = np.trapezoid(2.6 * 15.3 / 13 / t, x) / np.trapezoid(12 * x**2 / t**3, x)
+    assert f"along local z by {shear:.0%}" in found
+    assert int(found.split("in torsion by ")[1].split("%")[0]) > 1000
