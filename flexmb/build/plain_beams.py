@@ -67,6 +67,8 @@ def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
     section: Section = member.properties["section"]
     places, weights = gauss(SAMPLES)
     if isinstance(section, Profile):
+        if not is_concrete(section.breaks_at(chain.length)):
+            return {}
         ends = np.unique(np.clip([0.0, *map(float, section.breaks_at(chain.length)), 1.0], 0.0, 1.0))
         sizes = np.diff(ends)
         places = (ends[:-1, None] + sizes[:, None] * places).ravel()
