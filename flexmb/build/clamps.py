@@ -14,14 +14,13 @@ from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
 from ..errors import FlexmbWarning, ModelError
 from ..model.model import Model
-from ..model.roles import Role
+from ..model.roles import HELD, Role
 from .description import Description, Member
 
 # A part so many times as thick as a leaf spring clamps it.
 THICK = 3.0
 # Leaf springs that meet at a larger angle are a fold [rad].
 FOLD = np.radians(5.0)
-HELD = (Role.FIXED, Role.PRESCRIBED)
 # Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
 TWIST = 2
 
@@ -71,7 +70,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
             if given is not None:
                 found = bool(given[end.number]), bool(given[end.number])
             else:
-                found = is_clamped(builder, end, _as_before(before, end))
+                found = is_clamped(builder, end, as_before(before, end))
             flat.append(found[0])
             restrained.append(found[1] or untwisted)
         own = {**member.properties, "clamped": np.array(flat, float)}
@@ -115,21 +114,21 @@ def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given
         node.roles[0] = Role.FIXED
 
 
-def _as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
+def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
     """Whether an end was flat, and its warping held, in a model of the same elements."""
     if before is None:
         return None
     labels = before.labels
     x_roles, _ = before.roles()
-    held = {entry.of for entry, role in zip(labels.x, x_roles, strict=True) if role in HELD and entry.kind == "warping"}
+    warping = {entry.of: role in HELD for entry, role in zip(labels.x, x_roles, strict=True) if entry.kind == "warping"}
     nodes = next((nodes for name, _, nodes in labels.elements if name == end.leaf), ())
-    warpings = [node for node in nodes if node.endswith(".warping")]
+    held = [warping[node] for node in nodes if node in warping]
     for block, properties in zip(before.topology.blocks, before.parameters.properties, strict=True):
         if "clamped" in properties and block.e.shape[1]:
             of = [labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()]
             if end.leaf in of:
                 flat = bool(np.asarray(properties["clamped"])[of.index(end.leaf), end.number])
-                return flat, bool(warpings) and warpings[end.number] in held
+                return flat, bool(held) and held[end.number]
     return None
 
 

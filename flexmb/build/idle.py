@@ -3,10 +3,8 @@
 from ..arguments import is_concrete
 from ..elements.sections import MaterialDamping
 from ..errors import warn
-from ..model.roles import Role
+from ..model.roles import HELD, Role
 from .description import Description
-
-HELD = (Role.FIXED, Role.PRESCRIBED)
 
 
 def warn_of_idle(builder: Description) -> None:

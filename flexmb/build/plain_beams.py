@@ -1,5 +1,6 @@
 """What plain beams leave out of a leaf spring, told where it would change a stiffness."""
 
+import dataclasses
 import math
 from typing import Any, NamedTuple
 
@@ -8,17 +9,16 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements import planar, spatial
-from ..elements.profile import Profile
 from ..elements.section import Section
 from ..elements.sections import Circle, Rectangle
+from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
-from ..model.roles import Role
+from ..model.roles import HELD
 from .clamps import THICK, End, axes_of, is_clamped, parts_of
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, spatial.beam, spatial.spectral_beam)
-HELD = (Role.FIXED, Role.PRESCRIBED)
 # A stiffness that changes by less is not told of.
 SHARE = 0.01
 # Beams of one leaf spring are in line up to this angle [rad].
@@ -33,7 +33,7 @@ class _Chain(NamedTuple):
     """Beams in line, one after the other: their names, whole length, and the two ends."""
 
     names: list[str]
-    length: float
+    length: Any
     ends: tuple[End, End]
 
 
@@ -55,8 +55,9 @@ def warn_of_plain_beams(builder: Description) -> None:
         return
     told = [f"{what} by {share:.0%} ('{first}'{last})" for what, (share, first, last) in found.items()]
     warn(
-        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it; a section may state"
-        " shear=True and warping_length=. Where beam theory is what is wanted, ignore fm.BeamTheoryWarning.",
+        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it, unless its section"
+        " has breaks; a section may state shear=True and warping_length=. Where beam theory is what is wanted, ignore"
+        " fm.BeamTheoryWarning.",
         BeamTheoryWarning,
     )
 
@@ -65,46 +66,36 @@ def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
     """By which share a stiffness changes with what is left out, by what."""
     member = builder.members[chain.names[0]]
     section: Section = member.properties["section"]
-    places, weights = gauss(SAMPLES)
-    if isinstance(section, Profile):
-        if not is_concrete(section.breaks_at(chain.length)):
-            return {}
-        ends = np.unique(np.clip([0.0, *map(float, section.breaks_at(chain.length)), 1.0], 0.0, 1.0))
-        sizes = np.diff(ends)
-        places = (ends[:-1, None] + sizes[:, None] * places).ravel()
-        weights = (sizes[:, None] * weights).ravel()
-        sections: list[Any] = [section.at(place, chain.length) for place in places]
-    else:
-        sections = [section] * len(places)
-    section = sections[0]
-    if not isinstance(section, Rectangle | Circle) or not is_concrete(sections):
+    pieces = pieces_of(section, chain.length)
+    if not is_concrete(pieces):
         return {}
-    nu, found = float(section.material.poisson()), {}
-    if isinstance(section, Rectangle):
-        across = np.array([(float(one.thickness), float(one.width)) for one in sections]).T
-        shape = (12 + 11 * nu) / (10 * (1 + nu))
-    else:
-        across = np.array([(float(one.diameter),) * 2 for one in sections]).T
-        shape = (7 + 6 * nu) / (6 * (1 + nu)) * 3 / 4
-    in_space = builder.dimension == 3
-    area = across[0] * across[1]
-    for number, what in enumerate(("shear in bending along local z", "shear in bending along local y")):
-        if not section.shear and _is_free(member, 2 + number if in_space else 1) and (in_space or not number):
-            # About the place where a force turns nothing; shape is 12/k, with Cowper's k, times (radius/side)^2.
-            side = across[number]
-            bends = weights / (area * side**2)
-            centre = (bends @ places) / bends.sum()
-            found[what] = shape * 2 * (1 + nu) / 12 * (weights @ (1 / area)) / (bends @ (places - centre) ** 2)
-            found[what] = found[what] / chain.length**2
-    thick, wide = across[0].min(), across[1][across[0].argmin()]
-    strip = isinstance(section, Rectangle) and section.warping_length is None and wide >= STRIP * thick
-    if in_space and strip and not parts_of(member, "warping") and _is_free(member, 1):
-        # The length of the thinnest section that twists as much; parts three times as thick hold its warping.
-        length = chain.length * (weights @ (across[1] * across[0] ** 3) ** -1.0) * wide * thick**3
-        notched = across[0].max() >= THICK * thick
-        count = 2 if notched else sum(_is_restrained(builder, end) for end in chain.ends)
-        decay = length * math.sqrt(24 * (1 - nu)) / wide
-        found["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
+    nodes, weights = gauss(SAMPLES)
+    places, weights = (np.asarray(all_).ravel() for all_ in (pieces.spread(nodes), pieces.sizes[:, None] * weights))
+    sections: list[Any] = [section.at(place, chain.length) for place in (places if section.varies else (0.0,))]
+    first = sections[0]
+    if not isinstance(first, Rectangle | Circle) or not is_concrete(sections):
+        return {}
+    counted = [dataclasses.replace(one, shear=True).rigidity() for one in sections]
+    in_space, found = builder.dimension == 3, {}
+    bendings = {"z": ("EIy", "shear_z"), "y": ("EIz", "shear_y")} if in_space else {"z": ("EIy", "shear_z")}
+    for field, (axis, names) in enumerate(bendings.items(), 2 if in_space else 1):
+        if not first.shear and _is_free(member, field):
+            stiff, shear = (np.array([float(getattr(one, name)) for one in counted]) for name in names)
+            # About the place where a force turns nothing.
+            bends = weights / stiff
+            away = places - (bends @ places) / bends.sum()
+            added = (weights * shear / stiff).sum() / (bends @ away**2) / chain.length**2
+            found[f"shear in bending along local {axis}"] = float(added)
+    if in_space and isinstance(first, Rectangle) and first.warping_length is None and _is_free(member, 1):
+        stiff = np.array([float(one.GIt) for one in counted])
+        neck = int(np.argmin(stiff))
+        if sections[neck].width >= STRIP * sections[neck].thickness:
+            # So long is a beam of its thinnest section that twists as much; much thicker parts hold its warping.
+            length = chain.length * (weights * stiff[neck] / stiff).sum()
+            notched = max(one.thickness for one in sections) >= THICK * sections[neck].thickness
+            count = 2 if notched else sum(_is_restrained(builder, end) for end in chain.ends)
+            decay = length * math.sqrt(stiff[neck] / float(counted[neck].EIw))
+            found["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
     return found
 
 
@@ -155,7 +146,7 @@ def _chains(builder: Description) -> list[_Chain]:
 
 
 def _is_plain(builder: Description, member: Member) -> bool:
-    if member.element.usual not in PLAIN or "section" not in member.properties:
+    if member.element.usual not in PLAIN or member.properties.get("section") is None:
         return False
     p, q = parts_of(member, "position")
     starts = builder.nodes[p].start, builder.nodes[q].start
@@ -163,11 +154,13 @@ def _is_plain(builder: Description, member: Member) -> bool:
 
 
 def _continues(builder: Description, along: dict[str, np.ndarray], one: End, other: End) -> bool:
-    """Whether two beams that share a rotation are in line and of one section."""
+    """Whether two beams that share a rotation are in line and of one section, and nothing holds them there."""
     first, second = (builder.members[end.leaf].properties["section"] for end in (one, other))
+    if one.leaf == other.leaf or first.varies or jax.tree.structure(first) != jax.tree.structure(second):
+        return False
     leaves, others = jax.tree.leaves(first), jax.tree.leaves(second)
-    same = type(first) is type(second) and is_concrete((leaves, others)) and leaves == others
-    return same and one.leaf != other.leaf and bool(abs(along[one.leaf] @ along[other.leaf]) > np.cos(IN_LINE))
+    in_line = bool(abs(along[one.leaf] @ along[other.leaf]) > np.cos(IN_LINE))
+    return in_line and is_concrete((leaves, others)) and leaves == others and not _is_restrained(builder, one)
 
 
 def _span(builder: Description, name: str) -> float:

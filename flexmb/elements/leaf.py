@@ -22,7 +22,7 @@ from ..errors import ModelError
 from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
 from .profile import Profile
-from .section import Material, Rigidity, Scalar, Section
+from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
 from .spectral import check_section, pieces_of, relative, rigidities, series_matrix, strains
 
@@ -103,7 +103,7 @@ class Leaf(Section):
         Returns:
             sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
-        found = [jnp.sqrt(warping_rigidity(r) / r.rigidity().GIt) / length for r in self._at_ends(length)]
+        found = [jnp.sqrt(r.EIw / r.GIt) / length for r in (at.rigidity() for at in self._at_ends(length))]
         return found[0], found[-1]
 
     def _at_ends(self, length: Any) -> list[Rectangle]:
@@ -327,8 +327,7 @@ class Leaf(Section):
         weights = (np.diff(steps)[:, None] * weights).ravel()
         twist, slopes = self.twist(order, places, length), self.twist_slopes(order, places, length)
         if elastic:
-            torsion = rigidities(of, jnp.asarray(places), length, ("GIt",))[:, 0]
-            warping = jax.vmap(lambda place: warping_rigidity(self.rectangle(place, length)))(places)
+            torsion, warping = rigidities(of, jnp.asarray(places), length, ("GIt", "EIw")).T
         else:
             torsion, warping = jnp.asarray(damping.GIt, float), 0.0
         own = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
@@ -403,17 +402,6 @@ def _fading(places, layer):
     """What is 1 at 0 and 0 at 1 where nothing acts in between, and its slope."""
     near, back, whole = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
     return (near - back) / whole, -(near + back) / (whole * layer)
-
-
-def as_plate(material: Material) -> Scalar:
-    """By how much a strip is stiffer whose cross-section is kept flat, 1/(1 - nu^2), () [-]."""
-    return 1 / (1 - material.poisson() ** 2)
-
-
-def warping_rigidity(rectangle: Rectangle) -> Scalar:
-    """Warping rigidity E' Cw of a strip, with E' = E/(1 - nu^2) and Cw = (width thickness)^3/144, () [N m^4]."""
-    material = rectangle.material
-    return material.E * as_plate(material) * (rectangle.width * rectangle.thickness) ** 3 / 144
 
 
 @pointwise

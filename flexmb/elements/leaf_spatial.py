@@ -139,8 +139,8 @@ Options: order, the number of coefficients of each strain, 6 unless given: the t
 cantilever is 2 % high with 5 and within 0.5 % with 6.
 Stress counts the bimoment of restrained warping, what is across the width where clamps keep it flat, and what the
 flattening of the middle and the tension of the edges give; see :mod:`.leaf_stress`. Nearer to a clamp than a tenth of
-the width a solid model has less of bending at the corners and a singularity on the very edge; what a clamp adds that
-does not warm up with the leaf spring is not counted.
+the width a solid model has less of bending at the corners and a singularity on the very edge; the stress across of a
+clamp that stays cold while the leaf spring warms up is not counted.
 
 Source: THEORY.md 2, eq. (2.22) to (2.30).
 """

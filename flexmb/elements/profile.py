@@ -156,7 +156,8 @@ class Profile(Section):
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
         for name in (*STIFF, "mass"):
             values: Any = getattr(rigidity, name)
-            gaps = (values == 0) & np.any(values != 0) & (name in STIFF)
+            # One that is zero everywhere is not asked for, but for EA, which every beam has.
+            gaps = (values == 0) & (np.any(values != 0) | (name == "EA")) & (name in STIFF)
             faulty = ~np.isfinite(values) | (values < 0) | gaps
             if np.any(faulty):
                 at = tuple(np.argwhere(faulty)[0])

@@ -181,6 +181,8 @@ beam = Element(
 Properties: section, damping, y (vector that fixes local y).
 
 Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
+It counts shear and restrained warping where its section does; where these are left out and would change a stiffness by
+more than 1 %, a model warns. ``spatial.leaf_spring`` has them, and what clamps do to a plate.
 """
 
 

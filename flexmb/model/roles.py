@@ -14,3 +14,7 @@ class Role(enum.Enum):
     DEPENDENT = "dependent"
     DOF = "dof"
     PRESCRIBED = "prescribed"
+
+
+# What is known beforehand.
+HELD = (Role.FIXED, Role.PRESCRIBED)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..build.builder import Builder
-from ..build.clamps import with_clamps
+from ..build.clamps import parts_of, with_clamps
 from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
@@ -36,7 +36,8 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
 
     Nodes and elements that are not named by numbers are numbered; comments say which is which. Sections are written
-    as their rigidities, those of leaf springs by their sizes. Comments of a file that was read, names of inputs and
+    as their rigidities, without sizes, strength or fatigue, so that what is read back has no stress; those of leaf
+    springs by their sizes. Comments of a file that was read, names of inputs and
     outputs, and user routines themselves are not kept.
 
     Args:
@@ -170,6 +171,16 @@ class _Writer:
                 )
         for name, m in self.shown.items():
             self._check_closure(name, m)
+            what, section = f"Element '{name}' ({m.element.name})", m.properties.get("section")
+            if section is not None and section.varies:
+                raise ModelError(
+                    f"{what} has a section that varies along it, which a SPACAR input file cannot express."
+                )
+            if self.kinds[name].warps and isinstance(m.properties.get("damping"), MaterialDamping):
+                raise ModelError(
+                    f"{what} is damped by its material, its warping too, which a SPACAR input file cannot express: give"
+                    " `damping`."
+                )
             if self.kinds[name].sized:
                 self._check_leaf(name, m)
         for name, node in self.builder.nodes.items():
@@ -201,9 +212,7 @@ class _Writer:
     def _check_leaf(self, name: str, m: Member) -> None:
         """A leaf spring is a rectangle of one material, whose warping goes with the rotations of its ends."""
         what = f"Element '{name}' ({m.element.name})"
-        section = m.properties["section"]
-        if not isinstance(section, Rectangle):
-            raise ModelError(f"{what} has a section that varies along it, which a SPACAR input file cannot express.")
+        section: Rectangle = m.properties["section"]
         material = section.material
         told = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
         if material.nu is not None and abs(float(material.nu) - float(material.E / (2 * material.G) - 1)) > EQUAL:
@@ -215,10 +224,7 @@ class _Writer:
                 f"{what}: its section has {', '.join(told)}, which a SPACAR input file cannot express: SECTION gives"
                 " width, thickness, E, G, rho and alpha."
             )
-        nodes = {kind.part: [] for kind in m.element.nodes.values()}
-        for node, kind in zip(m.nodes, m.element.nodes.values(), strict=True):
-            nodes[kind.part].append(node)
-        for rotation, warping in zip(nodes["rotation"], nodes.get("warping", []), strict=False):
+        for rotation, warping in zip(parts_of(m, "rotation"), parts_of(m, "warping"), strict=False):
             beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
             own = {nodes[nodes.index(rotation) + 1] for nodes in beams}
             if {warping} != (own or {f"{rotation.removesuffix('.rotation')}.warping"}):

@@ -288,6 +288,9 @@ def test_a_faulty_profile_is_refused_by_name(fault, space):
 def test_what_is_no_profile_is_refused():
     with pytest.raises(fm.ModelError, match="must take a place"):
         sections.Profile(lambda: leaf(1e-3))
+    nothing = sections.Profile(lambda s: fm.Circle(0.0 * s, STEEL))
+    with pytest.raises(fm.ModelError, match="has a section with EA = 0 at place"):
+        cantilever(spatial.spectral_beam, nothing, (0.1, 0.0, 0.0)).build()
     with pytest.raises(fm.ModelError, match="must give a section"):
         sections.Profile(lambda s: 5e-4 * s)
     with pytest.raises(fm.ModelError, match=r"entry of shape \(2,\)"):

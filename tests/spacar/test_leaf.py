@@ -273,7 +273,7 @@ def other(**changes):
 
     def change(b):
         own = b.members["last"].properties
-        material = {k: changes.pop(k) for k in ("nu", "strength", "damping") if k in changes}
+        material = {k: changes.pop(k) for k in ("nu", "strength", "fatigue", "damping") if k in changes}
         section = dataclasses.replace(SECTION, material=dataclasses.replace(STEEL, **material), **changes)
         b.members["last"].properties = {**own, "section": section}
 
@@ -287,6 +287,8 @@ def _tapered(b):
 INEXPRESSIBLE = {
     "Element 'last' (leaf_spring) has a section that varies along it": _tapered,
     "Element 'last' (leaf_spring): its section has strength, which": other(strength=1e9),
+    "Element 'last' (leaf_spring): its section has fatigue, which": other(fatigue=1e8),
+    "Element 'last' (leaf_spring): its section has no rotary inertia, which": other(rotary=False),
     "Element 'last' (leaf_spring): its section has damping, which": other(damping=1e-5),
     "Element 'last' (leaf_spring): its section has nu other than E/(2 G) - 1": other(nu=0.3),
     "Element 'last' (leaf_spring): its section has torsion by an approximation": other(torsion="approximate"),
