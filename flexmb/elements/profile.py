@@ -150,6 +150,11 @@ class Profile(Section):
         Args:
             length: Of the beam, or of each, () or (*n) [m].
         """
+        lengths = np.asarray(length, float)
+        first = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, *np.shape(leaf)[lengths.ndim :]))[0], self)
+        for place in (0.0, 0.5, 1.0):
+            if faults := first.at(place, lengths.ravel()[0]).faults():
+                return [f"has a section with {faults[0]}, at place {place:g}"]
         breaks, places, rigidity, means = self.along(length)
         if not (np.all((breaks > -SMALL) & (breaks < 1 + SMALL)) and np.all(np.diff(breaks, axis=1) > -SMALL)):
             wrong = ", ".join(f"{b:.6g}" for b in breaks[0])

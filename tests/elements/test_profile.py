@@ -268,8 +268,8 @@ def test_a_profile_that_does_not_vary_is_the_plain_beam():
 
 
 FAULTS = {
-    "zero": (lambda s: leaf(5e-4 * (1 - 2 * s)), (), "EA = 0 at place 0.5"),
-    "no number": (lambda s: leaf(jnp.sqrt(s - 0.5)), (), "EA = nan at place"),
+    "zero": (lambda s: leaf(5e-4 * (1 - 2 * s)), (), "thickness = 0.0, .*at place 0.5"),
+    "no number": (lambda s: leaf(jnp.sqrt(s - 0.5)), (), "thickness = nan, .*at place 0"),
     "break": (lambda s: leaf(5e-4), (0.5, 1.5), "breaks at 0.5, 1.5.*between 0 and 1"),
     "jump": (lambda s: leaf(jnp.where(s > 0.4, 5e-4, 3e-4)), (), "not smooth between its breaks"),
     "order": (lambda s: leaf(5e-4), (0.6, 0.4), "breaks at 0.6, 0.4.*in order"),
@@ -288,9 +288,12 @@ def test_a_faulty_profile_is_refused_by_name(fault, space):
 def test_what_is_no_profile_is_refused():
     with pytest.raises(fm.ModelError, match="must take a place"):
         sections.Profile(lambda: leaf(1e-3))
-    nothing = sections.Profile(lambda s: fm.Circle(0.0 * s, STEEL))
+    for diameter in (0.0, -1e-3):
+        nothing = sections.Profile(lambda s, d=diameter: fm.Circle(d + 0.0 * s, STEEL))
+        with pytest.raises(fm.ModelError, match=r"'leaf' has a section with diameter = .* positive, at place 0"):
+            cantilever(spatial.spectral_beam, nothing, (0.1, 0.0, 0.0))
     with pytest.raises(fm.ModelError, match="has a section with EA = 0 at place"):
-        cantilever(spatial.spectral_beam, nothing, (0.1, 0.0, 0.0)).build()
+        cantilever(spatial.spectral_beam, sections.Profile(lambda s: fm.Rigidity(EIy=1.0 + s)), (0.1, 0.0, 0.0))
     with pytest.raises(fm.ModelError, match="must give a section"):
         sections.Profile(lambda s: 5e-4 * s)
     with pytest.raises(fm.ModelError, match=r"entry of shape \(2,\)"):
