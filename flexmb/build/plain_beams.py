@@ -48,7 +48,10 @@ def warn_of_plain_beams(builder: Description) -> None:
     """
     found: dict[str, tuple[float, str, str]] = {}
     for chain in _chains(builder):
-        for what, share in _left_out(builder, chain).items():
+        # Where a build is traced, what follows from known sizes is still a number.
+        with jax.ensure_compile_time_eval():
+            left_out = _left_out(builder, chain)
+        for what, share in left_out.items():
             if share > SHARE and share > found.get(what, (0.0,))[0]:
                 found[what] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
     if not found:
