@@ -1,7 +1,7 @@
 """Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -140,16 +140,32 @@ def split(
     Returns:
         ``early(*constant)``, a tuple of arrays ``kept``, and ``late(*varying, *kept)``, what the function returns.
     """
-    leaves, structure = jax.tree.flatten((varying, constant))
-    count = len(jax.tree.leaves(varying))
+    early, (late,) = split_together([(function, varying)], constant)
+    return early, late
+
+
+def split_together(
+    functions: Sequence[tuple[Callable[..., Any], tuple]], constant: tuple
+) -> tuple[Callable[..., tuple], list[Callable[..., Any]]]:
+    """As :func:`split`, of several functions of the same constants: what they make of these alike is done once.
+
+    Args:
+        functions: Each with its arguments that vary, or their shapes.
+        constant: The others, or their shapes.
+
+    Returns:
+        ``early(*constant)``, a tuple of arrays ``kept``, and of each function ``late(*varying, *kept)``.
+    """
+    leaves, structure = jax.tree.flatten(([varying for _, varying in functions], constant))
+    count = len(leaves) - len(jax.tree.leaves(constant))
 
     def flat(*leaves):
         varying, constant = jax.tree.unflatten(structure, leaves)
-        return function(*varying, *constant)
+        return [function(*own, *constant) for (function, _), own in zip(functions, varying, strict=True)]
 
-    program, shape = jax.make_jaxpr(flat, return_shape=True)(*(jax.typeof(leaf) for leaf in leaves))
-    jaxpr, tree = program.jaxpr, jax.tree.structure(shape)
-    equations, results = _without_repeats(jaxpr)
+    program, shapes = jax.make_jaxpr(flat, return_shape=True)(*(jax.typeof(leaf) for leaf in leaves))
+    jaxpr = program.jaxpr
+    equations, results = _without_repeats(jaxpr, program.consts)
     moving, given = set(jaxpr.invars[:count]), set(jaxpr.invars[count:])
     late, early = [], []
     for equation in equations:
@@ -164,19 +180,25 @@ def split(
             # Of literals alone: of no argument, and so done where it is asked for.
             late.append(equation)
             early.append(equation)
-    late, wanted = _needed(late, results)
-    kept = [v for v in wanted if v in given]
-    early, _ = _needed(early, kept)
-    first = _program(jaxpr, jaxpr.invars[count:], early, kept)
-    then = _program(jaxpr, [*jaxpr.invars[:count], *kept], late, results)
+    kept = [v for v in _needed(late, results)[1] if v in given]
+    first = _program(jaxpr, jaxpr.invars[count:], _needed(early, kept)[0], kept)
+    rest, at = [], 0
+    for (_, varying), shape in zip(functions, shapes, strict=True):
+        own, results = results[: len(jax.tree.leaves(shape))], results[len(jax.tree.leaves(shape)) :]
+        inputs = jaxpr.invars[at : at + len(jax.tree.leaves(varying))]
+        at += len(inputs)
+        then = _program(jaxpr, [*inputs, *kept], _needed(late, own)[0], own)
+        rest.append(_evaluation(then, program.consts, jax.tree.structure(shape)))
+    return lambda *constant: tuple(jax.core.eval_jaxpr(first, program.consts, *jax.tree.leaves(constant))), rest
 
-    def prepared(*constant):
-        return tuple(jax.core.eval_jaxpr(first, program.consts, *jax.tree.leaves(constant)))
 
-    def function_of(*arguments):
-        return jax.tree.unflatten(tree, jax.core.eval_jaxpr(then, program.consts, *jax.tree.leaves(arguments)))
+def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any]:
+    """Function of arguments in whatever trees."""
 
-    return prepared, function_of
+    def function(*arguments):
+        return jax.tree.unflatten(results, jax.core.eval_jaxpr(jaxpr, constants, *jax.tree.leaves(arguments)))
+
+    return function
 
 
 def _program(jaxpr: Jaxpr, inputs: list, equations: list, results: list):
@@ -188,9 +210,11 @@ def _variables(atoms: Any) -> list:
     return [v for v in atoms if not isinstance(v, Literal)]
 
 
-def _without_repeats(jaxpr: Jaxpr) -> tuple[list, list]:
+def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
     """Equations without those done before, and results."""
-    same: dict = {}
+    first: dict = {}
+    values = [(v.aval, np.asarray(c).tobytes()) for v, c in zip(jaxpr.constvars, constants, strict=True)]
+    same: dict = {v: first.setdefault(value, v) for v, value in zip(jaxpr.constvars, values, strict=True)}
     known: dict = {}
     found = []
 

@@ -38,19 +38,14 @@ PARTS = 10
 TINY = 1e-12
 
 
-class Leaf(Section):
-    """The section of a leaf spring at each place, with what clamps do to it.
+class Sheared(Section):
+    """A section that varies smoothly, with its shear counted.
 
     Attributes:
         section: As it is given: a rectangle, or one whose sizes vary smoothly.
-        clamped: 1 where an end is clamped, 0 where it is not, of the first end and of the last, (2,).
-
-    Source:
-        THEORY.md 2, eq. (2.22).
     """
 
     section: Section
-    clamped: Float[Array, "2"]
 
     varies = True
 
@@ -72,9 +67,36 @@ class Leaf(Section):
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
 
+    def at(self, place: Scalar, length: Any) -> Section:
+        """The rectangle at a place.
+
+        Args:
+            place: From 0 to 1, () [-].
+            length: Of the leaf spring, () [m].
+        """
+        return self.rectangle(place, length)
+
+    def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
+        """Compliances at places over their means, as :func:`flexmb.elements.spectral.relative` has them."""
+        return relative(self, places, length, names)
+
+
+class Leaf(Sheared):
+    """The section of a leaf spring at each place, with what clamps do to it: they change strains (:meth:`relative`).
+
+    Attributes:
+        section: As it is given: a rectangle, or one whose sizes vary smoothly.
+        clamped: 1 where an end is clamped, 0 where it is not, of the first end and of the last, (2,).
+
+    Source:
+        THEORY.md 2, eq. (2.22).
+    """
+
+    clamped: Float[Array, "2"]
+
     def plain(self) -> Section:
         """The section without clamps, with its shear counted where it varies."""
-        return Leaf(self.section, jnp.zeros(2)) if self.section.varies else self.section
+        return Sheared(self.section) if self.section.varies else self.section
 
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
         """Where a clamp's influence on bending sideways, on stretching and on bending ends.
@@ -84,15 +106,6 @@ class Leaf(Section):
         """
         (stretched, stretched_back), (bent, bent_back), (sideways, sideways_back) = self.kept(length)[0]
         return sideways, stretched, bent, 1 - bent_back, 1 - stretched_back, 1 - sideways_back
-
-    def at(self, place: Scalar, length: Any) -> Section:
-        """The rectangle at a place; clamps change strains, see :meth:`relative`.
-
-        Args:
-            place: From 0 to 1, () [-].
-            length: Of the leaf spring, () [m].
-        """
-        return self.rectangle(place, length)
 
     def layers(self, length: Any) -> tuple[Scalar, Scalar]:
         """Over which distance from each end twist builds up where warping is restrained, over the length.
@@ -136,7 +149,7 @@ class Leaf(Section):
         """
         cut = self._flat(places, *self.kept(length))
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
-        base = relative(self, places, length, names) if self.section.varies else 1.0
+        base = relative(self.plain(), places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
 
     def _flat(self, places: Any, reaches: Float[Array, "kept 2"], shares: Float[Array, "2"]) -> Float[Array, "kept n"]:
@@ -208,7 +221,7 @@ class Leaf(Section):
         places = first[..., None] + sizes[..., None] * nodes
         shapes = legendre_values_at(order, places)
         if self.section.varies:
-            at = relative(self, places.reshape(-1), length, names)
+            at = relative(self.plain(), places.reshape(-1), length, names)
             at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(kept)])
             shapes = at[..., None] * shapes
         return places, sizes[..., None] * weights * less[:, None, None], shapes
@@ -301,7 +314,7 @@ class Leaf(Section):
         fields, elastic = len(names), of is None
         damping: Any = of
         if elastic:
-            of = self if self.section.varies else self.rectangle(0.0, length)
+            of = self.plain() if self.section.varies else self.rectangle(0.0, length)
         found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
         places, shares, shapes = self.near(order, np.zeros(1), np.ones(1), length, names, order + 2)
         if not elastic:

@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import traced_once
 from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
 from .profile import Profile
 from .section import Damping, Rigidity, Section
@@ -120,14 +121,19 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
         length: Of the beam [m].
         names: Attributes of :class:`flexmb.Rigidity`; "GAy" and "GAz" are shear rigidities.
     """
+    own = _along(section, jnp.asarray(places), length) if section.varies else section.at(0.0, length).rigidity()
+    found = [jnp.broadcast_to(jnp.asarray(_of(own, name), float), places.shape) for name in names]
+    return jnp.stack(found, axis=1)
+
+
+@traced_once
+def _along(section: Section, places: Float[Array, "n"], length: Float[Array, ""]) -> Rigidity:
+    """Rigidities at places, each (n,), of a section that varies."""
 
     def numbers(place):
-        s = section.at(place, length).rigidity()
-        return jnp.stack([jnp.asarray(_of(s, name), float) for name in names])
+        return jax.tree.map(lambda number: jnp.asarray(number, float), section.at(place, length).rigidity())
 
-    if section.varies:
-        return jax.vmap(numbers)(places)
-    return jnp.broadcast_to(numbers(0.0), (places.shape[0], len(names)))
+    return jax.vmap(numbers)(places)
 
 
 def _of(s: Any, name: str):

@@ -12,6 +12,7 @@ from ..compilation.record import Record
 from ..display import Result, States, Summary, listed, modal_summary
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
+from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces, scaled_loads
@@ -180,7 +181,7 @@ def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[
     return found[jnp.argsort(jnp.abs(found))]
 
 
-@jit
+@kernel
 def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -> Float[Array, "n_q"]:
     """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`."""
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
@@ -189,7 +190,7 @@ def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -
     return multipliers_of(m.K0, m.G0, noise)
 
 
-@jit
+@kernel
 def _buckling(topology: Topology, parameters: Parameters):
     k, g, noise, dfx, result = _stiffnesses(topology, parameters)
     inverse, vectors = _inverse_multipliers(topology, k, g)

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_whole, is_concrete
-from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
+from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.inertia import Felt, mass_matrix
 from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
@@ -277,7 +277,7 @@ def matrices_at(
     )
 
 
-_matrices = jit(matrices)
+_matrices = kernel(matrices)
 
 
 def linearized(given: Model | Linearization, function: str, throw: bool = True) -> Linearization:
@@ -339,7 +339,7 @@ def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization
     return lin
 
 
-@jit
+@kernel
 def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
     near = jax.lax.stop_gradient(m.e)
     _, jacobian = deformation_jacobian(topology, parameters, m.x, near)

@@ -10,6 +10,7 @@ from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, listed, modal_summary
+from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -65,7 +66,7 @@ def _frequencies_at(found: Matrices, *, count: int | None):
     return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
 
 
-@jit
+@kernel
 def _frequencies(topology: Topology, parameters: Parameters, *, count: int | None):
     return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count=count)
 

@@ -2,6 +2,8 @@
 
 import dataclasses
 import functools
+import inspect
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -10,9 +12,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
-from ..compilation.compile import as_primitives, traced_once
+from ..compilation.compile import as_primitives, jit, traced_once
 from ..compilation.kept import described
-from ..compilation.program import Captured, Code, captured, digest
+from ..compilation.program import Captured, Code, captured, digest, split_together
+from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR, Element
 from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity, Section
@@ -23,6 +26,79 @@ from ..model.topology import Block, Topology
 
 # Before the name of a companion: traced numbers that it refers to, among the properties.
 NUMBERS = "numbers of "
+# Companions of series elements that a kernel calls several times.
+REPEATED = ("deformation", "stiffness", "inertia", "energy")
+
+
+class Prepared(Record):
+    """Companions of a block, with what they make of the reference and the properties alone worked out.
+
+    Attributes:
+        functions: Of each companion, ``f(x_el, *numbers_el)`` of one element, without x_el where it depends on none.
+        numbers: What was worked out, stacked over the elements.
+    """
+
+    functions: tuple[tuple[str, Callable[..., Any]], ...] = static()
+    numbers: tuple[Array, ...]
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """As :func:`flexmb.jit`, of a function of a topology, its parameters, and more.
+
+    What the functions of elements with strain series make of reference and properties alone, such as the quadrature
+    along a section that varies, is worked out once: a kernel calls them in many places, and each would be compiled.
+
+    Args:
+        function: ``f(topology, parameters, *arguments, **options)``.
+
+    Returns:
+        The compiled function.
+    """
+
+    @functools.wraps(function)
+    def whole(topology, parameters, *arguments, **options):
+        return function(topology, _prepared(topology, parameters), *arguments, **options)
+
+    return jit(whole)
+
+
+def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
+    if parameters.prepared is not None:
+        return parameters
+    found = []
+    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+        names = tuple(name for name in REPEATED if companion_of(block, properties, name)[0] is not None)
+        found.append(None)
+        if names and block.element.series is not None and _of_package(block.element) and _compiles():
+            stacked = parameters.reference[block.x], with_rigidities(properties)
+            leaves, structure = jax.tree.flatten(stacked)
+            shapes = tuple((leaf.shape[1:], leaf.dtype) for leaf in leaves)
+            early, functions = _apart(
+                names, block.element, block.options, block.splits, block.e.shape[1], structure, shapes
+            )
+            found[-1] = Prepared(functions, jax.vmap(early)(*stacked))
+    return dataclasses.replace(parameters, prepared=tuple(found)) if any(found) else parameters
+
+
+@functools.lru_cache(256)
+def _apart(names: tuple[str, ...], element: Element, options, splits, n_e: int, structure, shapes):
+    """Companions of one element taken apart into what follows from reference and properties, and the rest of each."""
+    ref, own = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
+    block = Block(element, names, options, np.zeros((1, 0), int), np.zeros((1, n_e), int), splits)
+    varying = {"stiffness": (), "energy": ((jax.ShapeDtypeStruct((n_e,), float),),)}
+    taken = [(_alone(block, own, name), varying.get(name, (ref,))) for name in names]
+    early, late = split_together(taken, (ref, own))
+    return early, tuple(zip(names, late, strict=True))
+
+
+def _alone(block: Block, like: dict[str, Any], name: str):
+    """A companion of one element of the arguments that it depends on, and of its reference and properties."""
+    # It is taken apart operation by operation anyway.
+    function: Any = inspect.unwrap(companion_of(block, like, name)[0])
+    chosen = deforming if name == "deformation" else lambda block, own: own
+    if name == "stiffness":
+        return lambda ref, own: function(ref, ref, own)
+    return lambda x, ref, own: function(x, ref, chosen(block, own))
 
 
 def element_function(block: Block, companion, properties):
@@ -62,10 +138,24 @@ def each_block(topology: Topology, parameters: Parameters, companion: str):
     Yields:
         Block, function of one element, stacked reference coordinates, stacked properties.
     """
-    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+    known = parameters.prepared or [None] * len(topology.blocks)
+    for block, properties, prepared in zip(topology.blocks, parameters.properties, known, strict=True):
+        rest = dict(prepared.functions).get(companion) if prepared else None
+        if prepared and rest is not None:
+            yield block, _called(rest, companion), parameters.reference[block.x], prepared.numbers
+            continue
         function, properties = companion_of(block, properties, companion)
         if function is not None:
             yield block, function, parameters.reference[block.x], properties
+
+
+def _called(rest: Callable[..., Any], companion: str):
+    """What is left of a companion, called as the companion is."""
+
+    def function(x, ref, numbers):
+        return rest(*numbers) if companion == "stiffness" else rest(x, *numbers)
+
+    return function
 
 
 def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tuple[Any, dict[str, Any]]:

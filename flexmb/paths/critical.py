@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_number, check_whole
-from ..compilation.compile import jit
 from ..math.indices import put
 from ..math.linear import factorise
+from ..mechanics.blocks import kernel
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import lacks_potential
@@ -287,7 +287,7 @@ def _limit_load_jvp(primals, tangents):
 
 
 _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
-_compiled_limit_load = jit(_limit_load)
+_compiled_limit_load = kernel(_limit_load)
 
 
 def limit_load(model: Model, *, step: float = 0.1, max_steps: int = 200, throw: bool = True) -> Float[Array, ""]:

@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_number, check_whole, shown
-from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..display import AT_MOST, Result, States, Summary, course, short
 from ..errors import AnalysisError
@@ -17,6 +16,7 @@ from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
+from ..mechanics.blocks import kernel
 from ..mechanics.residual import state
 from ..model.model import AtNodes, Model, as_determined
 from ..model.parameters import Parameters
@@ -113,7 +113,7 @@ def _with_complex(found: _Found, step: Step) -> _Found:
     return found._replace(eigenvalues=values.real, stable=np.all(steady) & np.all(step.values > 0))
 
 
-@jit
+@kernel
 def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
     point = step.point
     factors = ramp.at(point.load)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..compilation.compile import jit
+from ..mechanics.blocks import kernel
 from ..mechanics.residual import state
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -96,7 +96,7 @@ class Step(NamedTuple):
         return float(self.point.load)
 
 
-@jit
+@kernel
 def _begin(topology: Topology, parameters: Parameters):
     ramp, point, tangent, scale, at, result = begin_path(topology, parameters)
     values = critical_values(topology, at, scale.sizes)
@@ -105,7 +105,7 @@ def _begin(topology: Topology, parameters: Parameters):
     return ramp, scale, step, result
 
 
-@jit
+@kernel
 def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, begin, direction, length, plane):
     new = step_along(topology, parameters, ramp, scale, begin, direction, length, plane)
     values = critical_values(topology, new.at, scale.sizes)
@@ -113,7 +113,7 @@ def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scal
     return Step(new.point, new.tangent, values, new.converged, regular, new.cosine, new.corrections)
 
 
-@jit
+@kernel
 def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point, shift, beside: Direction):
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     other = jnp.concatenate([beside.x[topology.x.dof], beside.strained[topology.e.dof]])

@@ -5,10 +5,10 @@ from typing import Any
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_flag, check_number, is_concrete
-from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest
 from ..errors import ModelError, warn
+from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
 from ..model.model import AtNodes, Labels, Model, as_determined, as_model
@@ -53,7 +53,7 @@ class Equilibrium(AtNodes, Result, Record):
         return Summary(f"Equilibrium: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
 
 
-@jit
+@kernel
 def _equilibrium(topology, parameters, target):
     at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
     return at.x, at.e, at.sigma, Felt(at.gravity), reactions_of(topology, at), iterations, result
