@@ -116,8 +116,10 @@ class Leaf(Sheared):
         Returns:
             sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
-        found = [jnp.sqrt(r.EIw / r.GIt) / length for r in (at.rigidity() for at in self._at_ends(length))]
-        return found[0], found[-1]
+        section = self.plain() if self.section.varies else self.rectangle(0.0, length)
+        twists, warps = rigidities(section, ENDS, length, ("GIt", "EIw")).T
+        first, last = jnp.sqrt(warps / twists) / length
+        return first, last
 
     def _at_ends(self, length: Any) -> list[Rectangle]:
         """Rectangles at the first end and at the last; one where the section does not vary."""
@@ -316,7 +318,11 @@ class Leaf(Sheared):
         if elastic:
             of = self.plain() if self.section.varies else self.rectangle(0.0, length)
         found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
-        places, shares, shapes = self.near(order, np.zeros(1), np.ones(1), length, names, order + 2)
+        # The steps of an order up to six along the leaf spring: what is computed there is computed once.
+        steps = np.diff(lobatto(STEPS + 1)[0])
+        ends = np.cumsum(steps)
+        starts = ends - steps
+        places, shares, shapes = self.near(order, starts, ends, length, names, max(DENSE, order // 2 + 3))
         if not elastic:
             # Strains are smaller by 1 - nu^2 there, and damping is not larger.
             shares = shares * (2 - self.kept(length)[1])[:, None, None]
@@ -334,10 +340,9 @@ class Leaf(Sheared):
             return found.reshape(fields * order, fields * order)
         turned = np.eye(fields)[names.index("GIt")]
         found = found * (1 - turned[:, None, None, None] * turned[:, None])
-        steps = lobatto(STEPS + 1)[0]
         nodes, weights = gauss(DENSE)
-        places = (steps[:-1, None] + np.diff(steps)[:, None] * nodes).ravel()
-        weights = (np.diff(steps)[:, None] * weights).ravel()
+        places = (starts[:, None] + steps[:, None] * nodes).ravel()
+        weights = (steps[:, None] * weights).ravel()
         twist, slopes = self.twist(order, places, length), self.twist_slopes(order, places, length)
         if elastic:
             torsion, warping = rigidities(of, jnp.asarray(places), length, ("GIt", "EIw")).T
