@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_number, check_numbers, is_concrete, numbers, shown
-from ..compilation.compile import jit
+from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
@@ -167,7 +167,7 @@ def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = Tr
     return value
 
 
-@jit
+@kernel
 def _frequency_like(topology: Topology, parameters: Parameters, shape: Float[Array, "n_q"]):
     found: Matrices = matrices(topology, parameters, LoadFactors(1.0, 0.0))
     values, vectors, _, result = spectrum(found.K, found.M0)
