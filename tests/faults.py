@@ -1149,6 +1149,10 @@ FAULTS = [
         "spacar/test_light.py -k initial_loads",
     ),
     Fault("spacar/light.py", "shapes * (2 * ratio", "shapes * (ratio", "spacar/test_light.py -k damping_ratio"),
+    # Results asked by name.
+    Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
+    Fault("model/by_name.py", "component, 0.5)", "component, 2.0)", "model/test_by_name.py -k shaft"),
+    Fault("motion/motion.py", "applied + reactions", "reactions", "motion/test_drive.py -k at_once"),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

@@ -18,12 +18,13 @@ from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, noda
 from ..mechanics.residual import State, linear_response
 from ..mechanics.stress_resultants import stress_of_loads
 from ..mechanics.transfer import multipliers
-from ..model.model import Model, as_determined
+from ..model.by_name import ByName, moved
+from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.solve import held_values, solve_state
-from .linearize import Linearization, Matrices, linearize
+from .linearize import AboutState, Linearization, Matrices, linearize
 from .spectrum import is_real
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
@@ -33,8 +34,11 @@ UNBOUNDED = 1e9
 ROUND_OFF = 1e-15
 
 
-class Buckling(Result, Record):
+class Buckling(ByName, AboutState, Result, Record):
     """Load multipliers and buckling modes, by magnitude.
+
+    Asked by name, as ``buckled.position("top")``, it answers of the state that the multipliers refer to;
+    ``buckled.shape("top")`` is how a node moves in each mode.
 
     Attributes:
         multipliers: Lambda of det(K0 + N0 + lambda G0) = 0, sign kept, (n,) [-].
@@ -46,6 +50,32 @@ class Buckling(Result, Record):
     shapes: Float[Array, "n_x n"]
     lin: Linearization
     one_axis = "multipliers"
+
+    @property
+    def matrices(self) -> Matrices:
+        """Linearised equations of the state that the multipliers refer to."""
+        return self.lin.matrices
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.lin.labels
+
+    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
+        """How a node moves in each mode.
+
+        Args:
+            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
+            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
+            component [-].
+
+        Raises:
+            KeyError: No such node or component.
+        """
+        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
 
     def states(self) -> States:
         """The modes about their state, each with its load multiplier."""

@@ -47,9 +47,7 @@ def compliance(model: Model | Linearization, node: str, *, local: bool = False) 
     check_flag("local", local)
     lin = linearized(model, "compliance")
     labels = lin.labels
-    parts = [p for p in (node, f"{node}.rotation") if labels.coordinates(p)]
-    if not parts:
-        raise KeyError(f"no node '{node}' in this model")
+    parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
         raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)

@@ -1,5 +1,6 @@
 """Linearised equations of motion about the static equilibrium."""
 
+import re
 from typing import Any, Generic, TypeVar
 
 import jax
@@ -17,12 +18,13 @@ from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
+from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
-from ..statics.solve import reactions_of, solve_state
+from ..statics.solve import external_of, reactions_of, solve_state
 
 
 class Rates(Record):
@@ -64,6 +66,7 @@ class Matrices(Result, Record):
         sigma: Stress resultants there, (n_e,).
         felt: Gravity and motion there, which act along the elements.
         reactions: Forces of the supports there, (n_x,).
+        external: Forces from outside there, loads but weight and the supports' together, (n_x,).
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
         symmetric: Whether the stiffness is symmetric by the nature of the loads.
@@ -85,6 +88,7 @@ class Matrices(Result, Record):
     sigma: Float[Array, "n_e"]
     felt: Felt
     reactions: Float[Array, "n_x"]
+    external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     symmetric: bool = static()
@@ -104,10 +108,16 @@ class _Of(Generic[T]):
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
+        # What ``help`` says of it is what is said of the matrix.
+        told = re.search(rf"^ +{name}: (.*(?:\n {{12}}.*)*)", Matrices.__doc__ or "", re.M)
+        self.__doc__ = " ".join(told.group(1).split()) if told else None
 
-    def __get__(self, result: "AboutState | None", owner: type) -> T:
+    def __get__(self, result: Any, owner: type) -> T:
         own: Any = self
         return own if result is None else getattr(result.matrices, self.name)
+
+    def __set__(self, result: Any, value: Any) -> None:
+        raise AttributeError(f"{self.name} is not to be changed: it is {self.name} of .matrices.")
 
 
 class AboutState:
@@ -117,7 +127,6 @@ class AboutState:
         matrices: The numbers.
     """
 
-    matrices: Matrices
     M0 = _Of[Float[Array, "*states n_q n_q"]]()
     C0 = _Of[Float[Array, "*states n_q n_q"]]()
     D0 = _Of[Float[Array, "*states n_q n_q"]]()
@@ -134,12 +143,13 @@ class AboutState:
     sigma = _Of[Float[Array, "*states n_e"]]()
     felt = _Of[Felt]()
     reactions = _Of[Float[Array, "*states n_x"]]()
+    external = _Of[Float[Array, "*states n_x"]]()
     iterations = _Of[Int[Array, "*states"]]()
     symmetric = _Of[bool]()
     moving = _Of[Rates | None]()
 
 
-class Linearization(AboutState, Result, Record):
+class Linearization(ByName, AboutState, Result, Record):
     """Linearised equations of motion about the equilibrium of a model.
 
     The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).
@@ -271,6 +281,7 @@ def matrices_at(
         sigma=at.sigma,
         felt=Felt(at.gravity),
         reactions=reactions_of(topology, at),
+        external=external_of(topology, parameters, at),
         iterations=iterations,
         result=result.astype(jnp.int32),
         symmetric=not lacks_potential(topology),

@@ -16,15 +16,19 @@ from ..display import Result, States, Summary, course, short
 from ..math.indices import put
 from ..mechanics.inertia import mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
-from ..model.model import AtNodes, Labels, Model
+from ..model.by_name import ByName
+from ..model.model import Labels, Model
 from ..results import RESULTS
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .loop import under_inputs
 
 
-class Motion(AtNodes, Result, Record):
+class Motion(ByName, Result, Record):
     """Motion of a mechanism at the times asked for.
+
+    Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,
+    each time anew. ``seen = motion.observe()`` computes them once, and is asked by name as the motion is.
 
     Attributes:
         t: Times, (n_t,) [s].
@@ -58,16 +62,30 @@ class Motion(AtNodes, Result, Record):
         """Names."""
         return self.model.labels
 
-    def velocity(self, node: str) -> Float[Array, "n_t n"]:
-        """Velocities of a node's coordinates at every time.
+    @property
+    def e(self) -> Float[Array, "n_t n_e"]:
+        """Deformations, (n_t, n_e) [m, rad]."""
+        return self.near
 
-        Args:
-            node: Name of the node.
+    @property
+    def xdd(self) -> Float[Array, "n_t n_x"]:
+        """Accelerations by :meth:`observe`, (n_t, n_x) [1/s^2]."""
+        return self.observe().xdd
 
-        Raises:
-            KeyError: No such node.
-        """
-        return self.xd[:, self.labels.known(node)]
+    @property
+    def sigma(self) -> Float[Array, "n_t n_e"]:
+        """Stress resultants by :meth:`observe`, (n_t, n_e) [N, N m]."""
+        return self.observe().sigma
+
+    @property
+    def reactions(self) -> Float[Array, "n_t n_x"]:
+        """Forces of the supports by :meth:`observe`, (n_t, n_x) [N, N m]."""
+        return self.observe().reactions
+
+    @property
+    def external(self) -> Float[Array, "n_t n_x"]:
+        """Forces from outside by :meth:`observe`, (n_t, n_x) [N, N m]."""
+        return self.observe().external
 
     def until(self, count: int) -> Motion:
         """The first of the times only.
@@ -90,7 +108,8 @@ class Motion(AtNodes, Result, Record):
             Observed.
         """
         model = self.model
-        return _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
+        found = _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
+        return dataclasses.replace(found, labels=model.labels)
 
     def states(self) -> States:
         """The states, over time."""
@@ -108,31 +127,39 @@ class Motion(AtNodes, Result, Record):
         return Summary(f"Motion: {course(self.states())}", rows, "history")
 
 
-class Observed(Result, Record):
-    """Quantities that follow from positions and velocities, at every time.
+class Observed(ByName, Result, Record):
+    """Quantities that follow from positions and velocities, at every time; asked by name as the motion is.
 
     Attributes:
+        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
+        xd: Their velocities, (n_t, n_x) [1/s].
         xdd: Accelerations, (n_t, n_x) [1/s^2].
         e: Deformations, (n_t, n_e) [m, rad].
         ed: Their rates, (n_t, n_e) [m/s, rad/s].
         sigma: Stress resultants, multipliers included, (n_t, n_e) [N, N m].
         reactions: Forces of the supports on the mechanism, (n_t, n_x) [N, N m].
+        external: Forces that act from outside, loads but weight and the supports' together, (n_t, n_x) [N, N m].
         kinetic: Kinetic energy, (n_t,) [J].
         elastic: Elastic energy, (n_t,) [J].
         potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
         power: Power of all other loads, of prescribed motion and of thermal expansion, less what dampers and laws take,
             (n_t,) [W].
+        labels: Names.
     """
 
+    x: Float[Array, "n_t n_x"]
+    xd: Float[Array, "n_t n_x"]
     xdd: Float[Array, "n_t n_x"]
     e: Float[Array, "n_t n_e"]
     ed: Float[Array, "n_t n_e"]
     sigma: Float[Array, "n_t n_e"]
     reactions: Float[Array, "n_t n_x"]
+    external: Float[Array, "n_t n_x"]
     kinetic: Float[Array, "n_t"]
     elastic: Float[Array, "n_t"]
     potential: Float[Array, "n_t"]
     power: Float[Array, "n_t"]
+    labels: Labels = static()
 
     @property
     def energy(self) -> Float[Array, "n_t"]:
@@ -168,7 +195,8 @@ def _observe(model, driven, t, x, xd, near, u):
         if drive.loads.prestress is not None:
             conservative, elastic = conservative + drive.loads.prestress, elastic + drive.loads.prestress @ stored
         # All forces but inertia, springs, constant forces and gravity.
-        other = form.applied(t, whole.x) - (0.0 if constant is None else constant)
+        applied = form.applied(t, whole.x)
+        other = applied - (0.0 if constant is None else constant)
         held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
         reactions = jnp.where(held == 1.0, force, 0.0)
         power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
@@ -179,6 +207,7 @@ def _observe(model, driven, t, x, xd, near, u):
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
         kinetic = 0.5 * whole.v @ mass @ whole.v
-        return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
+        seen = whole.x, whole.v, whole.a, kin.e, kin.ed, sigma, reactions, applied + reactions
+        return Observed(*seen, kinetic, elastic, potential, power, model.labels)
 
     return jax.lax.map(one, (t, x, xd, near, u))

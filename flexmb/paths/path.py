@@ -18,7 +18,8 @@ from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..mechanics.residual import state
-from ..model.model import AtNodes, Model, as_determined
+from ..model.by_name import ByName
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -27,7 +28,7 @@ from .stepper import Ramp
 from .walk import Step, Walker
 
 
-class Path(AtNodes, AboutState, Result, Record):
+class Path(ByName, AboutState, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:

@@ -11,13 +11,14 @@ from ..display import Result, Summary, largest
 from ..errors import ModelError, warn
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
-from ..model.model import AtNodes, Labels, Model, as_determined, as_model
+from ..model.by_name import ByName
+from ..model.model import Labels, Model, as_determined, as_model
 from ..results import RESULTS, check
-from .solve import reactions_of, solve_state
+from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
 
 
-class Equilibrium(AtNodes, Result, Record):
+class Equilibrium(ByName, Result, Record):
     """Static equilibrium under constant loads.
 
     Attributes:
@@ -26,6 +27,7 @@ class Equilibrium(AtNodes, Result, Record):
         sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
         felt: Gravity, which acts along the elements.
         reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
+        external: Forces that act from outside, loads but weight and the supports' together, dual to x, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
         result: Code of RESULTS; critical_state is no failure: the state is right, its derivative is not.
         labels: Names.
@@ -36,6 +38,7 @@ class Equilibrium(AtNodes, Result, Record):
     sigma: Float[Array, "n_e"]
     felt: Felt
     reactions: Float[Array, "n_x"]
+    external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     labels: Labels = static()
@@ -56,7 +59,8 @@ class Equilibrium(AtNodes, Result, Record):
 @jit
 def _equilibrium(topology, parameters, target):
     at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
-    return at.x, at.e, at.sigma, Felt(at.gravity), reactions_of(topology, at), iterations, result
+    outside = reactions_of(topology, at), external_of(topology, parameters, at)
+    return at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
 
 
 def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
@@ -128,7 +132,7 @@ def equilibrium(
     (as_model if sparse else as_determined)(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = sparse_equilibrium if sparse else _equilibrium
-    x, e, sigma, felt, reactions, iterations, result = solve(model.topology, model.parameters, target)
-    solved = Equilibrium(x, e, sigma, felt, reactions, iterations, result, model.labels)
+    found: Any = solve(model.topology, model.parameters, target)
+    solved = Equilibrium(*found, labels=model.labels)
     check(solved.result, throw)
     return solved
