@@ -9,22 +9,28 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_whole
+from ..arguments import check_number, check_whole
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, course, short
+from ..display import Result, States, Summary, course, listed, short
+from ..linear.linearize import Linearization, ManyStates, Stressed
 from ..math.indices import put
-from ..mechanics.inertia import mass_matrix, work_of_weight
+from ..mechanics.inertia import Felt, mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..results import RESULTS
 from .coordinates_form import coordinates_form
 from .drive import Driven
+from .element_forces import Moving
 from .loop import under_inputs
+from .moving_matrices import moving_matrices
+
+# A time is one of the output times where it differs from it by at most this share of the largest.
+SAME_TIME = 1e-9
 
 
-class Motion(ByName, Result, Record):
+class Motion(ByName, ManyStates, Result, Record):
     """Motion of a mechanism at the times asked for.
 
     Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,
@@ -111,6 +117,63 @@ class Motion(ByName, Result, Record):
         found = _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
         return dataclasses.replace(found, labels=model.labels)
 
+    def linearizations(self) -> Linearization:
+        """Linearised equations at every time; see :func:`flexmb.motion.linearize_motion`."""
+        return self._linearized_at(slice(None))
+
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
+        """Linearised equations at one of the times.
+
+        Args:
+            step: Number of the time, from 0; the last unless given.
+            time: The time itself [s].
+
+        Raises:
+            IndexError: There are not so many times.
+            ValueError: It is none of the times, of which the nearest are named; or both are given.
+        """
+        number = self.number_of(step, time)
+        return self._linearized_at(slice(number, number + 1)).at_time(0)
+
+    def number_of(self, step: int | None = None, time: float | None = None) -> int:
+        """Number of a state, from 0.
+
+        Args:
+            step: The number, from the end where negative; the last unless given.
+            time: Time of the state [s].
+
+        Raises:
+            IndexError: There are not so many times.
+            ValueError: It is none of the times, of which the nearest are named; or both are given.
+        """
+        times = np.asarray(self.t)
+        if time is not None:
+            check_number("time", time)
+            if step is not None:
+                raise ValueError("Arguments `step` and `time` say both which state is meant: give one of them.")
+            near = np.argsort(np.abs(times - time), kind="stable")[:2]
+            if len(near) and abs(times[near[0]] - time) <= SAME_TIME * np.max(np.abs(times)):
+                return int(near[0])
+            raise ValueError(
+                f"Argument `time` must be one of the {len(times)} times of the motion, but is {short(time)} s; the"
+                f" nearest are {listed(np.sort(times[near]), 's')}. Simulate with that time among them."
+            )
+        count, chosen = len(times), -1 if step is None else check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+        return chosen % count
+
+    def stressed(self) -> Stressed:
+        """What the stress at all times is computed from, by :meth:`observe`."""
+        seen, gravity = self.observe(), self.model.parameters.loads.gravity
+        count = self.t.shape[0]
+        falling = None if gravity is None else jnp.broadcast_to(gravity, (count, *gravity.shape))
+        return Stressed(seen.x, seen.sigma, Felt(falling, seen.xd, seen.xdd), self.near)
+
+    def _linearized_at(self, which: slice) -> Linearization:
+        model, rows = self.model, (part[which] for part in (self.t, self.x, self.xd, self.near))
+        return Linearization(_along(model.topology, model.parameters, self.driven, *rows), model)
+
     def states(self) -> States:
         """The states, over time."""
         return States(self.model, self.x, "motion", self.t, "time [s]")
@@ -165,6 +228,21 @@ class Observed(ByName, Result, Record):
     def energy(self) -> Float[Array, "n_t"]:
         """Whole energy, (n_t,) [J]; its rate is ``power``."""
         return self.kinetic + self.elastic + self.potential
+
+
+@jit_beside_options
+def _along(topology, parameters, driven, t, x, xd, near):
+    """Linearised equations at every time."""
+    form = coordinates_form(topology, parameters, driven)
+
+    def one(at):
+        t, x, xd, near = at
+        state = form.state_of(x, xd, near)
+        z, _ = form.acceleration(t, state)
+        whole = form.whole(t, state.u, state.w, z[: form.size])
+        return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
+
+    return jax.lax.map(one, (t, x, xd, near))
 
 
 @jit_beside_options

@@ -82,13 +82,23 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
     return load_factors(load_factor, increment)
 
 
+# What functions without the argument `increment` take in its place.
+_INSTEAD = {
+    "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
+    "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
+    "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
+    "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 where none is meant",
+    "to_nonlinear_system": "Build them without increment=True where they are meant",
+}
+
+
 def warn_of_increment(model: Model, function: str) -> None:
     """Say that incremental loads are left out, but for models under a trace."""
     if model.parameters.increment is not None and is_concrete(model):
+        usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this one"
         warn(
             f"fm.{function} leaves out the incremental loads of the model: it is asked about the state without them."
-            " Give fm.linearize(model, increment=1.0), or increment=1.0 where it is an argument, for the state under"
-            " all of them; increment=0.0 where none of them is meant."
+            f" {_INSTEAD.get(function, usual)}."
         )
 
 
