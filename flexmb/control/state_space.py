@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete
 from ..compilation.compile import jit
 from ..errors import AnalysisError, ModelError
-from ..linear.linearize import Linearization, Matrices, linearized
+from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import factorise
@@ -246,11 +246,22 @@ def _drives_only_unseen(m: Matrices, force: np.ndarray, lin: Linearization, cond
     return not any(abs(np.asarray(r) @ direct) > IDLE * (np.abs(r) @ np.abs(direct)) for r in rows)
 
 
-def to_statespace(model: Model | Linearization) -> "control.StateSpace":
+def to_statespace(
+    model: Model | Linearization,
+    *,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
+) -> "control.StateSpace":
     """The linearised mechanism as a ``control.StateSpace`` with names for states, inputs and outputs.
 
     Args:
         model: Mechanism, or its linearisation; of a motion that at one time, ``lin.at_time(0)``.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
         control.StateSpace; matrices as :func:`state_matrices`.
@@ -270,7 +281,7 @@ def to_statespace(model: Model | Linearization) -> "control.StateSpace":
             f"This linearisation is along a motion, at {len(model.matrices.M0)} times, and a control.StateSpace is that"
             " at one: give lin.at_time(0), or take A, B, C and D at all of them from state_matrices(lin)."
         )
-    lin = linearized(model, "to_statespace")
+    lin = linearized(model, "to_statespace", where=Where(at, step, time, increment))
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
         raise ModelError("A state-space model needs an input and an output: name them with input() and output().")

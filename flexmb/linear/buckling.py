@@ -16,15 +16,17 @@ from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces, scaled_loads
-from ..mechanics.residual import State, linear_response
+from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
 from ..mechanics.transfer import multipliers
-from ..model.model import Model, as_determined
+from ..model.by_name import ByName, moved
+from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
+from ..statics.equilibrium import load_factors_of
 from ..statics.solve import held_values, solve_state
-from .linearize import Linearization, Matrices, linearize
+from .linearize import AboutState, Linearization, ManyStates, Matrices, Where, linearize
 from .spectrum import is_real
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
@@ -34,8 +36,11 @@ UNBOUNDED = 1e9
 ROUND_OFF = 1e-15
 
 
-class Buckling(Result, Record):
+class Buckling(ByName, AboutState, Result, Record):
     """Load multipliers and buckling modes, by magnitude.
+
+    Asked by name, as ``buckled.position("top")``, it answers of the state that the multipliers refer to;
+    ``buckled.shape("top")`` is how a node moves in each mode.
 
     Attributes:
         multipliers: Lambda of det(K0 + N0 + lambda G0) = 0, sign kept, (n,) [-].
@@ -47,6 +52,32 @@ class Buckling(Result, Record):
     shapes: Float[Array, "n_x n"]
     lin: Linearization
     one_axis = "multipliers"
+
+    @property
+    def matrices(self) -> Matrices:
+        """Linearised equations of the state that the multipliers refer to."""
+        return self.lin.matrices
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.lin.labels
+
+    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
+        """How a node moves in each mode.
+
+        Args:
+            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
+            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
+            component [-].
+
+        Raises:
+            KeyError: No such node or component.
+        """
+        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
 
     def states(self) -> States:
         """The modes about their state, each with its load multiplier."""
@@ -128,12 +159,6 @@ def _noise(topology, parameters, tangent, stays, sigma, moved) -> Float[Array, "
     return jnp.where(jnp.isfinite(noise), noise, 0.0)
 
 
-def _stiffnesses(topology: Topology, parameters: Parameters):
-    """Stiffness that stays and stiffness that is scaled, round-off of 1/lambda, DFx, and code of the equilibrium."""
-    at, near, result, _ = solve_state(topology, parameters, LoadFactors(1.0, 0.0))
-    return *scaled_stiffness(topology, parameters, at, near), at.transfer.DFx, result
-
-
 def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
     """Load multipliers, infinite where they are unbounded.
 
@@ -191,8 +216,22 @@ def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -
 
 
 @kernel
-def _buckling(topology: Topology, parameters: Parameters):
-    k, g, noise, dfx, result = _stiffnesses(topology, parameters)
+def _buckling(topology: Topology, parameters: Parameters, target: LoadFactors):
+    at, near, result, _ = solve_state(topology, parameters, target)
+    return _buckling_about(topology, parameters, at, near, result)
+
+
+@kernel
+def _buckling_at(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near):
+    """As :func:`_buckling` about a state that has been found."""
+    at = state(topology, parameters, factors, x, near)
+    return _buckling_about(topology, parameters, at, near, jnp.asarray(RESULTS.successful, jnp.int32))
+
+
+def _buckling_about(topology: Topology, parameters: Parameters, at: State, near, result):
+    """Multipliers, modes in the coordinates, and code of RESULTS."""
+    k, g, noise = scaled_stiffness(topology, parameters, at, near)
+    dfx = at.transfer.DFx
     inverse, vectors = _inverse_multipliers(topology, k, g)
     multiplier = bounded_of(inverse, noise)
     stable = is_positive_definite((k + k.T) / 2)
@@ -200,13 +239,42 @@ def _buckling(topology: Topology, parameters: Parameters):
     return multiplier, dfx @ vectors, result
 
 
-def buckling_loads(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
+def _asked(model: Model, function: str, throw: bool, at: ManyStates | None, step: int | None, increment: float | None):
+    """Multipliers and modes of what a public function is asked about, and the linearisation of a path's state."""
+    as_determined(model, function)
+    where = Where(at, step, None, increment)
+    where.refuse(function)
+    lin = None
+    if at is None:
+        target = load_factors_of(model, 1.0, 0.0 if increment is None else increment, function)
+        multiplier, shapes, result = _buckling(model.topology, model.parameters, target)
+    else:
+        if not isinstance(at, ManyStates) or at.states().kind != "path":
+            raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not a {type(at).__name__}.")
+        lin = where.linearization(model, function)
+        factors = at.factors(-1 if step is None else step)
+        multiplier, shapes, result = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
+    check(result, throw)
+    return multiplier, shapes, lin
+
+
+def buckling_loads(
+    model: Model,
+    *,
+    throw: bool = True,
+    at: ManyStates | None = None,
+    step: int | None = None,
+    increment: float | None = None,
+) -> Float[Array, "n_q"]:
     """Load multipliers of linear buckling.
 
     Args:
         model: Mechanism with loads; differentiable in ``model.parameters``. With incremental loads, those are scaled
             and the others are a constant preload; otherwise all loads are scaled.
         throw: Raise where the equilibrium fails or is unstable.
+        at: Path of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of the path, from 0; -1 for the last.
+        increment: Factor of the incremental loads in the state to begin from, () [-]; zero unless given.
 
     Returns:
         (n_q,) [-], by magnitude, sign kept, infinite where the load does not act: where round-off alone gives one.
@@ -217,18 +285,25 @@ def buckling_loads(model: Model, *, throw: bool = True) -> Float[Array, "n_q"]:
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
-    as_determined(model, "buckling_loads")
-    multiplier, _, result = _buckling(model.topology, model.parameters)
-    check(result, throw)
-    return multiplier
+    return _asked(model, "buckling_loads", throw, at, step, increment)[0]
 
 
-def buckling(model: Model, *, throw: bool = True) -> Buckling:
+def buckling(
+    model: Model,
+    *,
+    throw: bool = True,
+    at: ManyStates | None = None,
+    step: int | None = None,
+    increment: float | None = None,
+) -> Buckling:
     """Load multipliers and modes of linear buckling.
 
     Args:
         model: Mechanism with loads; see :func:`buckling_loads`.
         throw: Raise where the equilibrium fails or is unstable.
+        at: Path of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of the path, from 0; -1 for the last.
+        increment: Factor of the incremental loads in the state to begin from, () [-]; zero unless given.
 
     Returns:
         Buckling with multipliers (n,) [-] and shapes (n_x, n); unbounded ones are left out.
@@ -239,10 +314,9 @@ def buckling(model: Model, *, throw: bool = True) -> Buckling:
     Source:
         See :func:`buckling_loads`.
     """
-    as_determined(model, "buckling")
-    multiplier, shapes, result = _buckling(model.topology, model.parameters)
-    check(result, throw)
+    multiplier, shapes, lin = _asked(model, "buckling", throw, at, step, increment)
     bounded = int(np.sum(np.isfinite(multiplier)))
     shapes = np.asarray(shapes[:, :bounded])
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
-    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), linearize(model, increment=0.0, throw=throw))
+    lin = lin or linearize(model, increment=increment or 0.0, throw=throw)
+    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), lin)

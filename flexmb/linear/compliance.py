@@ -14,7 +14,7 @@ from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check
-from .linearize import Linearization, Matrices, linearized
+from .linearize import Linearization, ManyStates, Matrices, Where, linearized
 from .loose import free_motions, named, takes_part
 
 
@@ -23,13 +23,26 @@ def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
     return 2 * lbar(coordinates) if coordinates.shape[0] == ROTATION3.size else jnp.eye(coordinates.shape[0])
 
 
-def compliance(model: Model | Linearization, node: str, *, local: bool = False) -> Float[Array, "n n"]:
+def compliance(
+    model: Model | Linearization,
+    node: str,
+    *,
+    local: bool = False,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
+) -> Float[Array, "n n"]:
     """Displacements and rotations of a node under unit forces and moments on it.
 
     Args:
         model: Mechanism, or its linearisation.
         node: Name of the node. A position with a rotation "name.rotation" gives both.
         local: In axes that turn with the node instead of the global ones; needs a rotation.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
         u = C f with u = (displacements, rotations) and f = (forces, moments): (3, 3) in the plane, (6, 6) in space,
@@ -45,11 +58,9 @@ def compliance(model: Model | Linearization, node: str, *, local: bool = False) 
         THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
     check_flag("local", local)
-    lin = linearized(model, "compliance")
+    lin = linearized(model, "compliance", where=Where(at, step, time, increment))
     labels = lin.labels
-    parts = [p for p in (node, f"{node}.rotation") if labels.coordinates(p)]
-    if not parts:
-        raise KeyError(f"no node '{node}' in this model")
+    parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
         raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
@@ -94,11 +105,22 @@ def _compliance(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: boo
     return scaled @ factors.solve(scaled.T), jacobian, result.astype(jnp.int32)
 
 
-def directional_compliance(model: Model | Linearization) -> dict[str, np.ndarray]:
+def directional_compliance(
+    model: Model | Linearization,
+    *,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
+) -> dict[str, np.ndarray]:
     """Displacement of every node along each axis under a unit force along that axis.
 
     Args:
         model: Mechanism, or its linearisation.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
         For each node: one value a coordinate [m/N]; three rotations about global axes, or the angle [rad/(N m)].
@@ -110,7 +132,7 @@ def directional_compliance(model: Model | Linearization) -> dict[str, np.ndarray
     Source:
         Diagonal of DFx (K0 + N0 + G0)^-1 DFx^T, with rotations by omega = 2 Lbar d(lambda)/dt.
     """
-    lin = linearized(model, "directional_compliance")
+    lin = linearized(model, "directional_compliance", where=Where(at, step, time, increment))
     dfx = np.asarray(lin.matrices.DFx)
     flexibility, free = free_motions(lin.matrices)
     if free.shape[1]:

@@ -1,6 +1,7 @@
 """Linearised equations of motion about the static equilibrium."""
 
-from typing import Any, Generic, TypeVar
+import re
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -17,12 +18,13 @@ from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, stress_tangents
 from ..mechanics.transfer import correction, transfer
-from ..model.model import Labels, Model, as_determined
+from ..model.by_name import ByName
+from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
-from ..statics.solve import reactions_of, solve_state
+from ..statics.solve import external_of, reactions_of, solve_state
 
 
 class Rates(Record):
@@ -64,6 +66,7 @@ class Matrices(Result, Record):
         sigma: Stress resultants there, (n_e,).
         felt: Gravity and motion there, which act along the elements.
         reactions: Forces of the supports there, (n_x,).
+        external: Forces from outside there, loads but weight and the supports' together, (n_x,).
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
         symmetric: Whether the stiffness is symmetric by the nature of the loads.
@@ -85,6 +88,7 @@ class Matrices(Result, Record):
     sigma: Float[Array, "n_e"]
     felt: Felt
     reactions: Float[Array, "n_x"]
+    external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     symmetric: bool = static()
@@ -104,10 +108,16 @@ class _Of(Generic[T]):
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
+        # What ``help`` says of it is what is said of the matrix.
+        told = re.search(rf"^ +{name}: (.*(?:\n {{12}}.*)*)", Matrices.__doc__ or "", re.M)
+        self.__doc__ = " ".join(told.group(1).split()) if told else None
 
-    def __get__(self, result: "AboutState | None", owner: type) -> T:
+    def __get__(self, result: Any, owner: type) -> T:
         own: Any = self
         return own if result is None else getattr(result.matrices, self.name)
+
+    def __set__(self, result: Any, value: Any) -> None:
+        raise AttributeError(f"{self.name} is not to be changed: it is {self.name} of .matrices.")
 
 
 class AboutState:
@@ -117,7 +127,6 @@ class AboutState:
         matrices: The numbers.
     """
 
-    matrices: Matrices
     M0 = _Of[Float[Array, "*states n_q n_q"]]()
     C0 = _Of[Float[Array, "*states n_q n_q"]]()
     D0 = _Of[Float[Array, "*states n_q n_q"]]()
@@ -134,12 +143,13 @@ class AboutState:
     sigma = _Of[Float[Array, "*states n_e"]]()
     felt = _Of[Felt]()
     reactions = _Of[Float[Array, "*states n_x"]]()
+    external = _Of[Float[Array, "*states n_x"]]()
     iterations = _Of[Int[Array, "*states"]]()
     symmetric = _Of[bool]()
     moving = _Of[Rates | None]()
 
 
-class Linearization(AboutState, Result, Record):
+class Linearization(ByName, AboutState, Result, Record):
     """Linearised equations of motion about the equilibrium of a model.
 
     The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).
@@ -214,6 +224,47 @@ class Linearization(AboutState, Result, Record):
         return Summary(f"Linearization about {about}: {named}{furthest}", rows, "mechanism")
 
 
+class Stressed(NamedTuple):
+    """What stress is computed from, of one state or of several in front.
+
+    Attributes:
+        x: Nodal coordinates, (states, n_x) [m, rad, -].
+        sigma: Stress resultants, (states, n_e) [N, N m].
+        felt: Gravity and motion, which act along the elements.
+        e: Deformations, (states, n_e) [m, rad].
+    """
+
+    x: Float[Array, "*states n_x"]
+    sigma: Float[Array, "*states n_e"]
+    felt: Felt
+    e: Float[Array, "*states n_e"]
+
+
+class ManyStates:
+    """Base class of a path and a motion: results with many states, each of which questions can be asked about."""
+
+    def states(self) -> States:
+        """The states, one after the other."""
+        raise NotImplementedError
+
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
+        """Linearised equations of motion about one state; the last unless given.
+
+        Args:
+            step: Number of the state, from 0.
+            time: Time of a state of a motion [s].
+        """
+        raise NotImplementedError
+
+    def factors(self, step: int) -> LoadFactors:
+        """Load factors of one state, of a path alone."""
+        raise NotImplementedError
+
+    def stressed(self) -> Stressed:
+        """What the stress of all states is computed from."""
+        raise NotImplementedError
+
+
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
     """Equilibrium and linearisation in one; part of the compiled kernels.
 
@@ -271,6 +322,7 @@ def matrices_at(
         sigma=at.sigma,
         felt=Felt(at.gravity),
         reactions=reactions_of(topology, at),
+        external=external_of(topology, parameters, at),
         iterations=iterations,
         result=result.astype(jnp.int32),
         symmetric=not lacks_potential(topology),
@@ -280,20 +332,92 @@ def matrices_at(
 _matrices = kernel(matrices)
 
 
-def linearized(given: Model | Linearization, function: str, throw: bool = True) -> Linearization:
+class Where(NamedTuple):
+    """Which state of a mechanism a public function is asked about; where all is None, the equilibrium.
+
+    Attributes:
+        at: Linearization, Path or Motion of the model; where no stiffness is asked for, also an Equilibrium.
+        step: Number of a state of a path or a motion.
+        time: Time of a state of a motion [s].
+        increment: Factor of the incremental loads of an equilibrium [-].
+    """
+
+    at: Any = None
+    step: int | None = None
+    time: float | None = None
+    increment: float | None = None
+
+    def refuse(self, function: str, *, given: bool = False) -> None:
+        """Refuse what does not go together.
+
+        Args:
+            given: Whether the function is given a linearisation in place of a model.
+
+        Raises:
+            ValueError: ``step`` or ``time`` without a path or a motion; or two states at once.
+        """
+        for name, value in (("step", self.step), ("time", self.time)):
+            if value is not None and not isinstance(self.at, ManyStates):
+                raise ValueError(f"Argument `{name}` of fm.{function} goes with at=, a path or a motion.")
+        stated = "at=" if self.at is not None else "a linearisation" if given else ""
+        if self.increment is not None and stated:
+            raise ValueError(f"Argument `increment` of fm.{function} does not go with {stated}, which has its loads.")
+        if given and self.at is not None:
+            raise ValueError(
+                f"fm.{function} is given a linearisation and `at`: give the model and `at`, or that alone."
+            )
+
+    def linearization(self, model: Model, function: str) -> Linearization:
+        """Linearised equations about the state that ``at`` says.
+
+        Raises:
+            TypeError: ``at`` is none.
+            ValueError: ``at`` has many states and none is named, or is of another model.
+        """
+        at, count = self.at, model.topology.n_x
+        if isinstance(at, ManyStates):
+            states = at.states()
+            if self.step is None and self.time is None:
+                also = ", or its time=" if states.kind == "motion" else ""
+                raise ValueError(
+                    f"Argument `at` of fm.{function} is a {type(at).__name__} with {len(states.x)} states: say which by"
+                    f" step=, such as step=-1 for the last{also}."
+                )
+            at = at.linearization(self.step, self.time)
+        if not isinstance(at, Linearization):
+            raise TypeError(
+                f"Argument `at` of fm.{function} must be a Path, a Motion or a Linearization of the model, not"
+                f" {'an' if type(at).__name__[0] in 'AEIO' else 'a'} {type(at).__name__}."
+            )
+        if at.x.shape[-1] != count:
+            raise ValueError(
+                f"Argument `at` of fm.{function} is of another model: {at.x.shape[-1]}, not {count} coordinates."
+            )
+        return at
+
+
+def linearized(
+    given: Model | Linearization, function: str, throw: bool = True, where: Where | None = None
+) -> Linearization:
     """What a public function of a model or of its linearisation is asked about.
 
     Args:
-        given: Model, which is linearised about its equilibrium, or Linearization, which passes.
+        given: Model, which is linearised about its equilibrium or stands at a state of a path or a motion; or
+            Linearization, which passes.
+        where: Which state.
 
     Raises:
         TypeError: It is neither.
-        ValueError: It is a linearisation along a motion, at many times.
+        ValueError: It is a linearisation along a motion, at many times; or arguments do not go together.
         AnalysisError: The equilibrium was not found.
     """
+    where = where or Where()
+    where.refuse(function, given=isinstance(given, Linearization))
+    if where.at is not None:
+        given = where.linearization(as_model(given, function), function)
     if not isinstance(given, Linearization):
         model = as_determined(given, function)
-        return _linearized(model, load_factors_of(model, 1.0, None, function), throw)
+        return _linearized(model, load_factors_of(model, 1.0, where.increment, function), throw)
     if given.matrices.M0.ndim > 2:
         raise ValueError(
             f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"

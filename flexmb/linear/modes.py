@@ -12,19 +12,23 @@ from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, listed, modal_summary
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
-from ..model.model import Model, as_determined, as_model
+from ..model.by_name import ByName, moved
+from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from ..statics.equilibrium import load_factors_of, warn_of_increment
-from .linearize import Linearization, Matrices, linearize, linearized, matrices
+from ..statics.equilibrium import load_factors_of
+from .linearize import AboutState, Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
 from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
 from .sparse_frequencies import sparse_eigenvalues
-from .spectrum import poles_of, spectrum, to_frequency
+from .spectrum import general_spectrum, is_real, poles_of, spectrum, to_frequency
 
 
-class Modes(Result, Record):
+class Modes(ByName, AboutState, Result, Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
+
+    Asked by name, as ``modes.position("top")``, it answers of the state that the modes are about, and
+    ``modes.shape("top")`` is how a node moves in each mode.
 
     Attributes:
         eigenvalues: Of (K0 + N0 + G0, M0), negative where unstable, (n,) [rad^2/s^2].
@@ -44,6 +48,32 @@ class Modes(Result, Record):
     stable: bool
     lin: Linearization
     one_axis = "eigenvalues"
+
+    @property
+    def matrices(self) -> Matrices:
+        """Linearised equations of the state that the modes are about."""
+        return self.lin.matrices
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.lin.labels
+
+    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
+        """How a node moves in each mode.
+
+        Args:
+            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
+            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
+            component [1/sqrt(kg), rad/(m sqrt(kg))].
+
+        Raises:
+            KeyError: No such node or component.
+        """
+        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
 
     def states(self) -> States:
         """The modes about their state, each with its frequency."""
@@ -67,8 +97,14 @@ def _frequencies_at(found: Matrices, *, count: int | None):
 
 
 @kernel
-def _frequencies(topology: Topology, parameters: Parameters, *, count: int | None):
-    return _frequencies_at(matrices(topology, parameters, LoadFactors(1.0, 0.0)), count=count)
+def _frequencies(topology: Topology, parameters: Parameters, target: LoadFactors, *, count: int | None):
+    return _frequencies_at(matrices(topology, parameters, target), count=count)
+
+
+def _frequencies_of_motion(lin: Linearization, count: int | None) -> Float[Array, "n"]:
+    """Frequencies about a state of motion, of a stiffness that need not be symmetric; NaN where they are complex."""
+    values, _ = general_spectrum(np.asarray(lin.matrices.K), np.asarray(lin.matrices.M0))
+    return jnp.asarray(np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))[:count])
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:
@@ -80,12 +116,20 @@ def refuse_unsymmetric(symmetric: bool) -> None:
     if not symmetric:
         raise NotImplementedError(
             "Loads or laws without a potential, such as moments about fixed axes in space, make the stiffness"
-            " unsymmetric, so that frequencies may be complex: ask for poles(linearize(model)) instead."
+            " unsymmetric, so that frequencies may be complex: ask for fm.poles of the same instead."
         )
 
 
 def frequencies(
-    model: Model | Linearization, *, count: int | None = None, sparse: bool = False, throw: bool = True
+    model: Model | Linearization,
+    *,
+    count: int | None = None,
+    sparse: bool = False,
+    throw: bool = True,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
 ) -> Float[Array, "n"]:
     """Natural frequencies about the static equilibrium under the constant loads.
 
@@ -96,9 +140,14 @@ def frequencies(
         sparse: For thousands of elements: ``count`` frequencies by sparse factors, of a model that needs no degrees
             of freedom; see :func:`flexmb.equilibrium`.
         throw: Raise where the equilibrium or the eigenproblem fails.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
-        (n_q,) or (count,) [Hz], ascending; negative where the motion grows, infinite for motions without mass.
+        (n_q,) or (count,) [Hz], ascending; negative where the motion grows, infinite for motions without mass. About a
+        state of motion those of K0 + N0 + G0 and M0 alone, of concrete numbers, NaN where complex: see :func:`poles`.
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
@@ -109,19 +158,24 @@ def frequencies(
     """
     check_flag("sparse", sparse)
     count = None if count is None else check_whole("count", count, 1)
+    where = Where(at, step, time, increment)
     if sparse:
-        if count is None or isinstance(model, Linearization):
+        if count is None or isinstance(model, Linearization) or at is not None:
             raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-        target = load_factors_of(as_model(model, "frequencies"), 1.0, None, "frequencies")
+        where.refuse("frequencies")
+        target = load_factors_of(as_model(model, "frequencies"), 1.0, increment, "frequencies")
         return to_frequency(sparse_eigenvalues(model, target, count))
-    if isinstance(model, Linearization):
-        linearized(model, "frequencies", throw)
+    if isinstance(model, Linearization) or at is not None:
+        model = linearized(model, "frequencies", throw, where)
+        if at is not None and model.matrices.moving is not None:
+            return _frequencies_of_motion(model, count)
         refuse_unsymmetric(model.matrices.symmetric)
         values, result = _frequencies_at(model.matrices, count=count)
     else:
-        warn_of_increment(as_determined(model, "frequencies"), "frequencies")
+        where.refuse("frequencies")
+        target = load_factors_of(as_determined(model, "frequencies"), 1.0, increment, "frequencies")
         refuse_unsymmetric(not lacks_potential(model.topology))
-        values, result = _frequencies(model.topology, model.parameters, count=count)
+        values, result = _frequencies(model.topology, model.parameters, target, count=count)
     check_spectrum(result, throw, model)
     return values
 
@@ -146,12 +200,24 @@ def _modes(found: Matrices):
     return values, to_frequency(values), found.DFx @ vectors, vectors, stable, result
 
 
-def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
+def modes(
+    model: Model | Linearization,
+    *,
+    throw: bool = True,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
+) -> Modes:
     """Natural frequencies and mode shapes about the static equilibrium under the constant loads.
 
     Args:
         model: Mechanism, or its linearisation.
         throw: Raise where the equilibrium or the eigenproblem fails.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
         Modes with eigenvalues (n,) [rad^2/s^2], frequencies (n,) [Hz] and shapes (n_x, n).
@@ -163,7 +229,7 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
-    lin = linearized(model, "modes", throw)
+    lin = linearized(model, "modes", throw, Where(at, step, time, increment))
     refuse_unsymmetric(lin.matrices.symmetric)
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
     check_spectrum(result, throw, lin)
@@ -184,11 +250,22 @@ def modes(model: Model | Linearization, *, throw: bool = True) -> Modes:
 
 
 @one_thread()
-def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
+def poles(
+    model: Model | Linearization,
+    *,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
+) -> Complex[np.ndarray, "n"]:
     """Poles of lambda^2 M0 + lambda (C0 + D0) + K0 + N0 + G0, ordered by |Im|.
 
     Args:
         model: Mechanism, or its linearisation.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
         (n,) [rad/s]; those at infinity, of motions without mass, are left out.
@@ -199,7 +276,7 @@ def poles(model: Model | Linearization) -> Complex[np.ndarray, "n"]:
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method.
     """
-    lin = linearized(model, "poles")
+    lin = linearized(model, "poles", where=Where(at, step, time, increment))
     refuse_negative_mass(lin)
     found = lin.matrices
     return poles_of(*(np.asarray(part) for part in (found.K, found.C0 + found.D0, found.M0)))

@@ -1,6 +1,6 @@
 """Section resultants and stress on the surface of flexible elements, at a static equilibrium."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.core
@@ -22,7 +22,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
-from .linearize import Linearization
+from .linearize import Linearization, ManyStates, Where
 
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
@@ -51,7 +51,7 @@ class SectionResultants(Result, Record):
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
         """Each force and moment, (elements, places), with its unit."""
         values = np.asarray(self.values)
-        return {name: (values[:, :, i], "N" if i < 3 else "N m") for i, name in enumerate(RESULTANTS)}
+        return {name: (values[..., i], "N" if i < 3 else "N m") for i, name in enumerate(RESULTANTS)}
 
     def summary(self) -> Summary:
         """Outcome, and the extremes of each force and moment."""
@@ -63,8 +63,9 @@ def _extremes(quantities: dict[str, tuple[np.ndarray, str]], names, places) -> d
     """From which to which value each quantity goes, and where it is largest."""
     rows = {}
     for name, (values, unit) in quantities.items():
-        element, place = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+        *state, element, place = np.unravel_index(np.argmax(np.abs(values)), values.shape)
         where = f", largest in '{names[element]}' at {float(places[place]):g}" if np.any(values) else ""
+        where += f" of state {state[0]}" if where and state else ""
         rows[name] = span(values, unit.strip("-")) + where
     return rows
 
@@ -76,15 +77,20 @@ class Location(NamedTuple):
         element: Name of the element.
         place: From 0 at its first end to 1 at its last, [-].
         point: Number of the point of the section, from 0, as the section's ``stress`` orders them.
+        state: Number of the state of a path or a motion, from 0; None of one state.
     """
 
     element: str
     place: float
     point: int
+    state: int | None = None
 
 
 class Stress(Result, Record):
     """Stress at points on the surface of every flexible element with a section.
+
+    Of all states of a path or a motion they stand in front of the shapes, but for ``strength`` and ``fatigue``:
+    ``maximum`` is that of each state, ``where`` is in the worst of them.
 
     Attributes:
         sigma_x: Stress along the element, (elements, places, 8) [Pa]; the points are those of each section's
@@ -120,8 +126,8 @@ class Stress(Result, Record):
             if values is None:
                 continue
             at_points = np.asarray(values)
-            largest = np.argmax(np.abs(at_points), axis=2)[:, :, None]
-            found[name] = (np.take_along_axis(at_points, largest, axis=2)[:, :, 0], "Pa")
+            largest = np.argmax(np.abs(at_points), axis=-1)[..., None]
+            found[name] = (np.take_along_axis(at_points, largest, axis=-1)[..., 0], "Pa")
         if self.strength is not None:
             found["utilisation"] = (np.asarray(self._over("strength")), "-")
         return {**found, **self.resultants.quantities()}
@@ -132,8 +138,9 @@ class Stress(Result, Record):
         rows = {"result": RESULTS(int(self.resultants.result)).name, **_extremes(found, self.names, self.places)}
         if self.strength is not None and (silent := self._without("strength")):
             rows["without strength"] = listed(silent)
-        count, places, points = self.von_mises.shape
-        return Summary(f"Stress of {counted(count, 'element')} at {places} places, {points} points each", rows)
+        *states, count, places, points = self.von_mises.shape
+        many = f" in {states[0]} states" if states else ""
+        return Summary(f"Stress of {counted(count, 'element')} at {places} places, {points} points each{many}", rows)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -148,12 +155,12 @@ class Stress(Result, Record):
     @property
     def by_element(self) -> Float[Array, "elements"]:
         """Largest von Mises stress of each element, (elements,) [Pa]."""
-        return jnp.max(self.von_mises, axis=(1, 2))
+        return jnp.max(self.von_mises, axis=(-2, -1))
 
     @property
     def maximum(self) -> Float[Array, ""]:
-        """Largest von Mises stress, () [Pa]; its derivative jumps where the largest changes place."""
-        return jnp.max(self.von_mises)
+        """Largest von Mises stress, () [Pa], of several states that of each; its derivative jumps with its place."""
+        return jnp.max(self.von_mises, axis=(-3, -2, -1))
 
     @property
     def where(self) -> Location:
@@ -165,8 +172,8 @@ class Stress(Result, Record):
         if isinstance(self.von_mises, jax.core.Tracer):
             raise TypeError("where needs concrete numbers: ask for it outside jax.jit and jax.grad.")
         found = np.asarray(self.von_mises)
-        element, place, point = np.unravel_index(np.argmax(found), found.shape)
-        return Location(self.names[element], float(self.places[place]), int(point))
+        *state, element, place, point = np.unravel_index(np.argmax(found), found.shape)
+        return Location(self.names[element], float(self.places[place]), int(point), int(state[0]) if state else None)
 
     @property
     def utilisation(self) -> Float[Array, "elements"]:
@@ -177,7 +184,7 @@ class Stress(Result, Record):
         Raises:
             ModelError: No material states one.
         """
-        return jnp.max(self._over("strength"), axis=1)
+        return jnp.max(self._over("strength"), axis=-1)
 
     @property
     def fatigue_utilisation(self) -> Float[Array, "elements"]:
@@ -188,7 +195,7 @@ class Stress(Result, Record):
         Raises:
             ModelError: No material states one.
         """
-        return jnp.max(self._over("fatigue"), axis=1)
+        return jnp.max(self._over("fatigue"), axis=-1)
 
     def _limit(self, quantity: str) -> Float[Array, "elements places"]:
         found = getattr(self, quantity)
@@ -200,7 +207,7 @@ class Stress(Result, Record):
         return found
 
     def _over(self, quantity: str) -> Float[Array, "elements places"]:
-        return jnp.max(self.von_mises, axis=2) / self._limit(quantity)
+        return jnp.max(self.von_mises, axis=-1) / self._limit(quantity)
 
     def _without(self, quantity: str) -> list[str]:
         """Names of elements whose material states no such quantity."""
@@ -247,9 +254,10 @@ class Stress(Result, Record):
             raise ValueError(f"Argument `sharpness` must be at least 2, but is {sharpness}.")
         square = squared(self.sigma_x, self.tau, 0.0 if self.across is None else self.across) / limit**2
         # Scaled by the largest, so that no power overflows; the value does not depend on the scale.
-        largest = jax.lax.stop_gradient(jnp.max(square))
+        own = (-3, -2, -1)
+        largest = jax.lax.stop_gradient(jnp.max(square, axis=own))
         largest = jnp.where(largest > 0, largest, 1.0)
-        total = jnp.sum((square / largest) ** (sharpness / 2))
+        total = jnp.sum((square / largest[..., None, None, None]) ** (sharpness / 2), axis=own)
         stressed = total > 0
         return jnp.where(stressed, jnp.sqrt(largest) * jnp.where(stressed, total, 1.0) ** (1 / sharpness), 0.0)
 
@@ -293,9 +301,19 @@ def without_shape(model: Model) -> list[str]:
     return found
 
 
-@jit
-def _resultants(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows):
+def _resultants_of(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
     return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, felt, places))[rows]
+
+
+_resultants = jit(_resultants_of)
+
+
+@jit
+def _resultants_of_all(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
+    """The same of several states, which stand in front."""
+    return jax.vmap(lambda x, sigma, felt, e: _resultants_of(topology, parameters, x, sigma, felt, e, places, rows))(
+        x, sigma, felt, e
+    )
 
 
 def _limits(stack, lengths, places, quantity: str) -> Float[Array, "n places"]:
@@ -309,8 +327,7 @@ def _limits(stack, lengths, places, quantity: str) -> Float[Array, "n places"]:
     return jax.vmap(jax.vmap(at, (None, None, 0)), (0, 0, None))(stack, lengths, places)
 
 
-@jit
-def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, rows, e):
+def _stress_of(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
     found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
     blocks = zip(topology.blocks, parameters.properties, strict=True)
     given = [(b, p) for b, p in blocks if "resultants" in b.companions]
@@ -344,6 +361,18 @@ def _stress(topology: Topology, parameters: Parameters, x, sigma, felt, places, 
     return jnp.concatenate(found)[rows], sigma_x, tau, equivalent, {**borne, "across": across}
 
 
+_stress = jit(_stress_of)
+
+
+@jit
+def _stress_of_all(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
+    """The same of several states, which stand in front but for what materials bear."""
+    found = jax.vmap(lambda x, sigma, felt, e: _stress_of(topology, parameters, x, sigma, felt, e, places, rows))(
+        x, sigma, felt, e
+    )
+    return *found[:-1], {name: value if name == "across" else value[0] for name, value in found[-1].items()}
+
+
 def _along(function, e, ref, properties, places, resultants):
     """Stress by elements' own companion, at places along each."""
 
@@ -353,35 +382,46 @@ def _along(function, e, ref, properties, places, resultants):
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
 
-def _state(model: Model, points: int, at, load_factor: float, increment: float | None, throw: bool, function: str):
-    """Names, places, what both kernels take, and the state."""
-    (as_determined if at is None else as_model)(model, function)
+def _state(model: Model, points: int, where: Where, load_factor: float, throw: bool, function: str):
+    """Names, places, what both kernels take, code of the state, and whether there are several."""
+    (as_determined if where.at is None else as_model)(model, function)
     points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
         raise ModelError("No flexible element has a section. Give one to the beams or trusses to be asked about.")
+    where.refuse(function)
+    at: Any = where.at
+    several = isinstance(where.at, ManyStates) and where.step is None and where.time is None
     if at is None:
-        if increment is None:
+        if where.increment is None:
             warn_of_increment(model, function)
-        at = equilibrium(model, load_factor=load_factor, increment=increment or 0.0, throw=throw)
+        increment = 0.0 if where.increment is None else where.increment
+        at = equilibrium(model, load_factor=load_factor, increment=increment, throw=throw)
+    elif isinstance(where.at, ManyStates) and not several:
+        at = where.linearization(model, function)
     if getattr(at, "x", None) is None:
         raise TypeError(
-            f"Argument `at` must be an Equilibrium or a Linearization of this model, not a {type(at).__name__}."
+            "Argument `at` must be an Equilibrium, a Linearization, a Path or a Motion of this model, not a"
+            f" {type(at).__name__}."
         )
-    if at.x.shape != model.parameters.reference.shape:
+    if at.x.shape[int(several) :] != model.parameters.reference.shape:
         raise ValueError(
-            f"Argument `at` must be one state with {model.topology.n_x} coordinates, but x has shape {at.x.shape}. Of"
-            " a path, give path.linearization(step); of a motion, fm.motion.linearize_motion(motion).instant(number)."
+            f"Argument `at` must be a state of this model with {model.topology.n_x} coordinates, but x has shape"
+            f" {at.x.shape}. Of what is linearised along a motion give lin.at_time(number), or the motion itself."
         )
     places = np.linspace(0.0, 1.0, points)
-    return names, places, (model.topology, model.parameters, at.x, at.sigma, at.felt, places, rows), at
+    stressed = at.stressed() if several else (at.x, at.sigma, at.felt, at.e)
+    inputs: Any = (model.topology, model.parameters, *stressed, places, rows)
+    return names, places, inputs, at.result, several
 
 
 def section_resultants(
     model: Model,
     *,
     points: int = 5,
-    at: Equilibrium | Linearization | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
     load_factor: float = 1.0,
     increment: float | None = None,
     throw: bool = True,
@@ -396,8 +436,10 @@ def section_resultants(
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         points: Places along each element, both ends among them.
-        at: Equilibrium or linearisation of this model, such as ``path.linearization(step)`` or
-            ``linearize_motion(motion).instant(number)``; by default the equilibrium under the loads is solved.
+        at: Equilibrium or linearisation of this model, or its path or motion: of that all states, which then stand in
+            front of the shapes, or one. By default the equilibrium under the loads is solved.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
         load_factor: Factor of the loads of that equilibrium, () [-].
         increment: Factor of its incremental loads, () [-]; zero unless given.
         throw: Raise where it fails; otherwise the code is in ``result``.
@@ -407,21 +449,26 @@ def section_resultants(
 
     Raises:
         ModelError: No flexible element has a section.
-        ValueError: Fewer than two points; ``at`` is not one state of this model.
+        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments do not go together.
         AnalysisError: As for ``equilibrium``.
 
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; THEORY.md 7.
     """
-    names, places, inputs, at = _state(model, points, at, load_factor, increment, throw, "section_resultants")
-    return SectionResultants(_resultants(*inputs), jnp.asarray(places), at.result, names)
+    names, places, inputs, result, several = _state(
+        model, points, Where(at, step, time, increment), load_factor, throw, "section_resultants"
+    )
+    values = (_resultants_of_all if several else _resultants)(*inputs)
+    return SectionResultants(values, jnp.asarray(places), result, names)
 
 
 def stress(
     model: Model,
     *,
     points: int = 5,
-    at: Equilibrium | Linearization | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
     load_factor: float = 1.0,
     increment: float | None = None,
     throw: bool = True,
@@ -431,7 +478,9 @@ def stress(
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         points: Places along each element, both ends among them.
-        at: As for :func:`section_resultants`.
+        at: As for :func:`section_resultants`: ``at=path`` and ``at=motion`` answer for all their states.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero unless given.
         throw: Raise where the equilibrium fails; otherwise the code is in ``resultants.result``.
@@ -445,7 +494,7 @@ def stress(
 
     Raises:
         ModelError: An element has a section without a shape, or none has a section.
-        ValueError: Fewer than two points; ``at`` is not one state of this model.
+        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments do not go together.
         AnalysisError: As for ``equilibrium``.
 
     Source:
@@ -456,9 +505,11 @@ def stress(
             f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
-    names, places, inputs, at = _state(model, points, at, load_factor, increment, throw, "stress")
-    values, sigma_x, tau, equivalent, more = _stress(*inputs, at.e)
-    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), at.result, names), **more)
+    names, places, inputs, result, several = _state(
+        model, points, Where(at, step, time, increment), load_factor, throw, "stress"
+    )
+    values, sigma_x, tau, equivalent, more = (_stress_of_all if several else _stress)(*inputs)
+    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names), **more)
     if found.strength is not None and is_concrete(found):
         _warn_of_failure(found)
     return found
@@ -466,7 +517,7 @@ def stress(
 
 def _warn_of_failure(found: Stress) -> None:
     """Warn of elements whose material does not bear the stress."""
-    used = np.asarray(found.utilisation)
+    used = np.max(np.asarray(found.utilisation).reshape(-1, len(found.names)), axis=0)
     failing = [name for name, one in zip(found.names, used, strict=True) if one > 1]
     if failing:
         worst = int(np.nanargmax(used))

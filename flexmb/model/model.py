@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import os
 from typing import Any
 
 import numpy as np
-from jaxtyping import Array, Float
 
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
@@ -94,23 +94,39 @@ class Labels:
         """
         indices = self.coordinates(node)
         if not indices:
-            raise KeyError(f"no node '{node}' in this model")
+            raise KeyError(f"no node '{node}' in this model{_instead(node, [entry.of for entry in self.x], 'node')}")
         return np.array(indices)
 
-
-class AtNodes:
-    """Base class of results with nodal coordinates ``x`` and ``labels``, of one state or of several in front."""
-
-    def at(self: Any, node: str) -> Float[Array, "*states n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation".
-
-        Args:
-            node: Name of the node.
+    def parts(self, node: str) -> list[str]:
+        """A node and its rotation, as far as there are both; the rotation alone of "name.rotation".
 
         Raises:
             KeyError: No such node.
         """
-        return self.x[..., self.labels.known(node)]
+        found = [part for part in (node, f"{node}.rotation") if self.coordinates(part)]
+        if not found:
+            self.known(node)
+        return found
+
+    def deformations(self, element: str, number: int | None = None) -> Any:
+        """Indices in e of an element's deformations, or of one of them.
+
+        Args:
+            number: Which, from 1.
+
+        Raises:
+            KeyError: No such element, or it has no such deformation.
+        """
+        own = [i for i, entry in enumerate(self.e) if entry.of == element and entry.kind != "norm"]
+        if not own:
+            there = [entry.of for entry in self.e if entry.kind != "norm"]
+            raise KeyError(f"no element '{element}' in this model{_instead(element, there, 'element')}")
+        if number is None:
+            return np.array(own)
+        counts = [self.e[i].component for i in own]
+        if number not in counts:
+            raise KeyError(f"element '{element}' has deformations {counts[0]} to {counts[-1]}, not {number!r}")
+        return own[counts.index(number)]
 
 
 class Model(Result, Record):
@@ -206,8 +222,8 @@ _INSTEAD = {
     "Lean": "give its .model",
     "Linearization": "give its .model",
     "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads where a linearisation is taken",
-    "Path": "give its .model, or path.linearization(step) where a linearisation is taken",
-    "Motion": "give its .model, or fm.motion.linearize_motion(motion).at_time(number) where a linearisation is taken",
+    "Path": "give its .model, and at=path, step=-1 for what is asked about its last state",
+    "Motion": "give its .model, and at=motion, step=-1 for what is asked about its last state",
     "str": "read a file by fm.read_spacar(path).builder.build()",
     "NoneType": "a function that builds a model ends with: return b.build()",
     "function": "call it, if it builds a model",
@@ -246,6 +262,16 @@ def as_determined(given: Any, function: str) -> Model:
             f" built with check=False: {abs(missing)} {'more' if missing > 0 else 'fewer'} would. Build it with checks."
         )
     return model
+
+
+def _instead(name: str, there: list[str], thing: str) -> str:
+    """What to ask for in place of a name that is not there: the nearest, or some of those that are there."""
+    names = list(dict.fromkeys(there))
+    near = difflib.get_close_matches(str(name), names, 3, 0.5)
+    if near:
+        return f"; did you mean {' or '.join(map(repr, near))}?"
+    names = [name for name in names if not name.endswith((".rotation", ".internal", ".warping"))]
+    return f"; it has {listed(names)}" if names else f"; it has no {thing}"
 
 
 def _list(indices) -> list[int]:

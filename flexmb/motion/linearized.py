@@ -17,7 +17,6 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from .coordinates_form import coordinates_form
 from .drives_by_name import Drives, driven_by
-from .element_forces import Moving
 from .motion import Motion
 from .moving_matrices import carried, moving_matrices
 
@@ -25,20 +24,6 @@ from .moving_matrices import carried, moving_matrices
 STEADY_STEPS, STEADY_ITERATIONS = 10, 6
 # Largest last change of a degree of freedom over its size.
 STEADY_TOLERANCE = 1e-9
-
-
-@jit_beside_options
-def _along(topology, parameters, driven, t, x, xd, near):
-    form = coordinates_form(topology, parameters, driven)
-
-    def one(at):
-        t, x, xd, near = at
-        state = form.state_of(x, xd, near)
-        z, _ = form.acceleration(t, state)
-        whole = form.whole(t, state.u, state.w, z[: form.size])
-        return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
-
-    return jax.lax.map(one, (t, x, xd, near))
 
 
 def linearize_motion(motion: Motion) -> Linearization:
@@ -61,9 +46,7 @@ def linearize_motion(motion: Motion) -> Linearization:
         raise TypeError(
             f"fm.motion.linearize_motion takes a Motion, not a {type(motion).__name__}: give fm.simulate(model, ..)."
         )
-    model = motion.model
-    found = _along(model.topology, model.parameters, motion.driven, motion.t, motion.x, motion.xd, motion.near)
-    return Linearization(found, model)
+    return motion.linearizations()
 
 
 @jit_beside_options

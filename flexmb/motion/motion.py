@@ -9,22 +9,32 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_whole
+from ..arguments import check_number, check_whole
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, course, short
+from ..display import Result, States, Summary, course, listed, short
+from ..linear.linearize import Linearization, ManyStates, Stressed
 from ..math.indices import put
-from ..mechanics.inertia import mass_matrix, work_of_weight
+from ..mechanics.inertia import Felt, mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
-from ..model.model import AtNodes, Labels, Model
+from ..model.by_name import ByName
+from ..model.model import Labels, Model
 from ..results import RESULTS
 from .coordinates_form import coordinates_form
 from .drive import Driven
+from .element_forces import Moving
 from .loop import under_inputs
+from .moving_matrices import moving_matrices
+
+# A time is one of the output times where it differs from it by at most this share of the largest.
+SAME_TIME = 1e-9
 
 
-class Motion(AtNodes, Result, Record):
+class Motion(ByName, ManyStates, Result, Record):
     """Motion of a mechanism at the times asked for.
+
+    Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,
+    each time anew. ``seen = motion.observe()`` computes them once, and is asked by name as the motion is.
 
     Attributes:
         t: Times, (n_t,) [s].
@@ -58,16 +68,30 @@ class Motion(AtNodes, Result, Record):
         """Names."""
         return self.model.labels
 
-    def velocity(self, node: str) -> Float[Array, "n_t n"]:
-        """Velocities of a node's coordinates at every time.
+    @property
+    def e(self) -> Float[Array, "n_t n_e"]:
+        """Deformations, (n_t, n_e) [m, rad]."""
+        return self.near
 
-        Args:
-            node: Name of the node.
+    @property
+    def xdd(self) -> Float[Array, "n_t n_x"]:
+        """Accelerations by :meth:`observe`, (n_t, n_x) [1/s^2]."""
+        return self.observe().xdd
 
-        Raises:
-            KeyError: No such node.
-        """
-        return self.xd[:, self.labels.known(node)]
+    @property
+    def sigma(self) -> Float[Array, "n_t n_e"]:
+        """Stress resultants by :meth:`observe`, (n_t, n_e) [N, N m]."""
+        return self.observe().sigma
+
+    @property
+    def reactions(self) -> Float[Array, "n_t n_x"]:
+        """Forces of the supports by :meth:`observe`, (n_t, n_x) [N, N m]."""
+        return self.observe().reactions
+
+    @property
+    def external(self) -> Float[Array, "n_t n_x"]:
+        """Forces from outside by :meth:`observe`, (n_t, n_x) [N, N m]."""
+        return self.observe().external
 
     def until(self, count: int) -> Motion:
         """The first of the times only.
@@ -90,7 +114,65 @@ class Motion(AtNodes, Result, Record):
             Observed.
         """
         model = self.model
-        return _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
+        found = _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
+        return dataclasses.replace(found, labels=model.labels)
+
+    def linearizations(self) -> Linearization:
+        """Linearised equations at every time; see :func:`flexmb.motion.linearize_motion`."""
+        return self._linearized_at(slice(None))
+
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
+        """Linearised equations at one of the times.
+
+        Args:
+            step: Number of the time, from 0; the last unless given.
+            time: The time itself [s].
+
+        Raises:
+            IndexError: There are not so many times.
+            ValueError: It is none of the times, of which the nearest are named; or both are given.
+        """
+        number = self.number_of(step, time)
+        return self._linearized_at(slice(number, number + 1)).at_time(0)
+
+    def number_of(self, step: int | None = None, time: float | None = None) -> int:
+        """Number of a state, from 0.
+
+        Args:
+            step: The number, from the end where negative; the last unless given.
+            time: Time of the state [s].
+
+        Raises:
+            IndexError: There are not so many times.
+            ValueError: It is none of the times, of which the nearest are named; or both are given.
+        """
+        times = np.asarray(self.t)
+        if time is not None:
+            check_number("time", time)
+            if step is not None:
+                raise ValueError("Arguments `step` and `time` say both which state is meant: give one of them.")
+            near = np.argsort(np.abs(times - time), kind="stable")[:2]
+            if len(near) and abs(times[near[0]] - time) <= SAME_TIME * np.max(np.abs(times)):
+                return int(near[0])
+            raise ValueError(
+                f"Argument `time` must be one of the {len(times)} times of the motion, but is {short(time)} s; the"
+                f" nearest are {listed(np.sort(times[near]), 's')}. Simulate with that time among them."
+            )
+        count, chosen = len(times), -1 if step is None else check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+        return chosen % count
+
+    def stressed(self) -> Stressed:
+        """What the stress at all times is computed from, by :meth:`observe`."""
+        seen, gravity = self.observe(), self.model.parameters.loads.gravity
+        count = self.t.shape[0]
+        falling = None if gravity is None else jnp.broadcast_to(gravity, (count, *gravity.shape))
+        return Stressed(seen.x, seen.sigma, Felt(falling, seen.xd, seen.xdd), self.near)
+
+    def _linearized_at(self, which: slice) -> Linearization:
+        model, rows = self.model, (part[which] for part in (self.t, self.x, self.xd, self.near))
+        return Linearization(_along(model.topology, model.parameters, self.driven, *rows), model)
 
     def states(self) -> States:
         """The states, over time."""
@@ -108,36 +190,59 @@ class Motion(AtNodes, Result, Record):
         return Summary(f"Motion: {course(self.states())}", rows, "history")
 
 
-class Observed(Result, Record):
-    """Quantities that follow from positions and velocities, at every time.
+class Observed(ByName, Result, Record):
+    """Quantities that follow from positions and velocities, at every time; asked by name as the motion is.
 
     Attributes:
+        x: Nodal coordinates, (n_t, n_x) [m, rad, -].
+        xd: Their velocities, (n_t, n_x) [1/s].
         xdd: Accelerations, (n_t, n_x) [1/s^2].
         e: Deformations, (n_t, n_e) [m, rad].
         ed: Their rates, (n_t, n_e) [m/s, rad/s].
         sigma: Stress resultants, multipliers included, (n_t, n_e) [N, N m].
         reactions: Forces of the supports on the mechanism, (n_t, n_x) [N, N m].
+        external: Forces that act from outside, loads but weight and the supports' together, (n_t, n_x) [N, N m].
         kinetic: Kinetic energy, (n_t,) [J].
         elastic: Elastic energy, (n_t,) [J].
         potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
         power: Power of all other loads, of prescribed motion and of thermal expansion, less what dampers and laws take,
             (n_t,) [W].
+        labels: Names.
     """
 
+    x: Float[Array, "n_t n_x"]
+    xd: Float[Array, "n_t n_x"]
     xdd: Float[Array, "n_t n_x"]
     e: Float[Array, "n_t n_e"]
     ed: Float[Array, "n_t n_e"]
     sigma: Float[Array, "n_t n_e"]
     reactions: Float[Array, "n_t n_x"]
+    external: Float[Array, "n_t n_x"]
     kinetic: Float[Array, "n_t"]
     elastic: Float[Array, "n_t"]
     potential: Float[Array, "n_t"]
     power: Float[Array, "n_t"]
+    labels: Labels = static()
 
     @property
     def energy(self) -> Float[Array, "n_t"]:
         """Whole energy, (n_t,) [J]; its rate is ``power``."""
         return self.kinetic + self.elastic + self.potential
+
+
+@jit_beside_options
+def _along(topology, parameters, driven, t, x, xd, near):
+    """Linearised equations at every time."""
+    form = coordinates_form(topology, parameters, driven)
+
+    def one(at):
+        t, x, xd, near = at
+        state = form.state_of(x, xd, near)
+        z, _ = form.acceleration(t, state)
+        whole = form.whole(t, state.u, state.w, z[: form.size])
+        return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
+
+    return jax.lax.map(one, (t, x, xd, near))
 
 
 @jit_beside_options
@@ -168,7 +273,8 @@ def _observe(model, driven, t, x, xd, near, u):
         if drive.loads.prestress is not None:
             conservative, elastic = conservative + drive.loads.prestress, elastic + drive.loads.prestress @ stored
         # All forces but inertia, springs, constant forces and gravity.
-        other = form.applied(t, whole.x) - (0.0 if constant is None else constant)
+        applied = form.applied(t, whole.x)
+        other = applied - (0.0 if constant is None else constant)
         held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
         reactions = jnp.where(held == 1.0, force, 0.0)
         power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
@@ -179,6 +285,7 @@ def _observe(model, driven, t, x, xd, near, u):
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
         kinetic = 0.5 * whole.v @ mass @ whole.v
-        return Observed(whole.a, kin.e, kin.ed, sigma, reactions, kinetic, elastic, potential, power)
+        seen = whole.x, whole.v, whole.a, kin.e, kin.ed, sigma, reactions, applied + reactions
+        return Observed(*seen, kinetic, elastic, potential, power, model.labels)
 
     return jax.lax.map(one, (t, x, xd, near, u))

@@ -112,6 +112,7 @@ def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices,
     g0 = z.T @ (curvature - loads) @ z
     finite = jnp.all(jnp.isfinite(m0)) & jnp.all(jnp.isfinite(k0 + n0 + g0)) & jnp.all(jnp.isfinite(c0))
     result = jnp.where(finite & at.regular, RESULTS.successful, RESULTS.singular_configuration)
+    reactions = put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held])
     found = Matrices(
         M0=m0,
         C0=c0,
@@ -127,7 +128,8 @@ def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices,
         e=near,
         sigma=sigma,
         felt=Felt(form.gravity, v, a),
-        reactions=put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held]),
+        reactions=reactions,
+        external=form.applied(t, x) + reactions,
         iterations=jnp.zeros((), jnp.int32),
         result=result.astype(jnp.int32),
         symmetric=False,

@@ -13,12 +13,14 @@ from ..compilation.record import Record
 from ..display import AT_MOST, Result, States, Summary, course, short
 from ..errors import AnalysisError
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
+from ..linear.linearize import AboutState, Linearization, ManyStates, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..mechanics.blocks import kernel
+from ..mechanics.loads import LoadFactors, load_factors
 from ..mechanics.residual import state
-from ..model.model import AtNodes, Model, as_determined
+from ..model.by_name import ByName
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -27,7 +29,7 @@ from .stepper import Ramp
 from .walk import Step, Walker
 
 
-class Path(AtNodes, AboutState, Result, Record):
+class Path(ByName, AboutState, ManyStates, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
@@ -65,19 +67,36 @@ class Path(AtNodes, AboutState, Result, Record):
         """Square root of the eigenvalues over 2 pi with their sign, (steps, n) [Hz]."""
         return to_frequency(self.eigenvalues)
 
-    def linearization(self, step: int = -1) -> Linearization:
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
         """Linearised equations of motion about one step, for modes, compliance and state space.
 
         Args:
             step: Which, from 0; the last unless given.
+            time: None; a path has no times.
 
         Raises:
             IndexError: There are not so many steps.
+            ValueError: A time is given.
         """
-        count, chosen = len(self.load_factor), check_whole("step", step)
+        if time is not None:
+            raise ValueError("A path has no times: say which state by step=, such as step=-1 for the last.")
+        count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
         if not -count <= chosen < count:
             raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
+
+    def factors(self, step: int) -> LoadFactors:
+        """Load factors of the constant and of the incremental loads at one step.
+
+        Args:
+            step: Which, from 0.
+        """
+        load: Any = self.load_factor[step]
+        return load_factors(load, 0.0) if self.model.parameters.increment is None else load_factors(1.0, load)
+
+    def stressed(self) -> Stressed:
+        """What the stress of all steps is computed from."""
+        return Stressed(self.x, self.sigma, self.felt, self.e)
 
     def states(self) -> States:
         """The equilibria, over the load factor."""

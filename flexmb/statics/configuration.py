@@ -15,7 +15,8 @@ from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
 from ..mechanics.transfer import correction, transfer
-from ..model.model import AtNodes, Labels, Model, as_determined
+from ..model.by_name import ByName
+from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -29,7 +30,7 @@ CORRECTIONS = 8
 TOLERANCE = 1e-12
 
 
-class Configuration(AtNodes, Result, Record):
+class Configuration(ByName, Result, Record):
     """Coordinates, deformations and velocities at given degrees of freedom.
 
     Attributes:

@@ -11,13 +11,14 @@ from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
-from ..model.model import AtNodes, Labels, Model, as_determined, as_model
+from ..model.by_name import ByName
+from ..model.model import Labels, Model, as_determined, as_model
 from ..results import RESULTS, check
-from .solve import reactions_of, solve_state
+from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
 
 
-class Equilibrium(AtNodes, Result, Record):
+class Equilibrium(ByName, Result, Record):
     """Static equilibrium under constant loads.
 
     Attributes:
@@ -26,6 +27,7 @@ class Equilibrium(AtNodes, Result, Record):
         sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
         felt: Gravity, which acts along the elements.
         reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
+        external: Forces that act from outside, loads but weight and the supports' together, dual to x, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
         result: Code of RESULTS; critical_state is no failure: the state is right, its derivative is not.
         labels: Names.
@@ -36,6 +38,7 @@ class Equilibrium(AtNodes, Result, Record):
     sigma: Float[Array, "n_e"]
     felt: Felt
     reactions: Float[Array, "n_x"]
+    external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     labels: Labels = static()
@@ -56,7 +59,8 @@ class Equilibrium(AtNodes, Result, Record):
 @kernel
 def _equilibrium(topology, parameters, target):
     at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
-    return at.x, at.e, at.sigma, Felt(at.gravity), reactions_of(topology, at), iterations, result
+    outside = reactions_of(topology, at), external_of(topology, parameters, at)
+    return at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
 
 
 def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
@@ -78,13 +82,23 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
     return load_factors(load_factor, increment)
 
 
+# What functions without the argument `increment` take in its place.
+_INSTEAD = {
+    "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
+    "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
+    "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
+    "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 where none is meant",
+    "to_nonlinear_system": "Build them without increment=True where they are meant",
+}
+
+
 def warn_of_increment(model: Model, function: str) -> None:
     """Say that incremental loads are left out, but for models under a trace."""
     if model.parameters.increment is not None and is_concrete(model):
+        usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this one"
         warn(
             f"fm.{function} leaves out the incremental loads of the model: it is asked about the state without them."
-            " Give fm.linearize(model, increment=1.0), or increment=1.0 where it is an argument, for the state under"
-            " all of them; increment=0.0 where none of them is meant."
+            f" {_INSTEAD.get(function, usual)}."
         )
 
 
@@ -128,7 +142,7 @@ def equilibrium(
     (as_model if sparse else as_determined)(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = sparse_equilibrium if sparse else _equilibrium
-    x, e, sigma, felt, reactions, iterations, result = solve(model.topology, model.parameters, target)
-    solved = Equilibrium(x, e, sigma, felt, reactions, iterations, result, model.labels)
+    found: Any = solve(model.topology, model.parameters, target)
+    solved = Equilibrium(*found, labels=model.labels)
     check(solved.result, throw)
     return solved

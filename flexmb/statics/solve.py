@@ -12,6 +12,7 @@ from ..math.indices import accumulate, put
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.extent import sizes_of
+from ..mechanics.inertia import weight
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress_resultants import (
@@ -297,3 +298,13 @@ def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
     """
     held = topology.x.held
     return put(jnp.zeros(topology.n_x), held, (at.jacobian.T @ at.sigma - at.force)[held])
+
+
+def external_of(topology: Topology, parameters: Parameters, at: State) -> Float[Array, "n_x"]:
+    """Forces that act on the mechanism from outside: loads but weight, and reactions.
+
+    Returns:
+        D_x^T sigma less weight, at coordinates that move the load itself, which that balances, (n_x,) [N, N m].
+    """
+    loads = at.force if at.gravity is None else at.force - weight(topology, parameters, at.x, at.gravity)
+    return loads + reactions_of(topology, at)

@@ -21,7 +21,7 @@ from ..math.sparse import SparseFactors, sparse_matrix
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
+from ..mechanics.inertia import Felt, mass_pieces, weight, weight_pieces
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import (
     free_deformations,
@@ -258,8 +258,8 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
         topology: Structure, which needs no degrees of freedom (``Builder.build(check=False)``).
 
     Returns:
-        What an :class:`flexmb.statics.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, iterations,
-        result.
+        What an :class:`flexmb.statics.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, external,
+        iterations, result.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`.
@@ -272,10 +272,14 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 
 @jit
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
-    """Coordinates, deformations, stress resultants, what mass feels, and reactions of an equilibrium."""
+    """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
     _, fast, held = unknowns(topology)
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
-    felt = Felt(scaled_loads(parameters, factors).gravity)
-    return at.x, e, sigma, felt, put(jnp.zeros(topology.n_x), fast, force[fast])
+    gravity = scaled_loads(parameters, factors).gravity
+    reactions = put(jnp.zeros(topology.n_x), fast, force[fast])
+    external = nodal_forces(topology, parameters, factors, at.x) + reactions
+    if gravity is not None:
+        external = external - weight(topology, parameters, at.x, gravity)
+    return at.x, e, sigma, Felt(gravity), reactions, external

@@ -21,6 +21,7 @@ def test_increment_stress_and_prescribed_motion_at_once():
     b.force("mass", (3.0, 0))
     b.force("mass", (force, 0), increment=True)
     b.prestress("s", 0.7)
+    b.mass("foot", 0.5)
     times = np.linspace(0, 0.6, 5)
     found = fm.simulate(
         b.build(),
@@ -39,7 +40,14 @@ def test_increment_stress_and_prescribed_motion_at_once():
     # Ten times the tolerance of a step, over some tens of steps.
     np.testing.assert_allclose(found.at("mass")[:, 0] - 0.4, exact.y[0], atol=1e-7)
     np.testing.assert_allclose(found.at("foot")[:, 0], 0.02 * np.sin(7 * times), atol=1e-14)
-    np.testing.assert_allclose(found.velocity("foot")[:, 0], 0.14 * np.cos(7 * times), atol=1e-13)
+    np.testing.assert_allclose(found.velocity("foot", "x"), 0.14 * np.cos(7 * times), atol=1e-13)
+    # What drives the foot gives its own m a and pulls the spring; on the mass the loads act. Errors of x times k.
+    driven, pulled = 0.02 * np.sin(7 * times), found.stress_resultant("s", 1)
+    np.testing.assert_allclose(pulled, k * (exact.y[0] - driven) + 5 * times + 0.7, atol=1e-5)
+    np.testing.assert_allclose(found.acceleration("foot", "x"), -49 * driven, atol=1e-12)
+    np.testing.assert_allclose(found.force_needed("foot", "x"), 0.5 * -49 * driven - pulled, atol=1e-12)
+    np.testing.assert_allclose(found.reaction("foot", "x"), found.force_needed("foot", "x"), atol=1e-12)
+    np.testing.assert_allclose(found.force_needed("mass", "x"), 3.0 + force * np.cos(9 * times), atol=1e-12)
 
 
 def hanging_rod() -> fm.Builder:

@@ -1,0 +1,309 @@
+"""Results are asked by the names of nodes and elements: the same questions of a state, a path and a motion."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.rotation import LBAR, rotation_vector
+
+# Rotations in space are asked for about the global axes.
+TURNS = ("rx", "ry", "rz")
+# What a result may hold, and which results do.
+_HELD = {
+    "e": ("deformations", "an equilibrium, a configuration, a linearisation, a path or a motion has them"),
+    "sigma": ("stress resultants", "fm.equilibrium, fm.linearize, fm.path and fm.simulate find them"),
+    "reactions": ("reactions", "fm.equilibrium, fm.linearize, fm.path and fm.simulate find them"),
+    "external": ("forces", "fm.equilibrium, fm.linearize, fm.path and fm.simulate find them"),
+    "xd": ("velocities", "a configuration and a motion have them"),
+    "xdd": ("accelerations", "a motion has them"),
+}
+
+
+class ByName:
+    """Base class of results that are asked by names of nodes and elements, as ``result.reaction("foot", "x")``.
+
+    A result is of one state, or of several: then their axis stands in front, and each method answers for all of them.
+    A node's rotation is asked for by the name of the node. A component of a node is "x", "y" or "z"; of its rotation
+    "phi" in the plane, and in space "rx", "ry" or "rz", about the global axes.
+    """
+
+    def at(self: Any, node: str) -> Float[Array, "*states n"]:
+        """Coordinates of a node, or of its rotation as "name.rotation".
+
+        Args:
+            node: Name of the node.
+
+        Returns:
+            (states, n) [m], of a rotation in the plane [rad], in space its Euler parameters [-].
+
+        Raises:
+            KeyError: No such node.
+        """
+        return self.x[..., self.labels.known(node)]
+
+    def position(self: Any, node: str, component: str | None = None) -> Float[Array, "*states axes"]:
+        """Where a node is.
+
+        Args:
+            node: Name of the node.
+            component: "x", "y" or "z" for that coordinate alone.
+
+        Returns:
+            (states, 2 or 3), or (states,) of one component [m].
+
+        Raises:
+            KeyError: No such node or component.
+        """
+        if self.labels.x[self.labels.known(node)[0]].kind != "position":
+            raise KeyError(
+                f"'{node}' is no position: ask rotation('{node.removesuffix('.rotation')}'), or at('{node}')"
+            )
+        return self._placed(self.x, node, component)
+
+    def rotation(self: Any, node: str, component: str | None = None) -> Float[Array, "*states _n"]:
+        """How far a node is turned from the global axes.
+
+        Args:
+            node: Name of the node.
+            component: In space "rx", "ry" or "rz" for that component alone.
+
+        Returns:
+            The angle in the plane, (states,); the rotation vector in space, the axis times the angle, (states, 3)
+            [rad]. It is differentiable at zero rotation too.
+
+        Raises:
+            KeyError: No such node or component, or the node has no rotation.
+        """
+        return self._turned(self.x, node, component, lambda _, own: _vectors(own))
+
+    def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+        """Velocities of a node's coordinates; of its rotation see :meth:`angular_velocity`.
+
+        Args:
+            node: Name of the node.
+            component: "x", "y" or "z" for that coordinate alone.
+
+        Returns:
+            (states, n), or (states,) of one component [m/s].
+
+        Raises:
+            KeyError: No such node or component.
+            AttributeError: The result has no velocities.
+        """
+        return self._placed(_held(self, "xd"), node, component)
+
+    def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+        """Accelerations of a node's coordinates, as :meth:`velocity`.
+
+        Args:
+            node: Name of the node.
+            component: "x", "y" or "z" for that coordinate alone.
+
+        Returns:
+            (states, n), or (states,) of one component [m/s^2].
+
+        Raises:
+            KeyError: No such node or component.
+            AttributeError: The result has no accelerations.
+        """
+        return self._placed(_held(self, "xdd"), node, component)
+
+    def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "*states _n"]:
+        """How fast a node turns.
+
+        Args:
+            node: Name of the node.
+            component: In space "rx", "ry" or "rz" for that component alone.
+
+        Returns:
+            Of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s].
+
+        Raises:
+            KeyError: No such node or component, or the node has no rotation.
+            AttributeError: The result has no velocities.
+        """
+        return self._turned(_held(self, "xd"), node, component, _about_axes)
+
+    def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "*states _n"]:
+        """Rate of :meth:`angular_velocity`.
+
+        Args:
+            node: Name of the node.
+            component: In space "rx", "ry" or "rz" for that component alone.
+
+        Returns:
+            Of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s^2].
+
+        Raises:
+            KeyError: No such node or component, or the node has no rotation.
+            AttributeError: The result has no accelerations.
+        """
+        return self._turned(_held(self, "xdd"), node, component, _about_axes)
+
+    def reaction(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+        """Force and moment of the support on the mechanism at a node, zero where nothing is held.
+
+        Args:
+            node: Name of the node, or of its rotation as "name.rotation" for the moment alone.
+            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            Forces, then the moments if the node has a rotation, about global axes, (states, n), or (states,) of one
+            component [N, N m].
+
+        Raises:
+            KeyError: No such node or component.
+            AttributeError: The result has no reactions.
+        """
+        return self._acting(_held(self, "reactions"), node, component)
+
+    def force_needed(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+        """What must act on the mechanism at a node from outside, so that it is in the state that it is in.
+
+        Loads and supports together, without weight: where a coordinate is prescribed, what its drive has to give; where
+        a load acts, that load; zero elsewhere.
+
+        Args:
+            node: Name of the node, or of its rotation as "name.rotation" for the moment alone.
+            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            As :meth:`reaction` [N, N m].
+
+        Raises:
+            KeyError: No such node or component.
+            AttributeError: The result has no forces.
+
+        Source:
+            D_x^T sigma less weight, in motion with the forces of inertia: THEORY.md 5, eq. (5.1) and (5.2).
+        """
+        return self._acting(_held(self, "external"), node, component)
+
+    def deformation(self: Any, element: str, number: int | None = None) -> Float[Array, "*states n"]:
+        """Deformations of an element.
+
+        Args:
+            element: Name of the element.
+            number: Which, from 1, as in ``released=``; all of them unless given.
+
+        Returns:
+            (states, n), or (states,) of one [m, rad if angular].
+
+        Raises:
+            KeyError: No such element, or it has no such deformation.
+            AttributeError: The result has no deformations.
+        """
+        return _held(self, "e")[..., self.labels.deformations(element, number)]
+
+    def stress_resultant(self: Any, element: str, number: int | None = None) -> Float[Array, "*states n"]:
+        """Stress resultants of an element, dual to its deformations; of what is FIXED, the constraint force.
+
+        Args:
+            element: Name of the element.
+            number: Which, from 1, as in ``released=``; all of them unless given.
+
+        Returns:
+            (states, n), or (states,) of one [N, N m if angular].
+
+        Raises:
+            KeyError: No such element, or it has no such deformation.
+            AttributeError: The result has no stress resultants.
+        """
+        return _held(self, "sigma")[..., self.labels.deformations(element, number)]
+
+    def _placed(self: Any, values: Any, node: str, component: str | None) -> Any:
+        """Values at a node's own coordinates, or at one of them."""
+        indices = self.labels.known(node)
+        names = [self.labels.x[i].symbol for i in indices]
+        return values[..., indices if component is None else indices[_number(node, names, component)]]
+
+    def _turned(self: Any, values: Any, node: str, component: str | None, function: Any) -> Any:
+        """Values at a node's rotation; in space what a function makes of its Euler parameters and them."""
+        parts = [
+            part for part in self.labels.parts(node) if self.labels.x[self.labels.known(part)[0]].kind == "rotation"
+        ]
+        if not parts:
+            raise KeyError(f"node '{node}' has no rotation: no element that turns with it is joined to it")
+        indices = self.labels.known(parts[0])
+        own = values[..., indices]
+        if len(indices) == 1:
+            _number(node, ["phi"], component)
+            return own[..., 0]
+        own = function(self.x[..., indices], own)
+        return own if component is None else own[..., _number(node, TURNS, component)]
+
+    def _acting(self: Any, values: Any, node: str, component: str | None) -> Any:
+        """Forces and moments of values that are dual to the coordinates: to Euler parameters 2 Lbar^T m is."""
+        return _along_axes(self.labels, self.x, values, node, component, 0.5)
+
+
+def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = None) -> Float[Array, "*shapes n"]:
+    """Displacements, then rotations about global axes, of small motions about a state.
+
+    Args:
+        labels: Names.
+        x: Nodal coordinates of the state, (n_x,) [m, rad, -].
+        shapes: Changes of the coordinates, (shapes, n_x).
+        node: Name of the node.
+        component: One component alone.
+
+    Raises:
+        KeyError: No such node or component.
+    """
+    return _along_axes(labels, x, shapes, node, component, 2.0)
+
+
+def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | None, factor: float) -> Any:
+    """Values at a node and its rotation, that of Euler parameters by a factor times Lbar about the global axes."""
+    pieces, names = [], []
+    for part in labels.parts(node):
+        indices = labels.known(part)
+        own = values[..., indices]
+        turns = labels.x[indices[0]].symbol == "l0"
+        pieces.append(factor * _with_lbar(x[..., indices], own) if turns else own)
+        names += TURNS if turns else [labels.x[i].symbol for i in indices]
+    whole = jnp.concatenate(pieces, axis=-1)
+    return whole if component is None else whole[..., _number(node, names, component)]
+
+
+def _number(node: str, names: Any, component: str | None) -> int:
+    """Which of some components one is.
+
+    Raises:
+        KeyError: None of them.
+    """
+    if component is None:
+        return 0
+    if component not in names:
+        raise KeyError(f"node '{node}' has no component {component!r} here; it has {', '.join(names)}")
+    return list(names).index(component)
+
+
+def _held(result: Any, quantity: str) -> Any:
+    """An array of a result.
+
+    Raises:
+        AttributeError: It has none.
+    """
+    try:
+        return getattr(result, quantity)
+    except AttributeError as error:
+        what, where = _HELD[quantity]
+        raise AttributeError(f"This {type(result).__name__} has no {what}: {where}.") from error
+
+
+def _vectors(lam: Any) -> Any:
+    """Rotation vectors of Euler parameters, (.., 4) to (.., 3)."""
+    return jnp.vectorize(rotation_vector, signature="(n)->(m)")(lam)
+
+
+def _with_lbar(lam: Any, values: Any) -> Any:
+    """Lbar times values at Euler parameters, (.., 4) to (.., 3)."""
+    return jnp.einsum("ijk,...k,...j->...i", np.asarray(LBAR), lam, values)
+
+
+def _about_axes(lam: Any, rates: Any) -> Any:
+    """Angular velocity of rates of Euler parameters, acceleration of second rates, (.., 4) to (.., 3)."""
+    return 2 * _with_lbar(lam, rates)

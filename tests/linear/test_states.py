@@ -1,0 +1,127 @@
+"""Questions about a stated state: increments, a state of a path or of a motion; against closed forms of a guide."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from cases.mechanisms import LENGTH, THICKNESS, WIDTH, planar_guide
+
+import flexmb as fm
+from flexmb import planar
+
+# Printed 78.7500 N (tutorial 3.1); the load that the guide bears takes the share P / 78.75 of its stiffness.
+CRITICAL, LOAD = 78.75, 20.0
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """A guide pressed down by an incremental load, and its path to that load."""
+    b = planar_guide()
+    b.force("left1", (0, -LOAD), increment=True)
+    model = b.build()
+    return model, fm.path(model, step=1.0)
+
+
+ASKS = {
+    "frequencies": lambda m, **at: fm.frequencies(m, **at)[0] ** 2,
+    "modes": lambda m, **at: fm.modes(m, **at).eigenvalues[0],
+    "poles": lambda m, **at: np.abs(fm.poles(m, **at)[0]) ** 2,
+    "compliance": lambda m, **at: 1 / fm.compliance(m, "left1", **at)[0, 0],
+    "directional_compliance": lambda m, **at: 1 / fm.linear.directional_compliance(m, **at)["left1"][0],
+    "to_statespace": lambda m, **at: -fm.to_statespace(m, **at).A[1, 0],
+}
+
+
+@pytest.mark.parametrize("name", ASKS)
+def test_a_load_takes_its_share_of_the_stiffness(pressed, name):
+    model, path = pressed
+    ask = ASKS[name]
+    # One degree of freedom about a straight state: K0 + P G0 to round-off.
+    for at in ({"increment": 1.0}, {"at": path, "step": -1}, {"at": path.linearization(-1)}):
+        assert float(ask(model, **at) / ask(model, increment=0.0)) == pytest.approx(1 - LOAD / CRITICAL, rel=1e-9)
+
+
+def test_buckling_counts_from_the_increments_that_act(pressed):
+    model, path = pressed
+    for at in ({"increment": 1.0}, {"at": path, "step": -1}):
+        # What more of the increment it bears.
+        assert float(fm.buckling_loads(model, **at)[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
+    assert float(fm.buckling(model, increment=1.0).multipliers[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
+    # Without incremental loads all are scaled, those of the state itself.
+    constant = dataclasses.replace(model.parameters, loads=model.parameters.increment, increment=None)
+    constant = dataclasses.replace(model, parameters=constant)
+    path = fm.path(constant, step=0.5)
+    assert float(fm.buckling_loads(constant, at=path, step=1)[0]) == pytest.approx(2 * CRITICAL / LOAD, rel=1e-8)
+
+
+def bent_strip():
+    """A strip with a small force and a mass on its end, as cases of a path and of a motion."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (LENGTH, 0))
+    section = fm.Rectangle(WIDTH, THICKNESS, fm.Material(E=210e9, G=80e9, rho=0.0, strength=1e7))
+    b.add(planar.beam, "foot", "tip", name="strip", section=section, released=(2, 3))
+    b.fix("foot")
+    b.mass("tip", 0.1, inertia=1e-6)
+    b.force("tip", (0, 1e-3), increment=True)
+    return b.build()
+
+
+@pytest.fixture(scope="module")
+def bent():
+    return bent_strip()
+
+
+def test_stress_of_all_states_is_one_call(bent):
+    path = fm.path(bent, step=0.5)
+    found = fm.stress(bent, at=path)
+    # 6 F L / (w t^2); the square of the slope is 3e-6.
+    expected = 6 * 1e-3 * LENGTH / (WIDTH * THICKNESS**2)
+    np.testing.assert_allclose(found.maximum, expected * path.load_factor, rtol=1e-5)
+    assert found.where[:2] == ("strip", 0.0)
+    assert found.where.state == len(path.load_factor) - 1
+    np.testing.assert_allclose(found.utilisation[-1], expected / 1e7, rtol=1e-5)
+    alone = fm.stress(bent, at=path, step=1)
+    np.testing.assert_allclose(found.sigma_x[1], alone.sigma_x, rtol=1e-12)
+    np.testing.assert_allclose(found.smooth_maximum()[1], alone.smooth_maximum(), rtol=1e-12)
+    assert alone.where.state is None
+    assert "of state 2" in repr(found)
+
+
+def test_states_of_a_motion(bent):
+    # A force twice what the path has, on the strip at rest: it swings about its equilibrium, to twice the stress.
+    stiffness = 3 * 210e9 * WIDTH * THICKNESS**3 / 12 / LENGTH**3
+    half = np.pi / np.sqrt(stiffness / 0.1)
+    motion = fm.simulate(bent, [0.0, half / 2, half], increment=lambda t: 1.0, rtol=1e-8)
+    found = fm.stress(bent, at=motion)
+    expected = 6 * 1e-3 * LENGTH / (WIDTH * THICKNESS**2)
+    # The rotary inertia of the tip adds a share of 1e-6 / (0.1 L^2), a thousandth.
+    np.testing.assert_allclose(found.maximum, expected * np.array([0.0, 1.0, 2.0]), rtol=5e-3, atol=1e-3 * expected)
+    alone = fm.stress(bent, at=motion, time=half)
+    np.testing.assert_allclose(alone.maximum, found.maximum[2], rtol=1e-9)
+    at_rest = fm.frequencies(bent, increment=0.0)
+    np.testing.assert_allclose(fm.frequencies(bent, at=motion, step=0), at_rest, rtol=1e-8)
+    with pytest.raises(ValueError, match=rf"but is {half / 3:.5g} s; the nearest are 0, {half / 2:.5g} s"):
+        fm.frequencies(bent, at=motion, time=half / 3)
+    with pytest.raises(NotImplementedError, match=r"fm\.poles"):
+        fm.modes(bent, at=motion, time=half)
+
+
+@pytest.mark.parametrize(
+    ("ask", "kind", "words"),
+    [
+        (lambda m, p: fm.frequencies(m, at=p), ValueError, "a Path with 2 states: say which by step="),
+        (lambda m, p: fm.frequencies(m, step=1), ValueError, "`step` of fm.frequencies goes with at="),
+        (lambda m, p: fm.poles(m, at=p, time=0.1), ValueError, "A path has no times"),
+        (lambda m, p: fm.modes(m, at=p, step=1, increment=1.0), ValueError, "does not go with at="),
+        (lambda m, p: fm.modes(p.linearization(), increment=1.0), ValueError, "does not go with a linearisation"),
+        (lambda m, p: fm.frequencies(bent_strip(), at=p, step=0), ValueError, "of another model"),
+        (lambda m, p: fm.frequencies(m, at=fm.equilibrium(m, increment=1.0)), TypeError, "not an Equilibrium"),
+        (lambda m, p: fm.buckling(m, at=p.linearization()), TypeError, "must be a Path"),
+        (lambda m, p: fm.frequencies(m, at=p, step=9), IndexError, "2 steps"),
+        (lambda m, p: fm.stress(m, step=1), ValueError, "goes with at="),
+    ],
+)
+def test_what_does_not_go_together(pressed, ask, kind, words):
+    with pytest.raises(kind, match=words):
+        ask(*pressed)
