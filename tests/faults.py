@@ -710,6 +710,18 @@ FAULTS = [
         "math/test_subspace.py",
     ),
     Fault(
+        "compilation/program.py",
+        "first.setdefault(value, v) for v",
+        "v for v",
+        "compilation/test_program.py -k what_several",
+    ),
+    Fault(
+        "mechanics/blocks.py",
+        "return lambda x, ref, own: function(x, ref, chosen(block, own))",
+        "return lambda x, ref, own: function(x, x, chosen(block, own))",
+        "elements/test_profile.py -k taper",
+    ),
+    Fault(
         "compilation/kept.py",
         "if check != _check(",
         "if False and check != _check(",

@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.compilation.program import split
+from flexmb.compilation.program import split, split_together
 
 
 def weighted(weights):
@@ -47,6 +47,19 @@ def test_equal_operations_are_done_once():
     counts = [equations(split(f, (1.0,), (1.0,))[1], 1.0) for f in (once, twice)]
     # Besides the stack of two: broadcasts and a concatenation.
     assert counts[1] <= counts[0] + 4
+
+
+def test_what_several_functions_make_of_constants_is_done_once():
+    weights = [np.array([1.0, 2.0]), np.array([1.0, 2.0])]
+    functions = [(lambda x, c, w=w: x * jnp.sum(jnp.sin(w * c)), (1.0,)) for w in weights]
+    early, late = split_together([*functions, (lambda c: jnp.cos(c), ())], (2.0,))
+    kept = early(2.0)
+    # The sum, of equal weights, and the cosine; nothing is left of the last but to hand it over.
+    assert len(kept) == 2
+    total = np.sum(np.sin(2.0 * weights[0]))
+    np.testing.assert_allclose([late[0](3.0, *kept), late[1](4.0, *kept)], [3 * total, 4 * total], rtol=1e-15)
+    assert late[2](*kept) == np.cos(2.0)
+    assert equations(late[2], *kept) == 0
 
 
 def test_element_of_two_helpers_moves_as_the_same_element_written_out():
