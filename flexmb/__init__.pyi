@@ -45,6 +45,7 @@ from .errors import SpacarError as SpacarError
 from .linear.buckling import buckling as buckling
 from .linear.buckling import buckling_loads as buckling_loads
 from .linear.compliance import compliance as compliance
+from .linear.damping import damped as damped
 from .linear.linearize import linearize as linearize
 from .linear.modes import frequencies as frequencies
 from .linear.modes import modes as modes

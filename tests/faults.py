@@ -313,8 +313,8 @@ FAULTS = [
     ),
     Fault(
         "linear/spectrum.py",
-        "[-k, -c]]",
-        "[-k, c]]",
+        "[-k / stiff, -c / (w * heavy)]]",
+        "[-k / stiff, c / (w * heavy)]]",
         "control/test_state_space.py -k oscillator",
     ),
     Fault(
@@ -340,6 +340,28 @@ FAULTS = [
     Fault("linear/measures.py", "(a.T @ m @ b) ** 2", "np.abs(a.T @ m @ b)", "linear/test_measures.py"),
     Fault("linear/measures.py", "found[rows] = columns", "found[columns] = rows", "linear/test_measures.py -k in_turn"),
     Fault("linear/loose.py", "if share[i] < 0][:4]", "if share[i] > 0][:4]", "linear/test_loose.py -k negative_mass"),
+    # Damping of a model.
+    Fault("linear/damping.py", "2 * zeta * w * mu", "zeta * w * mu", "linear/test_damping.py -k one_mass"),
+    Fault("linear/damping.py", "sizes[0] - 1)][::-1]", "sizes[0] - 1)]", "linear/test_damping.py -k two_masses"),
+    Fault("linear/damping.py", "rayleigh[1] * m.K0", "rayleigh[1] * m.M0", "linear/test_damping.py -k two_masses"),
+    Fault(
+        "linear/damping.py",
+        "massive & (values > VIBRATES * shift)",
+        "massive & (values > -np.inf)",
+        "linear/test_damping.py -k does_not_vibrate",
+    ),
+    Fault("linear/damping.py", "slopes / (2 * np.pi)", "slopes", "linear/test_damping.py -k derivatives"),
+    Fault("linear/damping.py", "np.asarray(own)[i] == other", "True", "linear/test_damping.py -k stiff_guide"),
+    Fault("linear/spectrum.py", "heavy)]])", "heavy / w)]])", "control/test_state_space.py -k oscillator"),
+    Fault(
+        "math/spectral.py",
+        "by_arguments * np.eye(len(mu))) @",
+        "by_arguments) @",
+        "linear/test_damping.py -k two_masses",
+    ),
+    Fault("math/spectral.py", "n * 2 * p[None, :]", "n * 2 * p[:, None]", "linear/test_damping.py -k derivatives"),
+    Fault("math/spectral.py", "slopes[None, :]) / 2", "slopes[None, :])", "linear/test_damping.py -k one_frequency"),
+    Fault("elements/sections.py", "ratio / (np.pi * frequency)", "ratio / frequency", "linear/test_damping.py -k leaf"),
     # State space.
     Fault(
         "control/state_space.py",
@@ -1160,7 +1182,6 @@ FAULTS = [
         "increment, initial = (any(",
         "spacar/test_light.py -k initial_loads",
     ),
-    Fault("spacar/light.py", "shapes * (2 * ratio", "shapes * (ratio", "spacar/test_light.py -k damping_ratio"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
     Fault("model/by_name.py", "component, 0.5)", "component, 2.0)", "model/test_by_name.py -k shaft"),
@@ -1177,6 +1198,7 @@ FAULTS = [
     ),
     Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call"),
     Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k of_a_motion"),
+    Fault("spacar/light.py", "return damped(lin", "return lin or damped(lin", "spacar/test_light.py -k damping_ratio"),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

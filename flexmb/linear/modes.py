@@ -180,6 +180,11 @@ def frequencies(
     return values
 
 
+def modal_frequencies(lin: Linearization) -> Float[Array, "n"]:
+    """Frequencies of a linearisation as of :func:`frequencies`, unchecked, (n_q,) [Hz]."""
+    return _frequencies_at(lin.matrices, count=None)[0]
+
+
 def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
     """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
     about = ""

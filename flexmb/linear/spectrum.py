@@ -191,11 +191,20 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     n = len(m)
     if not n:
         return np.zeros(0, complex)
+    # Degrees of freedom in units that make their stiffness and mass alike, and time in the unit w that makes both of
+    # one size: else the QZ method is right to round-off of the largest entry alone, and slow poles have wrong damping.
+    stiff, heavy = (np.max(np.abs(of), initial=0.0) or 1.0 for of in (k, m))
+    size = np.abs(np.diag(k)) / stiff + np.abs(np.diag(m)) / heavy
+    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
+    stiff, heavy = (np.linalg.norm(of) or 1.0 for of in (k, m))
+    w = np.sqrt(stiff / heavy)
     eye, zero = np.eye(n), np.zeros((n, n))
-    left, right = np.block([[zero, eye], [-k, -c]]), np.block([[eye, zero], [zero, m]])
+    left = np.block([[zero, eye], [-k / stiff, -c / (w * heavy)]])
+    right = np.block([[eye, zero], [zero, m / heavy]])
     top, bottom = np.asarray(scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True))
     finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
-    found = top[finite] / bottom[finite]
+    found = w * top[finite] / bottom[finite]
     return found[np.lexsort((found.imag, np.round(np.abs(found.imag), 9)))]
 
 

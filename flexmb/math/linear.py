@@ -107,6 +107,16 @@ def cholesky(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
     return jax.lax.linalg.cholesky(matrix, symmetrize_input=False)
 
 
+def solved_by_factor(factor: Float[Array, "n n"], right: Float[Array, "n k"]) -> Float[Array, "n k"]:
+    """Solution X of L X = right.
+
+    Args:
+        factor: L, lower triangular, (n, n).
+        right: (n, k).
+    """
+    return _triangular(factor, right, lower=True)
+
+
 def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
     """Whether a symmetric matrix is positive definite to working precision.
 

@@ -1,16 +1,14 @@
 """The SPACAR Light interface as functions: a script carries over line by line."""
 
-import dataclasses
 import warnings as python_warnings
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..control.state_space import to_statespace
 from ..errors import AnalysisError, ModelError
+from ..linear.damping import damped
 from ..linear.linearize import Linearization, linearize
-from ..linear.modes import modes
 from ..model.model import Model
 from .light_checks import check
 from .light_input import Script, read
@@ -150,12 +148,9 @@ def _suspicions(light: LightResults) -> list[str]:
 
 
 def _damped(lin: Linearization, ratio: float = 0.0) -> Linearization:
-    """The same with a damping ratio in every mode: D0 = M0 V 2 ratio sqrt(values) V^T M0, V mass-normalised."""
+    """The same with a damping ratio in every mode and no other damping."""
     if ratio == 0.0:
         return lin
     if not lin.matrices.symmetric:
         raise ModelError("opt.transfer: a damping ratio needs normal modes, which moments in space rule out.")
-    found, mass = modes(lin), np.asarray(lin.matrices.M0)
-    values, shapes = np.asarray(found.eigenvalues), mass @ np.asarray(found.q_shapes)
-    damping = shapes * (2 * ratio * np.sqrt(np.maximum(values, 0.0))) @ shapes.T
-    return Linearization(dataclasses.replace(lin.matrices, D0=jnp.asarray(damping)), lin.model)
+    return damped(lin, ratio=ratio, elements=False)

@@ -1,0 +1,238 @@
+"""Damping of a whole model: by ratios of its modes, in proportion to mass and stiffness, or by loss factors."""
+
+import dataclasses
+import fnmatch
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_flag, check_numbers, is_concrete, shown
+from ..compilation.compile import jit
+from ..elements.section import Material
+from ..math.linear import cholesky, solved_by_factor
+from ..math.spectral import harmonic, spectral
+from ..model.model import Model
+from ..results import RESULTS
+from .linearize import Linearization, Matrices, linearized
+from .loose import refuse_negative_mass
+from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric
+from .spectrum import MASSLESS, shift_to_definite
+
+# Where K had to be shifted by s, a motion vibrates whose omega^2 is above this share of s; others meet no stiffness.
+VIBRATES = 1e-6
+
+Ratio = float | Sequence[Any] | Float[Array, "*n"] | Callable[[Any], Any]
+
+
+def damped(
+    model: Model | Linearization,
+    *,
+    ratio: Ratio | None = None,
+    rayleigh: Sequence[float] | None = None,
+    loss_factor: float | Mapping[str | Material, float] | None = None,
+    elements: bool = True,
+) -> Linearization:
+    """The linearised mechanism with damping stated for all of it, for poles, state spaces and Bode plots.
+
+    Give one or several of ``ratio``, ``rayleigh`` and ``loss_factor``: their damping matrices are added, and by default
+    added to that of the elements. Motions that do not vibrate, of rigid bodies, unstable or without mass, have no
+    damping ratio, and neither ``ratio`` nor ``loss_factor`` damps them. Equations of motion (:func:`flexmb.simulate`)
+    do not know of it: there elements are damped, by a time constant of their material or by dampers.
+
+    Args:
+        model: Mechanism, or its linearisation such as that at a stroke. Differentiable in its parameters, also where
+            frequencies are repeated, and in the numbers below.
+        ratio: Damping ratio of the modes about this state [-]: one number for all, or one a mode, in the order of
+            :func:`flexmb.modes`, (n,), of which the last holds for all higher modes, too; or by frequency, pairs
+            (frequency [Hz], ratio), (k, 2), with straight lines in between and constant beyond; or a function of
+            frequencies, (n,) [Hz], that returns ratios, (n,).
+        rayleigh: Numbers alpha [1/s] and beta [s] of D0 = alpha M0 + beta K0. A mode of the unloaded mechanism has the
+            ratio alpha/(2 w) + beta w/2; both are zeta at two frequencies f and g [Hz] with
+            alpha = 4 pi zeta f g/(f + g) and beta = zeta/(pi (f + g)).
+        loss_factor: Loss factor eta of the elastic elements [-], one for all, or by name of an element, where "*" and
+            "?" stand for any characters, or by Material; of several that fit an element the last counts, and what no
+            one names has none. Structural damping does not depend on the frequency, which no differential equation
+            with real numbers has: taken is the viscous damping that dissipates as much in each mode, of ratio eta/2 of
+            the elements weighted by their share of the strain energy.
+        elements: Whether the damping of the elements stays beside it.
+
+    Returns:
+        Linearization with another D0, (n_q, n_q) [N s/m, N m s/rad]. With ``elements=False`` its S_d is zero, too;
+        what is added is in no stress output.
+
+    Raises:
+        ValueError: Nothing is given, a number that is negative or not finite, more ratios than modes, frequencies that
+            do not ascend, a name that no element has, or one of what has no stiffness.
+        NotImplementedError: The stiffness is unsymmetric, which gives no modes, and ``rayleigh`` alone is not all.
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
+
+    Source:
+        THEORY.md 7, eq. (7.11) to (7.13); loss factors by modal strain energy: Johnson, Kienholz (1982), AIAA Journal
+        20, 1284.
+    """
+    check_flag("elements", elements)
+    lin = linearized(model, "damped")
+    m = lin.matrices
+    if ratio is None and rayleigh is None and loss_factor is None:
+        raise ValueError("fm.damped needs a damping: give `ratio`, `rayleigh` or `loss_factor`.")
+    added, result = jnp.zeros_like(m.D0), m.result
+    if rayleigh is not None:
+        _check_positive("rayleigh", rayleigh, (2,))
+        added = added + rayleigh[0] * m.M0 + rayleigh[1] * m.K0
+    if ratio is not None or loss_factor is not None:
+        refuse_unsymmetric(m.symmetric)
+        if is_concrete(m):
+            refuse_negative_mass(lin)
+        ratios = None if ratio is None else _ratios(lin, ratio)
+        losses = None if loss_factor is None else _losses(lin, loss_factor)
+        modal, result = _modal_damping(m, ratios, losses)
+        check_spectrum(result, True, lin)
+        added = added + modal
+    own = {"D0": m.D0 + added} if elements else {"D0": added, "S_d": jnp.zeros_like(m.S_d)}
+    return Linearization(dataclasses.replace(m, result=result, **own), lin.model)
+
+
+@jit
+def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None):
+    """Damping matrix of modal damping ratios and of loss factors of the deformations, and a code of RESULTS.
+
+    With B = K + s M0 = L L^T all functions of (K, M0) are functions of the matrix L^-1 M0 L^-T between factors L and
+    L^T; its eigenvalue mu of a motion is 1/(w^2 + s), and zero of one without mass.
+    """
+    shift, _, found = shift_to_definite(m.K, m.M0)
+    factor = cholesky(m.K + shift * m.M0)
+
+    def reduced(matrix):
+        once = solved_by_factor(factor, solved_by_factor(factor, matrix).T)
+        return (once + once.T) / 2
+
+    mass = reduced(m.M0)
+    core = jnp.zeros_like(mass)
+    if ratios is not None:
+        core = core + spectral(_by_ratios, mass, shift, *ratios)
+    if losses is not None:
+        lossy = (losses[:, None] * m.S + m.S * losses) / 2
+        core = core + harmonic(_inverse_frequency, mass, reduced(m.DFe.T @ lossy @ m.DFe), shift)
+    damping = factor @ core @ factor.T
+    result = jnp.where(found, m.result, RESULTS.singular_stiffness).astype(jnp.int32)
+    return (damping + damping.T) / 2, result
+
+
+def _vibrations(mu, shift):
+    """Which motions vibrate, and their angular frequencies, one for others."""
+    massive = mu > MASSLESS * mu.shape[0] * jnp.max(mu, initial=0.0)
+    values = 1 / jnp.where(massive, mu, 1.0) - shift
+    vibrates = massive & (values > VIBRATES * shift)
+    return vibrates, jnp.sqrt(jnp.where(vibrates, values, 1.0))
+
+
+def _by_ratios(mu, shift, ratios, slopes):
+    """2 zeta w mu, of ratios with their slopes by w."""
+    vibrates, w = _vibrations(mu, shift)
+    zeta = ratios + slopes * (w - jax.lax.stop_gradient(w))
+    return jnp.where(vibrates, 2 * zeta * w * mu, 0.0)
+
+
+def _inverse_frequency(mu, shift):
+    vibrates, w = _vibrations(mu, shift)
+    return jnp.where(vibrates, 1 / w, 0.0)
+
+
+def _ratios(lin: Linearization, ratio: Any) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
+    """Damping ratios of all motions, by descending frequency, and their slopes by angular frequency."""
+    n = lin.matrices.M0.shape[0]
+    sizes = () if callable(ratio) else np.shape(ratio)
+    if not callable(ratio):
+        _check_positive("ratio", ratio)
+        if sizes == ():
+            return jnp.broadcast_to(jnp.asarray(ratio, float), (n,)), jnp.zeros(n)
+    hertz = jax.lax.stop_gradient(modal_frequencies(lin))
+    count = int(np.sum(np.isfinite(np.asarray(hertz)))) if is_concrete(hertz) else n
+    if len(sizes) == 1:
+        if sizes[0] > count:
+            raise ValueError(f"Argument `ratio` has {sizes[0]} numbers, but there are {count} modes.")
+        given = jnp.asarray(ratio, float)
+        return given[np.minimum(np.arange(n), sizes[0] - 1)][::-1], jnp.zeros(n)
+    by_frequency = ratio if callable(ratio) else _between(ratio, sizes)
+    # Where there is nothing to damp, any frequency does.
+    hertz = jnp.where(jnp.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
+    if is_concrete(lin.matrices):
+        found = by_frequency(np.asarray(hertz))
+        slopes = jnp.zeros(n)
+    else:
+        found, slopes = jax.jvp(by_frequency, (hertz,), (jnp.ones(n),))
+    _check_positive("ratio", found, (n,), ", a function,")
+    return jnp.asarray(found, float), slopes / (2 * np.pi)
+
+
+def _between(pairs: Any, sizes: tuple[int, ...]) -> Callable[[Any], Any]:
+    """Straight lines between pairs of frequency and ratio."""
+    if len(sizes) != 2 or sizes[1] != 2:
+        raise ValueError(
+            f"Argument `ratio` must be one number, one a mode, or pairs (frequency [Hz], ratio), but has shape {sizes}."
+        )
+    table = jnp.asarray(pairs, float)
+    if is_concrete(table) and not np.all(np.diff(np.asarray(table)[:, 0]) > 0):
+        raise ValueError(f"Argument `ratio`: its frequencies must ascend, but are {shown(np.asarray(table)[:, 0])}.")
+    return lambda hertz: jnp.interp(hertz, table[:, 0], table[:, 1])
+
+
+def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None, kind: str = "") -> None:
+    check_numbers(f"Argument `{name}`{kind}", given, shape)
+    if is_concrete(given) and np.any(np.asarray(given) < 0):
+        raise ValueError(f"Argument `{name}`{kind} cannot be negative, but is {shown(given)}.")
+
+
+def _losses(lin: Linearization, given: Any) -> Float[Array, "n_e"]:
+    """Loss factor of each deformation."""
+    losses = jnp.zeros(lin.model.topology.n_e)
+    if not isinstance(given, Mapping):
+        _check_positive("loss_factor", given, ())
+        return losses + given
+    if not given:
+        raise ValueError("Argument `loss_factor` names no element.")
+    stiffness, moves = np.asarray(lin.matrices.S) if is_concrete(lin.matrices) else None, lin.matrices.DFe
+    for key, factor in given.items():
+        _check_positive("loss_factor", factor, ())
+        rows = _rows_of(lin.model, key)
+        called = "that material" if isinstance(key, Material) else f"'{key}'"
+        if not len(rows):
+            names = ", ".join(name for name, *_ in lin.labels.elements[:12])
+            raise ValueError(f"Argument `loss_factor`: no element is of {called}. There is: {names}.")
+        if stiffness is not None and not np.any(stiffness[rows] @ np.asarray(moves)):
+            raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
+        losses = losses.at[rows].set(factor)
+    return losses
+
+
+def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
+    """Deformations of the elements of a name, or of a material."""
+    if isinstance(key, str):
+        return np.array([i for i, e in enumerate(model.labels.e) if fnmatch.fnmatchcase(e.of, key)], int)
+    if not isinstance(key, Material):
+        raise TypeError(f"Argument `loss_factor` goes by names of elements or by Materials, not by {shown(key)}.")
+    if not is_concrete((model.parameters.properties, key)):
+        raise ValueError("Argument `loss_factor`: under a trace, name the elements: materials cannot be compared.")
+    found = []
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        sections, first = properties.get("section"), 0
+        # Sections of several kinds are a tuple, one stack a kind, of elements in that order.
+        for stack in sections if isinstance(sections, tuple) else (sections,):
+            after = first + (np.shape(leaves[0])[0] if (leaves := jax.tree.leaves(stack)) else 0)
+            for own in jax.tree.leaves(stack, is_leaf=lambda value: isinstance(value, Material)):
+                if isinstance(own, Material):
+                    found += [row for i in range(after - first) if _is_same(own, i, key) for row in block.e[first + i]]
+            first = after
+    return np.array(found, int)
+
+
+def _is_same(stacked: Material, i: int, wanted: Material) -> bool:
+    """Whether a material of stacked elements is that wanted, in element i."""
+    pairs = [(getattr(stacked, f.name), getattr(wanted, f.name)) for f in dataclasses.fields(Material)]
+    return all((own is None) == (other is None) for own, other in pairs) and all(
+        np.all(np.asarray(own)[i] == other) for own, other in pairs if own is not None
+    )

@@ -1,0 +1,98 @@
+"""Functions of a symmetric matrix by its eigenvalues, with derivatives that hold where eigenvalues repeat."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .linear import pencil
+
+# Eigenvalues nearer than this, relatively: the difference of a function's values over theirs has lost as many digits
+# as the mean of its slopes lacks.
+NEAR = 1e-5
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def spectral(function: Callable[..., Any], matrix: Float[Array, "n n"], *arguments: Any) -> Float[Array, "n n"]:
+    """The matrix U diag(f(mu)) U^T of a symmetric matrix U diag(mu) U^T.
+
+    Args:
+        function: ``f(mu, *arguments)`` of the eigenvalues, ascending, each value by its own eigenvalue, (n,).
+        matrix: Symmetric, (n, n).
+        arguments: Arrays.
+
+    Source:
+        Its derivative is that of Daleckii and Krein, THEORY.md 10, eq. (10.3).
+    """
+    mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
+    return (u * function(mu, *arguments)) @ u.T
+
+
+@spectral.defjvp
+def _spectral_jvp(function, primals, tangents):
+    matrix, *arguments = primals
+    change, *others = tangents
+    mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
+    values, by_arguments = jax.jvp(lambda *own: function(mu, *own), tuple(arguments), tuple(others))
+    moved = divided(function, mu, *arguments) * (u.T @ change @ u)
+    return (u * values) @ u.T, u @ (moved + by_arguments * np.eye(len(mu))) @ u.T
+
+
+def divided(function: Callable[..., Any], mu: Float[Array, "n"], *arguments: Any) -> Float[Array, "n n"]:
+    """Divided differences (f_i - f_j)/(mu_i - mu_j) of a function's values; its slope where both are near.
+
+    Args:
+        function: As of :func:`spectral`.
+        mu: Eigenvalues, (n,).
+    """
+    values, slopes = jax.jvp(lambda own: function(own, *arguments), (mu,), (jnp.ones_like(mu),))
+    gap = mu[:, None] - mu[None, :]
+    apart = jnp.abs(gap) > NEAR * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
+    quotient = (values[:, None] - values[None, :]) / jnp.where(apart, gap, 1.0)
+    return jnp.where(apart, quotient, (slopes[:, None] + slopes[None, :]) / 2)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def harmonic(
+    function: Callable[..., Any], matrix: Float[Array, "n n"], middle: Float[Array, "n n"], *arguments: Any
+) -> Float[Array, "n n"]:
+    """Solution X of P X + X P = 2 P N P, where P is a function of a symmetric matrix that is not negative.
+
+    In the eigenvectors of the matrix X_ij is N_ij times the harmonic mean of p_i and p_j.
+
+    Args:
+        function: p of the eigenvalues, as of :func:`spectral`, (n,).
+        matrix: Symmetric, (n, n).
+        middle: N, symmetric, (n, n).
+        arguments: Arrays that the function takes.
+
+    Source:
+        THEORY.md 7, eq. (7.13); its derivative is that of the equation.
+    """
+    mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
+    p = function(mu, *arguments)
+    return u @ (_mean(p) * (u.T @ middle @ u)) @ u.T
+
+
+def _mean(p):
+    total = p[:, None] + p[None, :]
+    return 2 * p[:, None] * p[None, :] / jnp.where(total > 0, total, 1.0)
+
+
+@harmonic.defjvp
+def _harmonic_jvp(function, primals, tangents):
+    matrix, middle, *arguments = primals
+    change, moved, *others = tangents
+    mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
+    p, by_arguments = jax.jvp(lambda *own: function(mu, *own), tuple(arguments), tuple(others))
+    n, dn = (u.T @ of @ u for of in (middle, moved))
+    dp = divided(function, mu, *arguments) * (u.T @ change @ u) + by_arguments * np.eye(len(mu))
+    total = p[:, None] + p[None, :]
+    total = jnp.where(total > 0, total, 1.0)
+    # P dX + dX P = 2 P dN P + dP (2 N P - X) + (2 P N - X) dP.
+    side = dp @ (n * 2 * p[None, :] ** 2 / total)
+    return u @ (_mean(p) * n) @ u.T, u @ (_mean(p) * dn + (side + side.T) / total) @ u.T
