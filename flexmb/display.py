@@ -104,7 +104,7 @@ def is_single(found: Result) -> bool:
     """Whether the numbers of a result are concrete, and of one mechanism."""
     leaves = jax.tree.leaves(found)
     if not (len(leaves) == 1 and leaves[0] is found):
-        kinds = (np.ndarray, np.generic, jax.Array, int, float)
+        kinds = (np.ndarray, np.generic, jax.Array, int, float, str)
         if not all(isinstance(leaf, kinds) and not isinstance(leaf, jax.core.Tracer) for leaf in leaves):
             return False
     try:
