@@ -1,5 +1,6 @@
 """Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -9,13 +10,14 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_number, check_whole, shown
-from ..compilation.record import Record
+from ..compilation.record import Record, static
 from ..display import AT_MOST, Result, States, Summary, course, short
-from ..errors import AnalysisError
+from ..errors import AnalysisError, heard, warn
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, ManyStates, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
+from ..linear.stress import stress
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, load_factors
 from ..mechanics.residual import state
@@ -25,7 +27,9 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from .critical import CriticalPoint
+from .imperfection import bent_by_modes
 from .stepper import Ramp
+from .stops import STRESS, stops_of, unmet
 from .walk import Step, Walker
 
 
@@ -44,7 +48,9 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
         critical_points: Limit and bifurcation points in the order of the path, with the uncertainty of those whose
             state could not be found itself.
         result: Code of RESULTS.
-        model: The mechanism.
+        model: The mechanism, with its imperfections.
+        stopped_by: Name of the condition of ``stop`` that ended the path, which its last step meets; None where none
+            did.
     """
 
     load_factor: Float[Array, "steps"]
@@ -55,6 +61,7 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
     critical_points: tuple[CriticalPoint, ...]
     result: Int[Array, ""]
     model: Model
+    stopped_by: str | None = static(default=None)
     one_axis = "load_factor"
 
     @property
@@ -112,6 +119,8 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
             "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
             "critical points": ", ".join(points[:AT_MOST]) or "none",
         }
+        if self.stopped_by is not None:
+            rows["stopped by"] = f"{self.stopped_by}, at load factor {short(self.load_factor[-1])}"
         return Summary(f"Path: {course(self.states())}", rows, "path")
 
 
@@ -146,7 +155,14 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
 
 
 def path(
-    model: Model, *, max_steps: int = 200, step: float = 0.1, switch: bool | int = False, throw: bool = True
+    model: Model,
+    *,
+    max_steps: int = 200,
+    step: float = 0.1,
+    stop: Mapping[str, float] | None = None,
+    switch: bool | int | Mapping[int, int] = False,
+    imperfection: Mapping[int, float] | None = None,
+    throw: bool = True,
 ) -> Path:
     """Equilibrium path over the load factor from 0 to 1, past limit points.
 
@@ -157,19 +173,35 @@ def path(
         model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
         max_steps: Steps at most.
         step: Largest change of the load factor in a step, () [-].
-        switch: 1 or True: at the first bifurcation, go on along the branch in the direction of its phi; -1: against
-            it.
-        throw: Raise where the path does not reach factor 1; otherwise the code is in ``result``.
+        stop: What ends the path, whichever comes first: ``{"tip.y": -5e-3}`` a displacement from the undeformed
+            mechanism [m, rad], ``{"stress": 300e6}`` the largest von Mises stress that ``fm.stress`` tells [Pa],
+            ``{"critical_points": 2}`` so many of them, ``{"load_factor": 2.0}`` a load factor [-]: one above 1 makes
+            the path longer, any other is where it comes to it, as to 0 on its way back.
+        switch: Which bifurcations are left, by their number on the way from 1, to which side: 1 along phi, -1 against
+            it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. Where the path came
+            along phi, the other branch follows the load: 1 with a rising load factor, -1 with a falling one.
+        imperfection: By how much the undeformed mechanism is bent without stress: the largest displacement [m] of each
+            buckling mode, by its number from 1, as ``{1: 1e-6}``. They are those of ``fm.buckling`` about the state in
+            which the path begins, for the loads that grow, numbered and signed in the same way.
+        throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:
         Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
-        load multipliers at each step, and the critical points.
+        load multipliers at each step, and the critical points. Where a condition of ``stop`` was met it is
+        ``stopped_by``, and the last step meets it: a coordinate and a load factor to round-off, a stress to 1e-9 of it.
+        Stress is compared at the ends of steps, other values also where they turn back in between.
+
+    Warns:
+        FlexmbWarning: The path ended without meeting ``stop``, or without a bifurcation that ``switch`` names.
 
     Raises:
         AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or
             singular_configuration; singular_mass where a motion has a negative mass. Each says what to try, and has
             the path so far as ``error.path``, but for the last.
-        ValueError: max_steps or step is not positive.
+        ValueError: max_steps or step is not positive; the stress is not below its limit where the path begins; there
+            is no such buckling mode.
+        KeyError: There is no such coordinate.
+        ModelError: A stress is asked for, and an element has a section without a shape.
 
     Source:
         THEORY.md 7, eq. (7.8) and (7.9). A critical point is where an eigenvalue of K changes sign; from
@@ -180,13 +212,25 @@ def path(
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
-    if switch not in (False, True, -1):
-        raise ValueError(f"Argument `switch` must be False, True, 1 or -1, but is {shown(switch)}.")
+    left = _switches(switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
-    walker = Walker(model, step)
-    code = walker.walk(max_steps, float(switch))
-    found = [_look(model.topology, model.parameters, walker.ramp, s) for s in walker.steps]
+    model = model if imperfection is None else bent_by_modes(model, imperfection)
+
+    def found_at(step: Step) -> _Found:
+        return _look(model.topology, model.parameters, walker.ramp, step)
+
+    def largest_stress(step: Step) -> float:
+        # That it is above the material's strength is not asked at every step.
+        with heard():
+            return float(stress(model, at=Linearization(found_at(step).matrices, model)).maximum)
+
+    stops = stops_of(model, stop, largest_stress)
+    walker = Walker(model, step, stops)
+    if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
+        raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
+    code = walker.walk(max_steps, left)
+    found = [found_at(s) for s in walker.steps]
     if not found[0].matrices.symmetric:
         found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
     # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
@@ -202,10 +246,44 @@ def path(
         critical_points=tuple(walker.critical),
         result=jnp.asarray(int(code), jnp.int32),
         model=model,
+        stopped_by=walker.ended or None,
     )
     try:
         check(int(code), throw)
     except AnalysisError as error:
         error.path = whole
         raise
+    if code == RESULTS.successful:
+        _warn_of_unused(whole, walker, stop, left)
     return whole
+
+
+def _switches(switch: Any) -> dict[int, int]:
+    """Direction in which each bifurcation is left, by its number from 1."""
+    if isinstance(switch, Mapping):
+        for number, side in switch.items():
+            check_whole("switch", number, 1)
+            if side not in (1, -1):
+                raise ValueError(
+                    f"Argument `switch` must have 1 or -1 for bifurcation {number}, but has {shown(side)}."
+                )
+        return {int(number): int(side) for number, side in switch.items()}
+    if switch not in (False, True, -1):
+        raise ValueError(
+            f"Argument `switch` must be False, True, 1 or -1, or such numbers by bifurcation, as {{2: -1}}, but is"
+            f" {shown(switch)}."
+        )
+    return {1: int(switch)} if switch else {}
+
+
+def _warn_of_unused(found: Path, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int]) -> None:
+    """Warn of what a path was asked for and did not come to."""
+    if stop and found.stopped_by is None:
+        warn(unmet(found.model, stop, walker.steps, walker.conditions, len(walker.critical)))
+    if left:
+        count = sum(point.kind == "bifurcation" for point in found.critical_points)
+        which = ", ".join(map(str, sorted(left)))
+        warn(
+            f"Argument `switch` asks for bifurcation {which}, but there are {count} of them on the path, up to load"
+            f" factor {short(found.load_factor[-1])}."
+        )

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..math.linear import factorise
 from ..mechanics.blocks import kernel
 from ..mechanics.residual import state
 from ..model.model import Model
@@ -28,12 +29,14 @@ from .stepper import (
     can_be_taken,
     direction_of,
     length_of,
+    load_response,
     next_length,
     normal_to,
     product,
     step_along,
     unit,
 )
+from .stops import COUNT, STRESS, Condition, Last, Stops
 
 BISECTIONS = 60
 # A value is zero where it is this share of those at the ends of the step, or between states that are this near to each
@@ -53,6 +56,8 @@ DRAWN = (7 / 8, 1 / 2)
 NEUTRAL = 1e-13
 # States of a closed path agree to this (extents, radians, load factor) where it has come round: Newton's tolerance.
 SAME = 1e-7
+# What makes a singular stiffness regular for its null vector, as share of the critical value at the begin of the step.
+SHIFT = 1e-9
 # Motion of the first step on another branch (extents, radians).
 FIRST_ON_BRANCH = 0.02
 
@@ -117,8 +122,14 @@ def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scal
 def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point, shift, beside: Direction):
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     other = jnp.concatenate([beside.x[topology.x.dof], beside.strained[topology.e.dof]])
-    phi, _ = null_vectors(topology, at, scale.sizes, shift, other)
-    return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0))
+    phi, psi = null_vectors(topology, at, scale.sizes, shift, other)
+    # The other direction in which r does not change to first order is normal to phi: K with phi made stiff gives it.
+    z = at.transfer.DFx / scale.sizes[:, None]
+    metric = z.T @ z
+    stiffened = at.K0 + at.G0 + shift / SHIFT * jnp.outer(metric @ psi, metric @ phi) / (psi @ metric @ phi)
+    onto, by_load = load_response(topology, parameters, ramp, at)
+    along = onto - at.transfer.DFx @ factorise(stiffened).solve(by_load)
+    return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0)), direction_of(at, along, jnp.array(1.0))
 
 
 class Zero(NamedTuple):
@@ -157,24 +168,24 @@ class Stride(NamedTuple):
         length: How long it is.
         end: State where it ends.
         crossed: Critical points on it.
-        last: Where on it load factor 1 is reached, and the state there; None if it is not.
+        last: Where the walk ends on it; None if it does not.
     """
 
     begin: Step
     length: float
     end: Step
     crossed: list[Crossing]
-    last: tuple[float, Step] | None
+    last: Last | None
 
 
 class Left(NamedTuple):
     """That the walk left its branch at a bifurcation.
 
     Attributes:
-        new: First state on the other branch; None if it was not found.
+        new: First step on the other branch; None if it was not found.
     """
 
-    new: Step | None
+    new: Stride | None
 
 
 class _Trial(NamedTuple):
@@ -240,15 +251,21 @@ class Walker:
         step: Largest change of the load factor in a step, () [-].
         steps: States found.
         critical: Critical points found.
+        conditions: Values that end the walk.
+        most: Number of critical points that ends it, or None.
+        end: Largest load factor to which the conditions let it go, () [-].
+        ended: Name of the condition that ended it, empty where the path ended by itself; None where none did.
     """
 
-    def __init__(self, model: Model, step: float):
+    def __init__(self, model: Model, step: float, stops: Stops):
         self.parts = (model.topology, model.parameters)
         self.ramp, self.scale, first, result = jax.device_get(_begin(*self.parts))
         self.code = RESULTS(int(result))
         self.step = step
         self.steps: list[Step] = [first]
         self.critical: list[CriticalPoint] = []
+        self.conditions, self.most, self.end = stops
+        self.ended: str | None = None
 
     def advance(self, begin: Point, direction: Direction, length, plane: Plane | None = None) -> Step:
         """One step from a point along a direction, corrected across it unless another plane is given."""
@@ -301,17 +318,26 @@ class Walker:
         return Zero(low.length + share * (high.length - low.length), step, abs(end.load - begin.load) / 2)
 
     def zero(
-        self, begin: Step, length: float, end: Step, value, widest: float = WIDEST, alone: bool = False
+        self,
+        begin: Step,
+        length: float,
+        end: Step,
+        value,
+        widest: float = WIDEST,
+        alone: bool = False,
+        ends: tuple[tuple[float, Step], ...] = (),
     ) -> Zero | None:
         """Where a value that changes sign on a step is zero; None if it jumps.
 
-        Where the value is ``alone`` in changing its sign, states on another branch are known by their orientation.
+        It changes its sign between the ends of the step, or between two places and states on it. Where the value is
+        ``alone`` in changing its sign, states on another branch are known by their orientation.
 
         Beside a bifurcation the corrector's equations are nearly singular: it finds no state, or one that is astray
         along the motion that meets no stiffness, and so is its tangent. The zero is then taken between states on both
         sides.
         """
-        low, high = _Trial(0.0, value(begin), begin), _Trial(length, value(end), end)
+        ends = ends or ((0.0, begin), (length, end))
+        low, high = (_Trial(place, value(at), at) for place, at in ends)
         small = ZERO * max(abs(low.value), abs(high.value))
         least = 2 * float(end.cosine) - 1 - 1e-3
         widest = max(widest * length, WIDEST_AT_LEAST)
@@ -367,27 +393,77 @@ class Walker:
                 found[i] = Crossing(turn, "limit", found[i].number)
         return sorted(found, key=lambda f: f.zero.length)
 
-    def finish(self, begin: Step, length: float, end: Step) -> tuple[float, Step] | None:
-        """Where a step reaches load factor 1, and the state there."""
-        reached = self.zero(begin, length, end, lambda s: s.load - 1.0)
+    def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> list[Last] | None:
+        """Where conditions are met on a step, the first place of each; None if the path jumps."""
+        found = []
+        for condition in self.conditions:
+            places = self.extremes(condition, begin, length, end, crossed)
+            if places is None:
+                return None
+            places = [(0.0, begin), *places, (length, end)]
+            excess = [condition.excess(at) for _, at in places]
+            for i in range(len(places) - 1):
+                # A path that begins at the value is to come there again.
+                if excess[i] != 0 and np.sign(excess[i]) * np.sign(excess[i + 1]) <= 0:
+                    last = self.met(condition, begin, length, end, (places[i], places[i + 1]))
+                    if last is None:
+                        return None
+                    found.append(last)
+                    break
+        return found
+
+    def extremes(
+        self, condition: Condition, begin: Step, length: float, end: Step, crossed: list[Crossing]
+    ) -> list[tuple[float, Step]] | None:
+        """Places on a step at which the quantity of a condition may turn back, with the states; None for a jump."""
+        if condition.name == STRESS:
+            return []
+        entry = condition.entry
+        if entry is None:
+            return [(f.zero.length, f.zero.step) for f in crossed]
+        excess = [condition.excess(at) for at in (begin, end)]
+        rates = [float(at.tangent.x[entry]) for at in (begin, end)]
+        # It comes nearer at first, goes away at last, and is near enough to have been there.
+        near = min(map(abs, excess)) < length * max(map(abs, rates))
+        if not (near and excess[0] * excess[1] > 0 and excess[0] * rates[0] < 0 < excess[1] * rates[1]):
+            return []
+        turn = self.zero(begin, length, end, lambda s: float(s.tangent.x[entry]))
+        return None if turn is None else [(turn.length, turn.step)]
+
+    def met(self, condition: Condition, begin: Step, length: float, end: Step, ends) -> Last | None:
+        """Where a condition is met between two places of a step, and the state there."""
+        reached = self.zero(begin, length, end, condition.excess, ends=ends)
         if reached is None:
             return None
         still = jax.tree.map(np.zeros_like, reached.step.tangent)
-        one: Any = np.array(1.0)
-        exact = self.advance(reached.step.point._replace(load=one), still, 0.0, Plane(still.x, one))
-        return reached.length, exact if bool(exact.converged) else reached.step
+        at, plane = reached.step.point, normal_to(self.scale, reached.step.tangent)
+        if condition.name != STRESS:
+            # The corrector keeps the value itself where it is, to round-off.
+            target: Any = np.array(condition.start + condition.target)
+            one: Any = np.arange(len(at.x)) == condition.entry
+            by_load = condition.entry is None
+            at = at._replace(load=target) if by_load else at._replace(x=np.where(one, target, at.x))
+            plane = Plane(one.astype(float), target * 0 + by_load)
+        exact = self.advance(at, still, 0.0, plane)
+        return Last(reached.length, exact if bool(exact.converged) else reached.step, condition.name)
 
-    def motions(self, taken: Stride) -> list[Direction]:
-        """Motions that meet no stiffness at the critical points of a step, normal to each other where two coincide."""
+    def motions(self, taken: Stride) -> tuple[list[Direction], list[Direction]]:
+        """Motions that meet no stiffness at the critical points of a step, normal to each other where two coincide.
+
+        Beside each the direction normal to it in which the mechanism follows a rising load.
+        """
         found: list[Direction] = []
+        loaded: list[Direction] = []
         for i, crossing in enumerate(taken.crossed):
             zero, before = crossing.zero, taken.crossed[i - 1].zero
             coincide = i > 0 and zero.length - before.length <= max(WIDEST * taken.length, WIDEST_AT_LEAST)
             beside = found[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
-            shift = np.asarray(np.abs(taken.begin.values[crossing.number]) * 1e-9)
+            shift = np.asarray(np.abs(taken.begin.values[crossing.number]) * SHIFT)
             arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
-            found.append(jax.device_get(_null(*self.parts, *arguments)))
-        return found
+            phi, along = jax.device_get(_null(*self.parts, *arguments))
+            found.append(phi)
+            loaded.append(along)
+        return found, loaded
 
     def name(self, crossing: Crossing, phi: Direction) -> None:
         """Add a critical point."""
@@ -395,7 +471,7 @@ class Walker:
         motion: Any = phi.x
         self.critical.append(CriticalPoint(at.load, crossing.kind, at.point.x, motion, crossing.zero.uncertainty))
 
-    def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Step | None:
+    def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Stride | None:
         """First step on the branch that leaves a bifurcation along a motion.
 
         Where two motions lose their stiffness at once, branches leave along some of their sums only.
@@ -410,7 +486,12 @@ class Walker:
             for _ in range(6):
                 new = self.advance(begin.point, direction, length)
                 if bool(new.converged) and float(new.cosine) > 0.5:
-                    return new
+                    start = begin._replace(tangent=direction)
+                    met = self.finish(start, length, new, [])
+                    if met is not None:
+                        return Stride(start, length, new, [], min(met, key=lambda last: last.length, default=None))
+                    length /= 4
+                    continue
                 way, size = self.chord(begin.point, new.point)
                 if size > 0 and product(self.scale, way, direction) > 0.5:
                     # The corrector was on its way to a branch that leaves in another direction.
@@ -424,12 +505,10 @@ class Walker:
         crossed = self.cross(begin, length, end, widest)
         if crossed is None:
             return None
-        peaks = [f.zero for f in crossed if f.kind == "limit" and f.zero.step.load >= 1.0]
-        if not (end.load >= 1.0 or peaks):
-            return Stride(begin, length, end, crossed, None)
-        top = peaks[0] if peaks else Zero(length, end, 0.0)
-        last = self.finish(begin, top.length, top.step)
-        return None if last is None else Stride(begin, length, end, crossed, last)
+        met = self.finish(begin, length, end, crossed)
+        if met is None:
+            return None
+        return Stride(begin, length, end, crossed, min(met, key=lambda last: last.length, default=None))
 
     def leap(self, begin: Step) -> Stride | None:
         """A step over states that are not found, as short as can be; None if there is none."""
@@ -467,8 +546,14 @@ class Walker:
                     return new
         return None
 
-    def walk(self, max_steps: int, switch: float) -> RESULTS:
-        """Walk until load factor 1; the code says why the walk ended."""
+    def walk(self, max_steps: int, switch: dict[int, int]) -> RESULTS:
+        """Walk until a condition is met; the code says why the walk ended.
+
+        Args:
+            max_steps: Steps at most.
+            switch: Direction, 1 or -1, in which bifurcations are left, by their number from 1. What is used is taken
+                out.
+        """
         length, regular = np.inf, True
         while self.code == RESULTS.successful:
             if len(self.steps) > max_steps:
@@ -482,7 +567,7 @@ class Walker:
                     return RESULTS.not_converged if regular else RESULTS.singular_configuration
                 length = taken.length
             else:
-                short = 1.0 - begin.load - length * float(begin.tangent.load)
+                short = self.end - begin.load - length * float(begin.tangent.load)
                 if 0 <= short < 0.2 * length * float(begin.tangent.load):
                     # No crumb is left before the end.
                     length *= 1.25
@@ -502,12 +587,16 @@ class Walker:
             if left is not None:
                 if left.new is None:
                     return RESULTS.not_converged
-                self.steps.append(left.new)
-                switch = 0.0
-                continue
-            if taken.last is not None:
-                self.steps.append(taken.last[1])
+                taken = left.new
+            elif self.ended is not None:
                 return RESULTS.successful
+            if taken.last is not None:
+                self.steps.append(taken.last.step)
+                self.ended = taken.last.name
+                return RESULTS.successful
+            if left is not None:
+                self.steps.append(taken.end)
+                continue
             again = self.come_round(taken)
             if again is not None:
                 self.steps.append(again)
@@ -516,13 +605,22 @@ class Walker:
             length = next_length(length, taken.end.corrections, taken.end.cosine)
         return self.code
 
-    def pass_critical_points(self, taken: Stride, switch: float) -> Left | None:
+    def pass_critical_points(self, taken: Stride, switch: dict[int, int]) -> Left | None:
         """Name the critical points up to where the walk leaves a step: its end, or a bifurcation to another branch."""
-        motions = self.motions(taken)
+        motions, loaded = self.motions(taken)
         for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
-            if taken.last is not None and crossing.zero.length > taken.last[0]:
+            if taken.last is not None and crossing.zero.length > taken.last.length:
                 break
             self.name(crossing, phi)
-            if switch and crossing.kind == "bifurcation":
-                return Left(self.branch(crossing.zero.step, phi, motions[i + 1 :], switch))
+            if len(self.critical) == self.most:
+                self.steps.append(crossing.zero.step)
+                self.ended = COUNT
+                break
+            number = sum(point.kind == "bifurcation" for point in self.critical)
+            if crossing.kind == "bifurcation" and number in switch:
+                begin, side, others = crossing.zero.step, switch.pop(number), motions[i + 1 :]
+                if abs(product(self.scale, begin.tangent, unit(self.scale, phi))) > SMALLEST_COSINE:
+                    # The walk came along phi itself, and the other branch is the one that follows the load.
+                    phi, others = loaded[i], []
+                return Left(self.branch(begin, phi, others, side))
         return None

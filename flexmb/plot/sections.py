@@ -9,9 +9,10 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
 from ..math.rotation import initial_frame
+from ..mechanics.centreline import parts_of, turns_of
 from ..model.model import Model
 from ..model.topology import Block
-from .geometry import Line, names_of, parts_of, turns_of
+from .geometry import Line, names_of
 
 
 class Shape(NamedTuple):

@@ -1,0 +1,121 @@
+"""Where the points along elements are, from node kinds and the companion ``shape`` alone."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit
+from ..elements.nodes import NodeKind
+from ..math.rotation import ROTATION
+from ..model.topology import Block
+from .blocks import element_function
+
+
+def curves_of(block: Block, properties: dict[str, Any], reference, x, places) -> Float[np.ndarray, "elements places d"]:
+    """Points along each element of a block, by its ``shape``, or else by cubics or straight lines between its nodes.
+
+    Args:
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        places: From 0 to 1, (places,) [-].
+    """
+    index = np.asarray(block.x)
+    at, ref = x[index], reference[index]
+    kinds = list(block.element.nodes.values())
+    options = dict(block.options)
+    if block.element.shape is not None:
+        named = block.element.arguments(block.element.shape, {**options, **properties})
+        if named is not None:
+            own = {name: value for name, value in properties.items() if name in named}
+            return np.asarray(_shapes(block, own, jnp.asarray(ref), jnp.asarray(at), jnp.asarray(places)))
+    points = parts_of(kinds, block.splits, at, "position")
+    if not points:
+        return np.zeros((len(index), 0, 0))
+    turns, before = (parts_of(kinds, block.splits, values, "rotation") for values in (at, ref))
+    if len(points) == len(turns) == 2:
+        start, end = parts_of(kinds, block.splits, ref, "position")
+        axis = end - start
+        slopes = [np.einsum("eij,ej->ei", turns_of(now, then), axis) for now, then in zip(turns, before, strict=True)]
+        return cubic(points[0], slopes[0], points[1], slopes[1], places)
+    return _polyline(np.stack(points, axis=1), places)
+
+
+@jit
+def _shapes(block: Block, properties: dict[str, Any], ref, x, places) -> Float[Array, "elements places d"]:
+    function: Any = element_function(block, block.element.shape, properties)
+
+    def along(x, ref, own):
+        return jax.vmap(lambda place: function(x, ref, own, place=place))(places)
+
+    return jax.vmap(along)(x, ref, properties)
+
+
+def parts_of(kinds: list[NodeKind], splits, values, part: str) -> list[np.ndarray]:
+    """Coordinates of the nodes of one kind.
+
+    Args:
+        kinds: Node kinds of an element, in order.
+        splits: Where the coordinates of one node end and the next begin.
+        values: Coordinates of each element, (elements, coordinates).
+        part: "position" or "rotation".
+
+    Returns:
+        For each such node, (elements, size).
+    """
+    pieces = np.split(values, splits, axis=1)
+    return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
+
+
+def turns_of(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:
+    """Rotation matrices since the undeformed state.
+
+    Args:
+        now: Angles (elements, 1) [rad] or Euler parameters (elements, 4) [-].
+        before: The same in the undeformed state.
+
+    Returns:
+        (elements, d, d) [-].
+    """
+    if now.shape[1] == 1:
+        c, s = np.cos(now - before)[:, 0], np.sin(now - before)[:, 0]
+        return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=1)
+    turned, first = (np.einsum("ijkl,ek,el->eij", _QUADRATIC, lam, lam) for lam in (now, before))
+    return turned @ np.swapaxes(first, 1, 2)
+
+
+_QUADRATIC = np.asarray(ROTATION)
+
+
+def cubic(p, slope_p, q, slope_q, places) -> Float[np.ndarray, "elements places d"]:
+    """Cubics through end positions with end slopes, the interpolation of the beams' inertia.
+
+    Args:
+        p: First ends, (elements, d) [m].
+        slope_p: Derivative by place there, (elements, d) [m].
+        q: Last ends, (elements, d) [m].
+        slope_q: Derivative by place there, (elements, d) [m].
+        places: From 0 to 1, (places,) [-].
+
+    Returns:
+        (elements, places, d) [m].
+
+    Source:
+        Hermite's cubics.
+    """
+    s = places
+    weights = np.stack([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2], axis=1)
+    return np.einsum("sk,ked->esd", weights, np.stack([p, slope_p, q, slope_q]))
+
+
+def _polyline(corners: Float[np.ndarray, "elements n d"], places) -> Float[np.ndarray, "elements places d"]:
+    """Straight lines from point to point."""
+    count = corners.shape[1]
+    if count == 1:
+        return corners
+    at = places * (count - 1)
+    first = np.minimum(at.astype(int), count - 2)
+    part = (at - first)[None, :, None]
+    return (1 - part) * corners[:, first] + part * corners[:, first + 1]

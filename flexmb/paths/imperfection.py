@@ -1,0 +1,116 @@
+"""Mechanisms that are made a little bent: by their buckling modes, and without stress."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import check_number, check_whole, shown
+from ..compilation.compile import jit
+from ..linear.buckling import Buckling, buckling
+from ..mechanics.centreline import curves_of
+from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.extent import sizes_of
+from ..model.model import Model
+from ..model.parameters import Loads, Parameters
+from ..model.topology import Topology
+from ..results import check
+from ..statics.configuration import configure
+
+# Displacements of points are measured by a motion of this share of the extent, forth and back.
+SMALL = 1e-4
+# Along an element; quarters and halves are among them.
+PLACES = np.linspace(0.0, 1.0, 33)
+
+
+@jit
+def _deformations(topology: Topology, parameters: Parameters, x, e, motion):
+    """Deformations where the undeformed mechanism is moved along a motion of the state x, and a code of RESULTS."""
+    _, jacobian = deformation_jacobian(topology, parameters, x, e)
+    q = jnp.concatenate([motion[topology.x.dof], (jacobian @ motion)[topology.e.dof]])
+    _, _, bent, result = configure(topology, parameters, q, jnp.zeros_like(q))
+    return bent, result
+
+
+def largest_displacement(model: Model, x: Float[Array, "n_x"], motion: Float[Array, "n_x"]) -> float:
+    """Largest displacement of a point of the mechanism in a small motion, along its elements too, () [m].
+
+    Args:
+        x: State that the motion is about, (n_x,) [m, rad, -].
+        motion: Change of the coordinates, (n_x,) [m, rad, -].
+
+    Source:
+        Central difference, whose error is the square of the step.
+    """
+    at, reference = np.asarray(x), np.asarray(model.parameters.reference)
+    size = np.max(np.abs(motion) / sizes_of(model.topology, model.parameters), initial=0.0)
+    if not size > 0:
+        return 0.0
+    step = np.asarray(motion) * (SMALL / size)
+    largest = 0.0
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        ends = [curves_of(block, properties, reference, state, PLACES) for state in (at + step, at - step)]
+        moved = np.linalg.norm(ends[0] - ends[1], axis=-1)
+        largest = max(largest, float(np.max(moved, initial=0.0)) / 2)
+    return largest * size / SMALL
+
+
+def bent_by_modes(model: Model, imperfection: Mapping[int, float]) -> Model:
+    """The mechanism bent by its buckling modes, free of stress.
+
+    The modes are those of linear buckling about the state at which a path begins, under the loads that grow along it.
+    Stress is that of deformations less those of the bent shape, which are found where the constraints hold. They do not
+    grow with the load.
+
+    Args:
+        imperfection: Largest displacement of each mode, by its number from 1, with its sign [m].
+
+    Raises:
+        TypeError: It is no mapping of numbers to lengths.
+        ValueError: There are not so many modes; a mode moves no point.
+        AnalysisError: As for ``buckling``; out_of_reach where there is no such shape.
+    """
+    if not isinstance(imperfection, Mapping):
+        raise TypeError(
+            f"Argument `imperfection` must be lengths by mode, such as {{1: 1e-6}}, not {shown(imperfection)}."
+        )
+    for number, length in imperfection.items():
+        check_whole("imperfection", number, 1)
+        check_number(f"imperfection[{number}]", length)
+    if not imperfection:
+        return model
+    found = buckling(_growing_from_zero(model))
+    motion = sum(length * _unit_motion(found, int(number)) for number, length in imperfection.items())
+    unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
+    bent, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
+    check(result, True)
+    before: Any = model.parameters.strain
+    strain = bent if before is None else bent + before
+    return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain))
+
+
+def _growing_from_zero(model: Model) -> Model:
+    """The same where all loads grow, as incremental ones: its modes are those of the unloaded mechanism.
+
+    What a path is asked about often bears no load factor of 1, and so has no modes there. Load elements stay as they
+    are, which are scaled by their own option.
+    """
+    own = model.parameters
+    if own.increment is not None or any(block.element.force is not None for block in model.topology.blocks):
+        return model
+    return dataclasses.replace(model, parameters=dataclasses.replace(own, loads=Loads(), increment=own.loads))
+
+
+def _unit_motion(found: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
+    """A buckling mode whose largest displacement is 1 m."""
+    count = found.shapes.shape[1]
+    if number > count:
+        raise ValueError(f"Argument `imperfection` asks for buckling mode {number}, but under these loads are {count}.")
+    shape = np.asarray(found.shapes)[:, number - 1]
+    largest = largest_displacement(found.lin.model, found.lin.x, found.shapes[:, number - 1])
+    if not largest > 0:
+        raise ValueError(f"Argument `imperfection` is a length, but buckling mode {number} moves no point.")
+    return shape / largest

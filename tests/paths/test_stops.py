@@ -1,0 +1,195 @@
+"""Paths that end where a designer wants, and leave their branch where one says, against closed forms."""
+
+import numpy as np
+import pytest
+from cases.snapping import EULER, column, load_at, truss
+from scipy.optimize import fsolve
+
+import flexmb as fm
+from flexmb import planar
+
+FLAT = truss()
+
+
+def test_a_displacement_is_met_on_the_way_back():
+    # The apex comes down by 1.3, past the base, under a load that has turned back and is negative.
+    path = fm.path(FLAT, stop={"apex.y": -1.3, "critical_points": 5})
+    assert path.stopped_by == "apex.y"
+    assert "stopped by: apex.y, at load factor" in str(path)
+    # The coordinate is held to the last digit; the load is the closed form, round-off of EA.
+    assert float(path.at("apex")[-1, 1]) == pytest.approx(-0.3, abs=1e-15)
+    assert 5 * float(path.load_factor[-1]) == pytest.approx(float(load_at(-0.3)), abs=1e-9)
+    assert np.all(np.asarray(path.at("apex")[:-1, 1]) > -0.3)
+    # A load factor just below the limit point is met before that, within a step that ends beyond it.
+    top = path.critical_points[0].load_factor
+    path = fm.path(FLAT, stop={"load_factor": top * (1 - 1e-7)})
+    assert path.critical_points == ()
+    assert float(path.load_factor[-1]) == top * (1 - 1e-7)
+
+
+def test_load_factors_and_critical_points_that_end_a_path():
+    # Back to no load: the unstable state, both bars in line.
+    path = fm.path(FLAT, stop={"load_factor": 0})
+    assert (path.stopped_by, float(path.load_factor[-1])) == ("load_factor", 0.0)
+    np.testing.assert_allclose(path.at("apex")[-1], 0, atol=1e-12)
+    # Beyond 1: closed form.
+    path = fm.path(FLAT, stop={"load_factor": 2.0, "apex.y": 1.0})
+    assert (path.stopped_by, float(path.load_factor[-1])) == ("load_factor", 2.0)
+    assert float(load_at(np.asarray(path.at("apex")[-1, 1]))) == pytest.approx(10.0, abs=1e-9)
+    # At the second limit point itself.
+    path = fm.path(FLAT, stop={"critical_points": 2})
+    assert path.stopped_by == "critical_points"
+    assert [c.kind for c in path.critical_points] == ["limit", "limit"]
+    np.testing.assert_array_equal(path.x[-1], path.critical_points[-1].x)
+    assert float(path.load_factor[-1]) == path.critical_points[-1].load_factor
+
+
+STEEPNESS = 1.0, 4.0, 1.0
+STEEP = truss(*STEEPNESS, load=1.0, sideways=True)
+
+
+def out_of_balance(path):
+    """Largest force on the apex of the steep truss that is not balanced: gradient of (l - l0)^2 / (2 l0), less load."""
+    apex, l0 = np.asarray(path.at("apex")), np.hypot(1.0, 4.0)
+    force = np.stack([np.zeros(len(apex)), np.asarray(path.load_factor)], axis=1)
+    for foot in (-1.0, 1.0):
+        bar = apex - [foot, 0.0]
+        length = np.linalg.norm(bar, axis=1)[:, None]
+        force += (length - l0) / l0 * bar / length
+    return np.max(np.abs(force))
+
+
+def test_a_coordinate_that_turns_back_within_a_step():
+    # On the sideways branch the apex goes out until it is between both bars, pulled by one as the other pushes, at
+    # l0 = sqrt(17) and no load, closed form. It passes the micrometre before that within a step that ends beyond.
+    target = np.sqrt(17.0) - 1e-6
+    path = fm.path(STEEP, switch=1, stop={"apex.x": target})
+    assert path.stopped_by == "apex.x"
+    assert float(path.at("apex")[-1, 0]) == pytest.approx(target, abs=1e-15)
+    assert float(path.load_factor[-1]) > 0
+    assert out_of_balance(path) < 1e-12
+    # A little more is out of reach; the path closes, and says so.
+    with pytest.raises(fm.AnalysisError, match="came back"):
+        fm.path(STEEP, switch=1, stop={"apex.x": target + 2e-6})
+
+
+def test_any_bifurcation_is_left_to_either_side():
+    # The first displacement on a branch is met too, although the first step goes beyond it. Closed form of the balance;
+    # beside a bifurcation it is off by 1e-6, the distance to it, times the bars' stiffness.
+    for number, side, first in ((1, -1, -1e-3), (2, 1, 0.4), (3, -1, -0.4)):
+        path = fm.path(STEEP, switch={number: side}, stop={"apex.x": first})
+        assert path.stopped_by == "apex.x"
+        assert float(path.at("apex")[-1, 0]) == pytest.approx(first, abs=1e-15)
+        assert sum(c.kind == "bifurcation" for c in path.critical_points) == number
+        assert out_of_balance(path) < 1e-6
+    # One after the other: the sideways branch comes back to the axis at -P, upside down. From there the straight state
+    # leads on with a rising load through none at all into tension, or with a falling one to its limit point, -top.
+    path = fm.path(STEEP, switch={1: 1, 2: 1})
+    apex, load = np.asarray(path.at("apex")), np.asarray(path.load_factor)
+    assert [c.kind for c in path.critical_points] == ["bifurcation"] * 2
+    assert abs(apex[-1, 0]) < 1e-9
+    assert apex[-1, 1] < -4
+    assert load_at(apex[-1, 1], *STEEPNESS) == pytest.approx(load[-1], abs=1e-12)
+    assert path.stable[-1]
+    path = fm.path(STEEP, switch={1: 1, 2: -1}, stop={"critical_points": 3})
+    assert [c.kind for c in path.critical_points] == ["bifurcation"] * 2 + ["limit"]
+    l0 = np.hypot(1.0, 4.0)
+    top = load_at(np.sqrt(l0 ** (2 / 3) - 1), *STEEPNESS)
+    assert path.critical_points[-1].load_factor == pytest.approx(-top, rel=1e-9)
+
+
+def test_a_stress_is_met():
+    # A cantilever of square section under a moment at its tip, a fifth of it before the path begins: sigma = M/W in
+    # every section.
+    modulus = 0.01**3 / 6
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0))
+    b.node("tip", (0.1, 0.0))
+    steel = fm.Material(E=210e9, G=80e9, rho=7850.0, strength=200e6)
+    b.add(planar.beam, "foot", "tip", section=fm.Rectangle(0.01, 0.01, steel))
+    b.fix("foot")
+    b.moment("tip", 10.0)
+    b.moment("tip", 40.0, increment=True)
+    model = b.build()
+    # Above the strength on the way there, of which a path does not warn.
+    path = fm.path(model, stop={"stress": 250e6, "tip.y": 1.0})
+    assert path.stopped_by == "stress"
+    with pytest.warns(fm.FlexmbWarning, match="strength"):
+        found = fm.stress(path.model, at=path.linearization())
+    assert float(found.maximum) == pytest.approx(250e6, rel=1e-9)
+    # The moment is that of a beam but for round-off of its elongation, 1e-16 of its length, over its depth.
+    assert float(path.load_factor[-1]) == pytest.approx((250e6 * modulus - 10.0) / 40.0, rel=1e-9)
+    with pytest.raises(ValueError, match=r"stress.* is 5e\+07 Pa, but the path begins with 6e\+07 Pa"):
+        fm.path(model, stop={"stress": 50e6})
+
+
+def test_what_is_not_met_is_said():
+    with pytest.warns(fm.FlexmbWarning, match=r"apex.y came to 0 m, not to 1 m; critical_points are 2, not 7"):
+        path = fm.path(FLAT, stop={"apex.y": 1.0, "critical_points": 7})
+    assert path.stopped_by is None
+    assert float(path.load_factor[-1]) == 1.0
+    with pytest.warns(fm.FlexmbWarning, match="asks for bifurcation 1, but there are 0 of them"):
+        fm.path(FLAT, switch=True)
+    for wrong, match in (
+        ({"stop": {"apex": 1.0}}, "apex.x, apex.y"),
+        ({"stop": {"top.y": 1.0}}, "no coordinate 'top.y'"),
+    ):
+        with pytest.raises(KeyError, match=match):
+            fm.path(FLAT, **wrong)
+    for wrong, match in (
+        ({"stop": {"apex.y": np.nan}}, "apex.y"),
+        ({"stop": {"critical_points": 0}}, "critical_points"),
+        ({"switch": 2}, "False, True, 1 or -1"),
+        ({"switch": {1: 2}}, "1 or -1 for bifurcation 1"),
+        ({"switch": {0: 1}}, "switch"),
+        ({"imperfection": {4: 1e-3}}, "buckling mode 4"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            fm.path(STEEP, **wrong)
+    for wrong, match in (({"stop": 1.0}, "values by name"), ({"imperfection": 1e-3}, "lengths by mode")):
+        with pytest.raises(TypeError, match=match):
+            fm.path(STEEP, **wrong)
+    with pytest.raises(fm.ModelError, match="no shape"):
+        fm.path(FLAT, stop={"stress": 1e6})
+
+
+def test_imperfect_column():
+    # Pinned, EI = 1, length 2: amplitude w0/(1 - P/Pcr) of the deflection; here of the model's own critical load, since
+    # cubic beams overestimate it. Its second order is (pi w/L)^2/8, 1e-8, and the column's strain 1e-8 P.
+    model, bow = column(8, 0.9 * EULER), 1e-5
+    critical = float(fm.buckling_loads(model)[0])
+    path = fm.path(model, imperfection={1: bow})
+    assert path.critical_points == ()
+    np.testing.assert_allclose(path.at("4")[:, 1] * (1 - path.load_factor / critical), bow, rtol=1e-6)
+    # It begins bent, a sine, and without stress.
+    places = np.linspace(0, np.pi, 9)
+    np.testing.assert_allclose([path.at(str(i))[0, 1] for i in range(9)], bow * np.sin(places), atol=1e-4 * bow)
+    assert np.max(np.abs(path.sigma[0])) < 1e-6
+
+
+def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
+    # The steep truss, its apex aside without stress, bars of the stiffness EA/l0: gradient and determinant of the
+    # Hessian of the potential of two bars are zero, solved by scipy.
+    aside = 0.02
+    path = fm.path(STEEP, imperfection={1: -aside}, stop={"critical_points": 1})
+    (found,) = path.critical_points
+    assert found.kind == "limit"
+    np.testing.assert_allclose(path.at("apex")[0], [-aside, 4.0], atol=1e-12)
+
+    def equations(unknown):
+        gradient, hessian = np.array([0.0, unknown[2]]), np.zeros((2, 2))
+        for foot in (-1.0, 1.0):
+            bar, l0 = unknown[:2] - [foot, 0.0], np.hypot(-aside - foot, 4.0)
+            length = np.linalg.norm(bar)
+            gradient += (length - l0) * bar / length
+            hessian += (1 - l0 / length) * np.eye(2) + l0 / length**3 * np.outer(bar, bar)
+        return [*gradient, np.linalg.det(hessian)]
+
+    apex = found.x[path.labels.coordinates("apex")]
+    expected, _, success, _ = fsolve(
+        equations, [*apex, found.load_factor * np.hypot(1, 4)], xtol=1e-13, full_output=True
+    )
+    assert success == 1
+    assert found.load_factor == pytest.approx(expected[2] / np.hypot(1.0, 4.0), rel=1e-9)
+    # The load is stationary there: half the digits of the place.
+    np.testing.assert_allclose(apex, expected[:2], atol=1e-6)
