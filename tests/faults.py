@@ -1036,7 +1036,7 @@ FAULTS = [
         "design/test_checkpoint.py -k another_sweep",
     ),
     Fault(
-        "design/sweep.py",
+        "design/chunks.py",
         "answers[name][failed] = np.nan",
         "pass",
         "design/test_possible.py design/test_sweep.py -k fails",
@@ -1048,6 +1048,23 @@ FAULTS = [
         "design/test_checkpoint.py -k goes_on",
     ),
     Fault("design/checkpoint.py", "self.file.seek(good)", "pass", "design/test_checkpoint.py"),
+    Fault(
+        "design/stored.py", "codes[done], stored", "codes[: len(done)] + 1, stored", "design/test_checkpoint.py -k load"
+    ),
+    Fault("design/stored.py", "max(len(along), 1)", "1", "design/test_sweep.py -k saved_sweep"),
+    Fault("design/front.py", "found &= a[:, None] <= b", "found &= a[:, None] < b", "design/test_sweep.py -k front"),
+    Fault(
+        "design/swept.py",
+        '(1 if sense == "minimize" else -1)',
+        '(-1 if sense == "minimize" else 1)',
+        "design/test_sweep.py -k front",
+    ),
+    Fault(
+        "design/swept.py",
+        "np.isin(self.codes, [int(c) for c in ANSWERED]) & ",
+        "",
+        "design/test_sweep.py -k front",
+    ),
     Fault(
         "compilation/identity.py", "yield np.ascontiguousarray(array).tobytes()", "pass", "compilation/test_identity.py"
     ),

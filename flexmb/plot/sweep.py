@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..design.sweep import Sweep
+from ..design.swept import Sweep
 from .canvas import BLUE, GREY, grid, plain_axes
 
 
