@@ -1109,6 +1109,10 @@ FAULTS = [
         "design/test_tune.py -k several_starts",
     ),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
+    Fault(
+        "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"
+    ),
+    Fault("plot/sweep.py", "reduce_C_function=np.mean", "reduce_C_function=np.max", "plot/test_designs.py -k hexagons"),
     # Input files, SPACAR Light.
     Fault(
         "spacar/actions.py",

@@ -281,7 +281,11 @@ class Front(Result):
 
     def __str__(self) -> str:
         title, rows, *_ = self.summary()
-        return "\n".join([title, *(f"  {name}: {text}" for name, text in rows.items()), self.sweep.table()])
+        lines = [title, *(f"  {name}: {text}" for name, text in rows.items())]
+        chosen = np.unique(np.linspace(0, len(self) - 1, min(ROWS, len(self))).round().astype(int))
+        if len(chosen) < len(self):
+            lines.append(f"{len(chosen)} of them, from one end to the other:")
+        return "\n".join([*lines, self.whole.selected(self.rows[chosen]).table()])
 
 
 def _free(name: str, taken: Container[str]) -> str:
