@@ -780,6 +780,13 @@ FAULTS = [
         "checks/test_mobility.py",
     ),
     Fault("checks/mobility.py", "and weight[p] > 1e-6]", "]", "checks/test_mobility.py"),
+    Fault("statics/stroke.py", "return begin, (at.x", "return start, (at.x", "statics/test_stroke.py -k pushed"),
+    Fault(
+        "statics/stroke.py",
+        "lambda new, old: jnp.where(good, new, old)",
+        "lambda new, old: new",
+        "statics/test_stroke.py -k beyond",
+    ),
     Fault(
         "statics/solve.py",
         "at.jacobian.T @ at.sigma - at.force)[held]",
