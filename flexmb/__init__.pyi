@@ -62,6 +62,7 @@ from .spacar.read import read_spacar as read_spacar
 from .spacar.write import write_spacar as write_spacar
 from .statics.configuration import configuration as configuration
 from .statics.equilibrium import equilibrium as equilibrium
+from .statics.stroke import equilibria as equilibria
 from .viewer.view import view as view
 
 __version__: str

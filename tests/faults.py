@@ -814,6 +814,13 @@ FAULTS = [
         "checks/test_mobility.py",
     ),
     Fault("checks/mobility.py", "and weight[p] > 1e-6]", "]", "checks/test_mobility.py"),
+    Fault("statics/stroke.py", "return begin, (at.x", "return start, (at.x", "statics/test_stroke.py -k pushed"),
+    Fault(
+        "statics/stroke.py",
+        "lambda new, old: jnp.where(good, new, old)",
+        "lambda new, old: new",
+        "statics/test_stroke.py -k beyond",
+    ),
     Fault(
         "statics/solve.py",
         "at.jacobian.T @ at.sigma - at.force)[held]",
@@ -1070,7 +1077,7 @@ FAULTS = [
         "design/test_checkpoint.py -k another_sweep",
     ),
     Fault(
-        "design/sweep.py",
+        "design/chunks.py",
         "answers[name][failed] = np.nan",
         "pass",
         "design/test_possible.py design/test_sweep.py -k fails",
@@ -1082,6 +1089,23 @@ FAULTS = [
         "design/test_checkpoint.py -k goes_on",
     ),
     Fault("design/checkpoint.py", "self.file.seek(good)", "pass", "design/test_checkpoint.py"),
+    Fault(
+        "design/stored.py", "codes[done], stored", "codes[: len(done)] + 1, stored", "design/test_checkpoint.py -k load"
+    ),
+    Fault("design/stored.py", "max(len(along), 1)", "1", "design/test_sweep.py -k saved_sweep"),
+    Fault("design/front.py", "found &= a[:, None] <= b", "found &= a[:, None] < b", "design/test_sweep.py -k front"),
+    Fault(
+        "design/swept.py",
+        '(1 if sense == "minimize" else -1)',
+        '(-1 if sense == "minimize" else 1)',
+        "design/test_sweep.py -k front",
+    ),
+    Fault(
+        "design/swept.py",
+        "np.isin(self.codes, [int(c) for c in ANSWERED]) & ",
+        "",
+        "design/test_sweep.py -k front",
+    ),
     Fault(
         "compilation/identity.py", "yield np.ascontiguousarray(array).tobytes()", "pass", "compilation/test_identity.py"
     ),
@@ -1126,6 +1150,10 @@ FAULTS = [
         "design/test_tune.py -k several_starts",
     ),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
+    Fault(
+        "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"
+    ),
+    Fault("plot/sweep.py", "reduce_C_function=np.mean", "reduce_C_function=np.max", "plot/test_designs.py -k hexagons"),
     # Input files, SPACAR Light.
     Fault(
         "spacar/actions.py",

@@ -9,5 +9,6 @@ from .leanness import too_lean as too_lean
 from .objectives import settling_time as settling_time
 from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import Tolerances as Tolerances
-from .sweep import Sweep as Sweep
+from .swept import Front as Front
+from .swept import Sweep as Sweep
 from .tune import Tuned as Tuned

@@ -1,7 +1,8 @@
 """What is known of a sweep so far, in a file that grows by one record a chunk.
 
-The file begins with a line that says what it is, and a record that says of which sweep. Every chunk adds a record: a
-head with its length and checksums, and named arrays, that is their names, types and shapes as JSON, then their numbers.
+The file begins with a line that says what it is, a record that says of which sweep, and one with its designs. Every
+chunk adds a record: a head with its length and checksums, and named arrays, that is their names, types and shapes as
+JSON, then their numbers.
 A kill leaves the last record incomplete, at worst, which is then dropped.
 """
 
@@ -11,6 +12,7 @@ import os
 import struct
 import warnings
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,14 +21,87 @@ import numpy as np
 from ..errors import clean
 from ..files import write_whole
 from ..results import RESULTS
+from .designs import Designs
 
-MAGIC = b"flexmb checkpoint 1\n"
+MAGIC = b"flexmb checkpoint 2\n"
 # Length of the content, its SHA-256, and a CRC of both.
 HEAD = struct.Struct("<Q32s")
 HEAD_SIZE = HEAD.size + 4
 TYPES = ("<i8", "<i4", "<f8")
 
 Arrays = dict[str, np.ndarray]
+
+
+class Stored:
+    """What the file of a checkpoint says, read and never written.
+
+    Attributes:
+        path: Of the file.
+        meaning: Of which sweep it is, by the words for what is compared.
+        answers: Their names.
+        designs: All designs of the sweep.
+        units: Units by name.
+    """
+
+    def __init__(self, path: Path, file: BinaryIO):
+        """Read the beginning.
+
+        Args:
+            file: At its beginning.
+
+        Raises:
+            ValueError: The file is no checkpoint, or is damaged.
+        """
+        self.path, self.file = path, file
+        if file.read(len(MAGIC)) != MAGIC:
+            raise refusal(path, "is no checkpoint of a sweep, or the beginning of it is damaged")
+        head, of_designs = _next(file), _next(file)
+        if not head or not of_designs:
+            raise refusal(path, "is damaged: it does not say of which sweep it is")
+        try:
+            said = json.loads(head)
+            self.meaning, self.answers, self.units = said["meaning"], list(said["answers"]), dict(said["units"])
+            named = _unpacked(of_designs)
+            axes = {name.removeprefix("axis "): a for name, a in named.items() if name.startswith("axis ")}
+            values = {name.removeprefix("dimension "): a for name, a in named.items() if name.startswith("dim")}
+            self.designs = Designs(values, axes)
+        except (ValueError, KeyError, TypeError):
+            raise refusal(path, "is damaged: it does not say of which sweep it is") from None
+
+    def parts(self) -> Iterator[tuple[np.ndarray, Arrays, np.ndarray]]:
+        """Designs, answers by name and codes of every record that is complete.
+
+        Raises:
+            ValueError: A record is damaged.
+        """
+        number = 0
+        while (content := _next(self.file)) is not None:
+            number += 1
+            if not content:
+                raise refusal(self.path, f"is damaged: its record {number} does not agree with its checksum")
+            yield self._part(content, number)
+
+    def _part(self, content: bytes, number: int) -> tuple[np.ndarray, Arrays, np.ndarray]:
+        """Designs, answers and codes of a record."""
+        try:
+            named = _unpacked(content)
+            rows, codes = named.pop(""), named.pop("codes")
+            values = {name.removeprefix("answer "): array for name, array in named.items()}
+        except (ValueError, KeyError, TypeError):
+            raise refusal(self.path, f"is damaged: its record {number} is not as it was written") from None
+        wrong = rows.ndim != 1 or codes.shape != rows.shape or rows.dtype != "<i8" or codes.dtype != "<i4"
+        wrong = wrong or len(rows) == 0 or rows.min() < 0 or rows.max() >= self.designs.count
+        wrong = wrong or not np.all(np.isin(codes, [int(one) for one in RESULTS]))
+        if wrong or any(v.shape[:1] != rows.shape or v.dtype != "<f8" for v in values.values()):
+            raise refusal(self.path, f"is damaged: its record {number} has wrong shapes")
+        if values and list(values) != self.answers:
+            raise refusal(self.path, f"is damaged: its record {number} has other answers")
+        return rows, values, codes
+
+
+def refusal(path: Path, why: str) -> ValueError:
+    """What to raise where a file is not what is needed; it is left as it is."""
+    return ValueError(f"Checkpoint '{clean(path)}' {why}. Delete it or name another file.")
 
 
 class Checkpoint:
@@ -38,23 +113,31 @@ class Checkpoint:
 
     parts: list[tuple[np.ndarray, Arrays, np.ndarray]]
 
-    def __init__(self, path: str | os.PathLike, meaning: dict[str, Any], count: int, answers: list[str]):
+    def __init__(
+        self,
+        path: str | os.PathLike,
+        meaning: dict[str, Any],
+        designs: Designs,
+        answers: list[str],
+        units: dict[str, str],
+    ):
         """Open the file, or begin it.
 
         Args:
             path: Where.
             meaning: What is compared with what the file says of its sweep, by the words for it.
-            count: Number of designs.
+            designs: Of the sweep.
             answers: Their names.
+            units: Units by name.
 
         Raises:
             ValueError: The file is no checkpoint, is damaged, belongs to another sweep or is in use.
             OSError: It cannot be read or written.
         """
-        self.path, self.count, self.answers = Path(path), count, answers
+        self.path, self.answers = Path(path), answers
         self.is_empty = not self.path.exists()
         if self.is_empty:
-            write_whole(self.path, MAGIC + _record(json.dumps(meaning).encode()))
+            write_whole(self.path, _beginning(meaning, designs, answers, units))
         self.file = open(self.path, "r+b")
         try:
             self._lock()
@@ -92,10 +175,6 @@ class Checkpoint:
     def __exit__(self, *_: Any) -> None:
         self.close()
 
-    def refusal(self, why: str) -> ValueError:
-        """What to raise where the file is not what is needed; it is left as it is."""
-        return ValueError(f"Checkpoint '{clean(self.path)}' {why}. Delete it or name another file.")
-
     def _lock(self) -> None:
         """Keep a second sweep from writing in between; the lock ends with the process."""
         try:
@@ -111,20 +190,13 @@ class Checkpoint:
             return
 
     def _read(self, meaning: dict[str, Any]) -> None:
-        if self.file.read(len(MAGIC)) != MAGIC:
-            raise self.refusal("is no checkpoint of a sweep, or the beginning of it is damaged")
-        head = _next(self.file)
-        if not head:
-            raise self.refusal("is damaged: it does not say of which sweep it is")
-        theirs = json.loads(head)
-        different = [what for what in {**theirs, **meaning} if theirs.get(what) != meaning.get(what)]
+        stored = Stored(self.path, self.file)
+        different = [what for what in {**stored.meaning, **meaning} if stored.meaning.get(what) != meaning.get(what)]
         if different:
-            raise self.refusal(f"belongs to another sweep, which differs in: {', '.join(different)}")
+            raise refusal(self.path, f"belongs to another sweep, which differs in: {', '.join(different)}")
         self.parts, good = [], self.file.tell()
-        while (content := _next(self.file)) is not None:
-            if not content:
-                raise self.refusal(f"is damaged: its record {len(self.parts) + 1} does not agree with its checksum")
-            self.parts.append(self._part(content))
+        for part in stored.parts():
+            self.parts.append(part)
             good = self.file.tell()
         if good < self.path.stat().st_size:
             warnings.warn(
@@ -135,23 +207,12 @@ class Checkpoint:
             self.file.truncate(good)
         self.file.seek(good)
 
-    def _part(self, content: bytes) -> tuple[np.ndarray, Arrays, np.ndarray]:
-        """Designs, answers and codes of a record."""
-        number = len(self.parts) + 1
-        try:
-            named = _unpacked(content)
-            rows, codes = named.pop(""), named.pop("codes")
-            values = {name.removeprefix("answer "): array for name, array in named.items()}
-        except (ValueError, KeyError, TypeError):
-            raise self.refusal(f"is damaged: its record {number} is not as it was written") from None
-        wrong = rows.ndim != 1 or codes.shape != rows.shape or rows.dtype != "<i8" or codes.dtype != "<i4"
-        wrong = wrong or len(rows) == 0 or rows.min() < 0 or rows.max() >= self.count
-        wrong = wrong or not np.all(np.isin(codes, [int(one) for one in RESULTS]))
-        if wrong or any(v.shape[:1] != rows.shape or v.dtype != "<f8" for v in values.values()):
-            raise self.refusal(f"is damaged: its record {number} has wrong shapes")
-        if values and list(values) != self.answers:
-            raise self.refusal(f"is damaged: its record {number} has other answers")
-        return rows, values, codes
+
+def _beginning(meaning: dict[str, Any], designs: Designs, answers: list[str], units: dict[str, str]) -> bytes:
+    said = {"meaning": meaning, "answers": answers, "units": units}
+    named = {f"dimension {name}": np.ascontiguousarray(v, "<f8") for name, v in designs.items()}
+    named |= {f"axis {name}": np.ascontiguousarray(v, "<f8") for name, v in designs.axes.items()}
+    return MAGIC + _record(json.dumps(said).encode()) + _record(_packed(named))
 
 
 def _record(content: bytes) -> bytes:

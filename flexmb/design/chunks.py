@@ -19,6 +19,9 @@ from .possible import refusal
 # Answers by name, (designs, ...), and codes, (designs,).
 Values = tuple[dict[str, np.ndarray], np.ndarray]
 
+# A state without derivative is an answer all the same.
+ANSWERED = (RESULTS.successful, RESULTS.critical_state)
+
 
 class Task(NamedTuple):
     """What is to be computed of every design.
@@ -198,3 +201,30 @@ def _one_by_one(build: Build, functions: dict, part: Chunk) -> Values:
 def one_shape(name: str, shape: tuple, other: tuple) -> str:
     """What is wrong where an answer has not the same shape in all designs."""
     return f"Answer '{name}' has shape {shape} in one design and {other} in another: make it of one."
+
+
+def gathered(
+    count: int, names: list[str], parts: list[tuple[np.ndarray, Values]]
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Answers and codes of all designs, NaN where a design failed or is not among the parts.
+
+    Args:
+        count: Number of designs.
+        names: Of the answers.
+        parts: Which designs, (k,), with their answers by name and codes.
+    """
+    codes, answers = np.full(count, int(RESULTS.successful), np.int32), {}
+    for rows, (_, own) in parts:
+        codes[rows] = own
+    failed = ~np.isin(codes, [int(c) for c in ANSWERED])
+    for name in names:
+        # A chunk of which no design was answered does not know the shape.
+        known = [(rows, values[name]) for rows, (values, _) in parts if name in values]
+        shape = known[0][1].shape[1:] if known else ()
+        answers[name] = np.full((count, *shape), np.nan)
+        for rows, values in known:
+            if values.shape[1:] != shape:
+                raise ValueError(one_shape(name, values.shape[1:], shape))
+            answers[name][rows] = values
+        answers[name][failed] = np.nan
+    return answers, codes

@@ -14,7 +14,8 @@ from ..errors import AnalysisError, clean
 from ..results import RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
-from .sweep import Sweep, sweep
+from .sweep import sweep
+from .swept import Sweep
 
 # A reverse pass costs about this many forward ones (benchmarks/first_impression.py: value and gradient against value).
 REVERSE_COST = 2.0

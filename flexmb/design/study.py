@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError, SpacarError, StudyError, clean
+from ..errors import ModelError, SpacarError, StudyError
 from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import build_once, flat_function, layout_of
 from .study_parts import UNTRACEABLE, RaisedError
-from .sweep import Sweep, sweep
+from .sweep import sweep
+from .swept import ROWS, Sweep
 from .tune import Tuned, tune
 
 
@@ -170,13 +171,6 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
     }
 
 
-def sweep_table(found: Sweep, rows: int = 20) -> str:
+def sweep_table(found: Sweep, rows: int = ROWS) -> str:
     """Table of a sweep for the terminal, of so many rows at most."""
-    names = [*found.designs, *(name for name, v in found.answers.items() if v.ndim == 1)]
-    lines = ["".join(f"{clean(name):>16}" for name in names) + "  result"]
-    columns = [{**found.designs, **found.answers}[name] for name in names]
-    for i, code in enumerate(found.codes[:rows]):
-        lines.append("".join(f"{column[i]:>16.7g}" for column in columns) + f"  {RESULTS(int(code)).name}")
-    if len(found.codes) > rows:
-        lines.append(f"... {len(found.codes) - rows} more designs, see --json or --save")
-    return "\n".join(lines)
+    return found.table(rows) + (", see --json or --save" if len(found.codes) > rows else "")

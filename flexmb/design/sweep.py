@@ -1,10 +1,9 @@
 """Many designs: compiled once, computed in chunks, failures beside the others."""
 
 import contextlib
-import dataclasses
 import os
 import sys
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
@@ -13,127 +12,20 @@ import numpy as np
 from .. import __version__
 from ..arguments import check_whole
 from ..compilation.identity import identity
-from ..display import Result, Summary, span
 from ..errors import clean
-from ..files import save_arrays
 from ..model.model import Model
 from ..progress import reporting
-from ..results import RESULTS
-from .checkpoint import Checkpoint
-from .chunks import Task, Values, Worker, one_shape, part_of
+from .checkpoint import Checkpoint, refusal
+from .chunks import ANSWERED, Task, Values, Worker, gathered, part_of
 from .designs import Designs
 from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
-from .labelled import pandas, xarray
+from .swept import Sweep
 
-# A state without derivative is an answer all the same.
-ANSWERED = (RESULTS.successful, RESULTS.critical_state)
 # What is written beside dimensions and answers, in files and in tables.
 RESERVED = ("codes", "about", "result", "design")
 # Designs of a checkpoint that are computed again where nothing is compiled, and how near they must come, relative to
 # the largest of the answer. Our choice: beyond round-off times the condition of a leaf spring.
 REPEATED, SAME = 8, 1e-6
-
-
-@dataclasses.dataclass(frozen=True, repr=False)
-class Sweep(Result):
-    """Answers of many designs.
-
-    Attributes:
-        designs: Dimensions by name, each (designs, ...) [SI]; ``designs.axes`` of a grid.
-        answers: Answers by name, each (designs, ...), NaN where a design failed [their units].
-        codes: Code of RESULTS of every design, (designs,).
-        units: Units by name, as given.
-    """
-
-    designs: Designs
-    answers: dict[str, np.ndarray]
-    codes: np.ndarray
-    units: dict[str, str]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """An answer or a dimension by name; of a grid, with its axes first."""
-        found = self.answers[name] if name in self.answers else self.designs.get(name)
-        if found is None:
-            raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
-        return (
-            found.reshape(tuple(len(a) for a in self.designs.axes.values()) + found.shape[1:]) if self.axes else found
-        )
-
-    @property
-    def axes(self) -> dict[str, np.ndarray]:
-        """Values along each axis of a grid, by name; otherwise empty."""
-        return self.designs.axes
-
-    def failures(self) -> dict[str, int]:
-        """How many designs failed, by the name of the code."""
-        return {RESULTS(c).name: int(np.sum(self.codes == c)) for c in np.unique(self.codes) if c not in ANSWERED}
-
-    def to_pandas(self):
-        """A ``pandas.DataFrame`` with one row a design; units in ``attrs``.
-
-        Raises:
-            ImportError: pandas is not installed.
-        """
-        columns: dict[str, Any] = {}
-        for name, array in {**self.designs, **self.answers}.items():
-            for at in np.ndindex(array.shape[1:]):
-                label = name + (f"[{', '.join(map(str, at))}]" if at else "")
-                columns[_free(label, columns)] = array[(slice(None), *at)]
-        columns["result"] = [RESULTS(int(c)).name for c in self.codes]
-        frame = pandas().DataFrame(columns)
-        frame.attrs["units"] = dict(self.units)
-        return frame
-
-    def to_xarray(self):
-        """An ``xarray.Dataset``: of a grid with its axes, otherwise with the axis "design".
-
-        Raises:
-            ImportError: xarray is not installed.
-        """
-        xr = xarray()
-        along = tuple(self.axes) or ("design",)
-        variables, taken = {}, {*self.answers, *self.designs, "result", "design"}
-        for name in (*self.answers, *(() if self.axes else self.designs)):
-            values = self[name]
-            own = tuple(_free(f"{name}_{i}", taken) for i in range(values.ndim - len(along)))
-            variables[name] = ((*along, *own), values, {"units": self.units.get(name, "")})
-        shape = tuple(len(a) for a in self.axes.values()) or (-1,)
-        variables["result"] = (along, self.codes.reshape(shape), {"meaning": "code of flexmb.RESULTS"})
-        coords = {name: ((name,), a, {"units": self.units.get(name, "")}) for name, a in self.axes.items()}
-        return xr.Dataset(variables, coords)
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Write as .npz or .mat: every dimension and answer by its name, "codes", and "about" (units) as JSON.
-
-        Args:
-            path: Where; its ending says how.
-
-        Raises:
-            ValueError: Another ending.
-            OSError: The folder is missing or not writable.
-        """
-        arrays = {name: self[name] for name in (*self.designs, *self.answers)}
-        shape = tuple(len(a) for a in self.axes.values()) or (-1,)
-        about = {"units": self.units, "axes": list(self.axes), "failures": self.failures()}
-        save_arrays(path, {**arrays, "codes": self.codes.reshape(shape)}, about)
-
-    def summary(self) -> Summary:
-        """Failures, and between which values each answer lies."""
-        failures = ", ".join(f"{count} {name}" for name, count in self.failures().items())
-        rows = {"designs": str(len(self.codes)), "failed": failures or "none"}
-        rows |= {name: span(values, self.units.get(name, "")) for name, values in self.answers.items()}
-        over = ", ".join(f"{name} {span(values, self.units.get(name, ''))}" for name, values in self.designs.items())
-        drawn = [n for n, values in self.answers.items() if values.ndim == 1 and np.any(np.isfinite(values))]
-        varied = [n for n, values in self.designs.items() if np.ndim(values) == 1 and np.ptp(values) > 0]
-        small = {"answer": drawn[0], "over": varied[:2]} if drawn and varied else None
-        return Summary(f"Sweep over {over}", rows, "sweep", small)
-
-
-def _free(name: str, taken: Container[str]) -> str:
-    """A name that is not taken."""
-    while name in taken:
-        name += "_"
-    return name
 
 
 def sweep(
@@ -209,7 +101,7 @@ def sweep(
         worker, kept = Worker(task, executor), None
         if checkpoint is not None:
             meaning = _meaning(task, designs, models)
-            kept = stack.enter_context(Checkpoint(checkpoint, meaning, designs.count, list(functions)))
+            kept = stack.enter_context(Checkpoint(checkpoint, meaning, designs, list(functions), dict(units or {})))
             parts = [(rows, (values, codes)) for rows, values, codes in kept.parts]
             _check_stored(kept, worker, designs, parts, chunk if compiled else REPEATED, chunk)
         missing = np.setdiff1d(np.arange(designs.count), np.concatenate([[], *(rows for rows, _ in parts)]))
@@ -223,7 +115,7 @@ def sweep(
                 kept.add(todo[index], values, codes)
             if report is not None:
                 report(done, designs.count)
-    found, codes = _whole(designs.count, list(functions), parts)
+    found, codes = gathered(designs.count, list(functions), parts)
     return Sweep(designs, found, codes, dict(units or {}))
 
 
@@ -249,38 +141,19 @@ def _check_stored(
     if not parts:
         return
     names = list(kept.answers)
-    known, codes = _whole(designs.count, names, parts)
+    known, codes = gathered(designs.count, names, parts)
     stored = np.unique(np.concatenate([rows for rows, _ in parts]))
     rows = stored[np.unique(np.linspace(0, len(stored) - 1, min(count, chunk, len(stored))).astype(int))]
     ((_, values),) = worker.results([part_of(designs, rows, chunk)])
-    today, again = _whole(designs.count, names, [(rows, values)])
+    today, again = gathered(designs.count, names, [(rows, values)])
     if not np.array_equal(again[rows], codes[rows]):
-        raise kept.refusal("belongs to another sweep: designs that it holds fail otherwise today")
+        raise refusal(kept.path, "belongs to another sweep: designs that it holds fail otherwise today")
     good = rows[np.isin(codes[rows], [int(c) for c in ANSWERED])]
     for name in names:
         before, now = known[name], today[name]
         scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
         alike = len(good) == 0 or before.shape == now.shape
         if not alike or not np.allclose(now[good], before[good], rtol=0, atol=SAME * scale, equal_nan=True):
-            raise kept.refusal(f"belongs to another sweep: answer '{clean(name)}' of designs that it holds is another")
-
-
-def _whole(
-    count: int, names: list[str], parts: list[tuple[np.ndarray, Values]]
-) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Answers and codes of all designs, NaN where a design failed or is not among the parts."""
-    codes, answers = np.full(count, int(RESULTS.successful), np.int32), {}
-    for rows, (_, own) in parts:
-        codes[rows] = own
-    failed = ~np.isin(codes, [int(c) for c in ANSWERED])
-    for name in names:
-        # A chunk of which no design was answered does not know the shape.
-        known = [(rows, values[name]) for rows, (values, _) in parts if name in values]
-        shape = known[0][1].shape[1:] if known else ()
-        answers[name] = np.full((count, *shape), np.nan)
-        for rows, values in known:
-            if values.shape[1:] != shape:
-                raise ValueError(one_shape(name, values.shape[1:], shape))
-            answers[name][rows] = values
-        answers[name][failed] = np.nan
-    return answers, codes
+            raise refusal(
+                kept.path, f"belongs to another sweep: answer '{clean(name)}' of designs that it holds is another"
+            )

@@ -1,24 +1,43 @@
-"""Answers over the dimensions of many designs."""
+"""Answers over the dimensions of many designs, and over each other."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..design.sweep import Sweep
-from .canvas import BLUE, GREY, grid, plain_axes
+from ..design.swept import Front, Sweep
+from .canvas import BLUE, GREY, RED, grid, plain_axes
+
+# More designs than these are drawn as density: their markers would cover each other.
+MANY = 2000
+# Hexagons in a row, at most, and designs in one of them on the average.
+HEXAGONS, EACH = 60, 16
 
 
-def sweep(found: Sweep, answer: str | None = None, over: Sequence[str] | str | None = None, *, ax: Any = None) -> Any:
-    """An answer over one dimension as a curve, over two as a map; designs that failed are grey crosses.
+def sweep(
+    found: Sweep | Front,
+    answer: str | None = None,
+    over: Sequence[str] | str | None = None,
+    *,
+    x: str | None = None,
+    y: str | None = None,
+    ax: Any = None,
+) -> Any:
+    """An answer over one dimension as a curve, over two as a map, or an answer over another with the Pareto front.
 
     Of a grid with more axes than are shown, the others are held at their middle value, which the title says. Other
-    designs are points, coloured by the answer where two dimensions are shown.
+    designs are points, coloured by the answer where two dimensions are shown. More than 2000 of them are hexagons: over
+    two dimensions in the colour of the mean answer within, otherwise of the number of designs there. Designs that
+    failed are grey where they have a place, and counted in the title.
 
     Args:
-        found: Of ``fm.sweep``.
-        answer: Name of the answer, of one number a design; each of them in Axes of its own unless given.
+        found: Of ``fm.sweep``, or its front by ``pareto``, whose designs are marked.
+        answer: Name of the answer, or of an entry as "frequencies[0]"; each answer of one number in Axes of its own
+            unless given.
         over: One dimension or two; the first that vary unless given, at most two.
+        x: What to draw ``y`` over, in place of ``answer`` and ``over``: an answer, a dimension or an entry. Of a front
+            the first of its criteria unless given.
+        y: What to draw over it; of a front the second criterion unless given.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:
@@ -27,47 +46,143 @@ def sweep(found: Sweep, answer: str | None = None, over: Sequence[str] | str | N
     Raises:
         TypeError: ``found`` is not of ``fm.sweep``.
         KeyError: No such answer or dimension.
-        ValueError: The answer has several numbers, or another number of dimensions than one or two is asked for.
+        ValueError: The answer has several numbers, another number of dimensions than one or two is asked for, or x
+            without y.
     """
-    if not isinstance(found, Sweep):
+    if not isinstance(found, Sweep | Front):
         raise TypeError(f"Argument `found` must be of fm.sweep(..), but is a {type(found).__name__}.")
+    front = found if isinstance(found, Front) else None
+    whole = front.whole if front else found
+    assert isinstance(whole, Sweep)
+    if front and answer is None and over is None:
+        names = [*front.criteria, *whole.designs]
+        x = names[0] if x is None else x
+        y = next((name for name in names if name != x), None) if y is None else y
+    if x is not None or y is not None:
+        return _against(whole, front, x, y, answer, over, plain_axes(ax))
     if answer is None:
-        names = [name for name, values in found.answers.items() if values.ndim == 1]
+        names = [name for name, values in whole.answers.items() if values.ndim == 1]
         figure, axes = grid(max(len(names), 1), 2)
         for name, own in zip(names, axes, strict=False):
-            sweep(found, name, over, ax=own)
+            sweep(whole, name, over, ax=own)
         return figure
-    if answer not in found.answers:
-        raise KeyError(f"no answer '{answer}'; there are {', '.join(found.answers)}")
-    if found.answers[answer].ndim != 1:
-        raise ValueError(f"Answer '{answer}' has several numbers a design: sweep one of them.")
-    shown = _shown(found, over)
+    if answer in whole.designs:
+        raise KeyError(f"'{answer}' is a dimension; there are the answers {', '.join(whole.answers)}")
+    z = whole.column(answer)
+    shown = _shown(whole, over)
     ax = plain_axes(ax)
-    z = found.answers[answer]
-    failed = ~np.isfinite(z)
     titles = []
     kept = np.ones(len(z), bool)
-    for name, values in found.axes.items():
+    for name, values in whole.axes.items():
         if name not in shown:
             middle = values[len(values) // 2]
-            kept &= np.asarray(found.designs[name]) == middle
+            kept &= np.asarray(whole.designs[name]) == middle
             titles.append(f"{name} = {middle:.4g}")
-    places = [np.asarray(found.designs[name])[kept] for name in shown]
-    z, failed = z[kept], failed[kept]
-    label = _label(found, answer)
+    places = [np.asarray(whole.designs[name])[kept] for name in shown]
+    z = z[kept]
+    failed = ~np.isfinite(z)
+    label = _label(whole, answer)
     if len(shown) == 1:
-        order = np.argsort(places[0])
-        style = {"marker": "."} if found.axes else {"marker": ".", "linestyle": "none"}
-        ax.plot(places[0][order], z[order], color=BLUE, label=label, **style)
-        low = np.nanmin(z) if np.any(~failed) else 0.0
-        ax.plot(places[0][failed], np.full(failed.sum(), low), "x", color=GREY, label="failed")
-        ax.set_ylabel(label)
+        _curve(ax, whole, places[0], z, label)
     else:
-        _map(ax, found, shown, places, z, failed, label)
-        ax.set_ylabel(_label(found, shown[1]))
-    ax.set_xlabel(_label(found, shown[0]))
-    ax.set_title(", ".join(titles), fontsize=9)
+        _map(ax, whole, shown, places, z, label)
+    if front:
+        own = front.rows[kept[front.rows]]
+        at = [whole.column(name)[own] for name in [*shown, answer][:2]]
+        ax.plot(*at, "o", color=RED, fillstyle="none", markersize=5, label="front")
+    ax.set_ylabel(label if len(shown) == 1 else _label(whole, shown[1]))
+    ax.set_xlabel(_label(whole, shown[0]))
+    _title(ax, titles, failed)
     return ax
+
+
+def _against(whole: Sweep, front: Front | None, x: str | None, y: str | None, answer, over, ax: Any) -> Any:
+    """One number of each design over another, those of the front marked and joined."""
+    if x is None or y is None:
+        raise ValueError("Give both `x` and `y`, names of what is drawn over what.")
+    if answer is not None or over is not None:
+        raise ValueError("Give either `x` and `y`, or `answer` and `over`.")
+    horizontal, vertical = whole.column(x), whole.column(y)
+    failed = ~(np.isfinite(horizontal) & np.isfinite(vertical))
+    _points(ax, horizontal[~failed], vertical[~failed], "designs")
+    if front:
+        rows = front.rows[np.argsort(horizontal[front.rows])]
+        # Two criteria that are shown make a line; of more it would zigzag.
+        line = "-" if set(front.criteria) == {x, y} else "none"
+        style = {"color": RED, "marker": "o", "markersize": 4, "linewidth": 1.2, "linestyle": line}
+        ax.plot(horizontal[rows], vertical[rows], label=f"front, {len(rows)} designs", zorder=3, **style)
+        ax.legend(fontsize=8)
+    ax.set_xlabel(_label(whole, x))
+    ax.set_ylabel(_label(whole, y))
+    _title(ax, [], failed)
+    return ax
+
+
+def _points(ax: Any, x: np.ndarray, y: np.ndarray, label: str) -> None:
+    """Markers of designs; how many there are, where they would cover each other."""
+    if len(x) <= MANY:
+        ax.plot(x, y, ".", color=BLUE, markersize=4, label=label)
+        return
+    import matplotlib as mpl
+    from matplotlib.colors import ListedColormap
+
+    # One design alone is to be seen too.
+    colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.25, 1, 256)))
+    drawn = ax.hexbin(x, y, gridsize=_hexagons(x), bins="log", mincnt=1, cmap=colours, linewidths=0.2)
+    ax.figure.colorbar(drawn, ax=ax, label="number of designs")
+
+
+def _curve(ax: Any, found: Sweep, x: np.ndarray, z: np.ndarray, label: str) -> None:
+    """An answer over one dimension: a line along a grid, points otherwise."""
+    failed = ~np.isfinite(z)
+    if found.axes:
+        order = np.argsort(x)
+        ax.plot(x[order], z[order], color=BLUE, label=label, marker=".")
+    else:
+        _points(ax, x[~failed], z[~failed], label)
+    low = np.nanmin(z) if np.any(~failed) else 0.0
+    _failed(ax, x[failed], np.full(failed.sum(), low), len(x))
+
+
+def _map(ax: Any, found: Sweep, shown: list[str], places: list[np.ndarray], z: np.ndarray, label: str) -> None:
+    """Colours over two dimensions: fields with contours of a grid, points or hexagons otherwise."""
+    x, y = places
+    failed = ~np.isfinite(z)
+    if found.axes:
+        columns, rows = (np.asarray(found.axes[name]) for name in shown)
+        field = np.full((len(rows), len(columns)), np.nan)
+        field[np.searchsorted(rows, y), np.searchsorted(columns, x)] = z
+        drawn = ax.pcolormesh(columns, rows, field, shading="nearest", cmap="viridis")
+        if min(field.shape) > 2 and np.nanmin(field) < np.nanmax(field):
+            lines = ax.contour(columns, rows, field, colors="white", linewidths=0.8)
+            ax.clabel(lines, fontsize=7)
+    elif len(z) > MANY:
+        own = ~failed
+        drawn = ax.hexbin(
+            x[own], y[own], C=z[own], gridsize=_hexagons(z), mincnt=1, reduce_C_function=np.mean, linewidths=0.2
+        )
+        label = f"{label}, mean"
+    else:
+        drawn = ax.scatter(x[~failed], y[~failed], c=z[~failed], s=12, cmap="viridis")
+    ax.figure.colorbar(drawn, ax=ax, label=label)
+    _failed(ax, x[failed], y[failed], len(x))
+
+
+def _failed(ax: Any, x: np.ndarray, y: np.ndarray, count: int) -> None:
+    """Where designs failed, of so many: below the hexagons, so that those are seen where all failed."""
+    style = {"marker": "x"} if count <= MANY else {"marker": ".", "markersize": 3, "zorder": 0}
+    ax.plot(x, y, color=GREY, linestyle="none", label="failed", **style)
+
+
+def _hexagons(values: np.ndarray) -> int:
+    """Hexagons in a row for so many designs."""
+    return int(np.clip((len(values) / EACH) ** 0.5, 10, HEXAGONS))
+
+
+def _title(ax: Any, titles: list[str], failed: np.ndarray) -> None:
+    """What is held, and how many designs failed."""
+    told = [f"{np.sum(failed)} of {len(failed)} designs failed"] if np.any(failed) else []
+    ax.set_title(", ".join([*titles, *told]), fontsize=9)
 
 
 def _shown(found: Sweep, over: Sequence[str] | str | None) -> list[str]:
@@ -84,23 +199,6 @@ def _shown(found: Sweep, over: Sequence[str] | str | None) -> list[str]:
     return shown
 
 
-def _map(ax: Any, found: Sweep, shown: list[str], places: list[np.ndarray], z, failed, label: str) -> None:
-    """Colours over two dimensions: fields with contours of a grid, points otherwise."""
-    x, y = places
-    if found.axes:
-        columns, rows = (np.asarray(found.axes[name]) for name in shown)
-        field = np.full((len(rows), len(columns)), np.nan)
-        field[np.searchsorted(rows, y), np.searchsorted(columns, x)] = z
-        drawn = ax.pcolormesh(columns, rows, field, shading="nearest", cmap="viridis")
-        if min(field.shape) > 2 and np.nanmin(field) < np.nanmax(field):
-            lines = ax.contour(columns, rows, field, colors="white", linewidths=0.8)
-            ax.clabel(lines, fontsize=7)
-    else:
-        drawn = ax.scatter(x[~failed], y[~failed], c=z[~failed], s=12, cmap="viridis")
-    ax.figure.colorbar(drawn, ax=ax, label=label)
-    ax.plot(x[failed], y[failed], "x", color=GREY, label="failed")
-
-
 def _label(found: Sweep, name: str) -> str:
-    unit = found.units.get(name)
+    unit = found.unit_of(name)
     return f"{name} [{unit}]" if unit else name

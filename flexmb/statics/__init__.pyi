@@ -2,3 +2,4 @@
 
 from .configuration import Configuration as Configuration
 from .equilibrium import Equilibrium as Equilibrium
+from .stroke import Equilibria as Equilibria

@@ -36,9 +36,28 @@ ROUND_OFF = 1e-13
 CRITICAL = 1e-4
 
 
+class Begin(NamedTuple):
+    """Where Newton's method begins: the undeformed mechanism, or an equilibrium under other loads.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations there, (n_e,) [m, rad].
+        strained: Deformations less those that are free of stress, as the iteration carries them, (n_e,) [m, rad].
+        soft: Motion in which the state is softest, (n_q,) [m, rad].
+        factors: Load factors there.
+    """
+
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    strained: Float[Array, "n_e"]
+    soft: Float[Array, "n_q"]
+    factors: LoadFactors
+
+
 class _Solved(NamedTuple):
     at: State
     near: Float[Array, "n_e"]
+    reached: Begin
     iterations: Int[Array, ""]
     result: Int[Array, ""]
 
@@ -90,7 +109,13 @@ def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
     return jnp.cos(jnp.arange(1.0, k0.shape[0] + 1) ** 2) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
 
 
-def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
+def undeformed(topology: Topology, parameters: Parameters) -> Begin:
+    """The beginning without loads."""
+    none, zero = zero_near(topology), jnp.array(0.0)
+    return Begin(parameters.reference, none, none, jnp.zeros(topology.n_q), LoadFactors(zero, zero))
+
+
+def _search(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Solved:
     """Equilibrium by one loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
 
     Deformations and their stress are carried as numbers of their own, see ``iterate``; where elements are free of
@@ -108,7 +133,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     def turn(s: _Search) -> _Search:
         going = ~s.finishing
         load = jnp.where(going, jnp.minimum(s.reached + s.step, 1.0), 1.0)
-        factors = LoadFactors(load * target.initial, load * target.increment)
+        # At the end exactly the target.
+        factors = LoadFactors(*((1 - load) * a + load * b for a, b in zip(begin.factors, target, strict=True)))
         wanted = held_values(topology, parameters, factors)
         free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
         strained = s.trial_strained if free is None else s.trial_strained + free
@@ -168,7 +194,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
             result=jnp.where(failed, why, s.result).astype(jnp.int32),
         )
 
-    x0, near0 = parameters.reference, zero_near(topology)
+    x0, near0 = begin.x, begin.near
     zero, no = jnp.zeros((), jnp.int32), jnp.array(False)
     nothing = jax.eval_shape(lambda x, near: state(topology, parameters, target, x, near), x0, near0)
     start = _Search(
@@ -179,13 +205,13 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
         near=near0,
         trial=x0,
         trial_near=near0,
-        strained=near0,
-        trial_strained=near0,
+        strained=begin.strained,
+        trial_strained=begin.strained,
         reached=jnp.array(0.0),
         step=jnp.array(1.0),
         first=jnp.array(1.0),
         before=jnp.array(jnp.inf),
-        soft=jnp.zeros(topology.n_q),
+        soft=begin.soft,
         softness=jnp.array(0.0),
         tries=zero,
         iterations=zero,
@@ -194,7 +220,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors) -> 
     end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
     critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
     result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
-    return _Solved(end.at, end.near, end.iterations, result)
+    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
+    reached = Begin(end.x, end.near, end.strained, end.soft, factors)
+    return _Solved(end.at, end.near, reached, end.iterations, result)
 
 
 def _is_round_off(at: State, residual: Float[Array, "n_q"], sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
@@ -205,8 +233,8 @@ def _is_round_off(at: State, residual: Float[Array, "n_q"], sizes: Float[Array, 
 
 
 @jax.custom_jvp
-def _solve(topology: Topology, parameters: Parameters, target: LoadFactors) -> _Solved:
-    return _search(topology, parameters, target)
+def _solve(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Solved:
+    return _search(topology, parameters, target, begin)
 
 
 def change_of_equations(
@@ -245,19 +273,20 @@ def change_of_equations(
 
 
 def _solve_jvp(primals, tangents):
-    """The derivative of the equations at constant x, answered by the tangent."""
-    topology, parameters, target = primals
-    solved = _solve(topology, parameters, target)
+    """The derivative of the equations at constant x, answered by the tangent; where the search began has no part."""
+    topology, parameters, target, begin = primals
+    solved = _solve(topology, parameters, target, begin)
     near = jax.lax.stop_gradient(solved.near)
-    excess, shift, imbalance = change_of_equations(topology, solved.at, near, primals[1:], tangents[1:])
+    excess, shift, imbalance = change_of_equations(topology, solved.at, near, primals[1:3], tangents[1:3])
     dx, _ = linear_response(topology, solved.at, excess, shift, imbalance)
 
     def evaluated(parameters, target, x):
         return state(topology, parameters, target, x, near)
 
-    _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:], dx))
+    _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:3], dx))
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, _Solved(changed, jnp.zeros_like(near), no_change, no_change)
+    still = jax.tree.map(jnp.zeros_like, solved.reached)
+    return solved, _Solved(changed, jnp.zeros_like(near), still, no_change, no_change)
 
 
 _solve.defjvp(_solve_jvp, symbolic_zeros=True)
@@ -278,16 +307,35 @@ def solve_state(
     """
     # What the laws of elements pull in the undeformed mechanism is known only as a number.
     if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
-        at, near, iterations, result = _solve(topology, parameters, target)
+        at, near, result, iterations, _ = solve_onward(topology, parameters, target, undeformed(topology, parameters))
         if not tell_critical:
             result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
-    else:
-        near = zero_near(topology)
-        at = state(topology, parameters, target, parameters.reference, near, loaded=False)
-        result = iterations = jnp.zeros((), jnp.int32)
+        return at, near, result, iterations
+    near, zero = zero_near(topology), jnp.zeros((), jnp.int32)
+    at = state(topology, parameters, target, parameters.reference, near, loaded=False)
+    return at, near, _of_regular(at, zero), zero
+
+
+def solve_onward(
+    topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin
+) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""], Begin]:
+    """Equilibrium from a known one, with loads between them; differentiable. Part of the compiled kernels.
+
+    Args:
+        target: Load factors of the equilibrium.
+        begin: Where the search begins; derivatives do not pass through it.
+
+    Returns:
+        State, ``near``, code of RESULTS, critical_state among them, number of Newton iterations, and what the next
+        equilibrium may begin from.
+    """
+    at, near, reached, iterations, result = _solve(topology, parameters, target, begin)
+    return at, near, _of_regular(at, result), iterations, jax.lax.stop_gradient(reached)
+
+
+def _of_regular(at: State, result: Int[Array, ""]) -> Int[Array, ""]:
     found = (result == RESULTS.successful) | (result == RESULTS.critical_state)
-    result = jnp.where(found & ~at.transfer.regular, RESULTS.singular_configuration, result)
-    return at, near, result.astype(jnp.int32), iterations
+    return jnp.where(found & ~at.transfer.regular, RESULTS.singular_configuration, result).astype(jnp.int32)
 
 
 def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:

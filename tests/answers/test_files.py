@@ -94,11 +94,11 @@ def test_labels_of_tables_do_not_meet(monkeypatch):
     found = fm.sweep(lambda a: a, answers, {"a": [1.0, 2.0]}, compiled=False)
     # In place of pandas and xarray, which need not be installed: what they are handed.
     frames = types.SimpleNamespace(DataFrame=lambda columns: types.SimpleNamespace(columns=columns, attrs={}))
-    monkeypatch.setattr("flexmb.design.sweep.pandas", lambda: frames)
+    monkeypatch.setattr("flexmb.design.swept.pandas", lambda: frames)
     columns = found.to_pandas().columns
     assert list(columns) == ["a", "f[0]", "f[1]", "f[0]_", "f_0", "result"]
     np.testing.assert_array_equal([columns[name][1] for name in list(columns)[:5]], [2, 2, 4, 6, 8])
-    monkeypatch.setattr("flexmb.design.sweep.xarray", lambda: types.SimpleNamespace(Dataset=lambda *parts: parts))
+    monkeypatch.setattr("flexmb.design.swept.xarray", lambda: types.SimpleNamespace(Dataset=lambda *parts: parts))
     variables, _ = found.to_xarray()
     assert variables["f"][0] == ("design", "f_0_")
     assert set(variables) == {"a", "f", "f[0]", "f_0", "result"}

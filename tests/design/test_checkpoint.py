@@ -241,7 +241,8 @@ def test_one_that_was_made_by_hand_is_refused(tmp_path):
         with pytest.raises(ValueError, match=r"record 2 (has wrong|is not as|has other)"):
             fm.sweep(build, {"a": scaled}, DESIGNS, **run(path))
         path.write_bytes(path.read_bytes().removesuffix(content))
-    path.write_bytes(MAGIC + _record(json.dumps({"the designs": "others"}).encode()))
+    said = {"meaning": {"the designs": "others"}, "answers": ["a"], "units": {}}
+    path.write_bytes(MAGIC + _record(json.dumps(said).encode()) + _record(_packed({"dimension size": np.ones(8)})))
     with pytest.raises(ValueError, match="belongs to another sweep"):
         fm.sweep(build, {"a": scaled}, DESIGNS, **run(path))
 
@@ -249,9 +250,9 @@ def test_one_that_was_made_by_hand_is_refused(tmp_path):
 def test_two_sweeps_do_not_write_the_same(tmp_path):
     pytest.importorskip("fcntl")
     path = tmp_path / "sweep"
-    with Checkpoint(path, {}, 1, ["a"]), pytest.raises(ValueError, match="being written by another"):
-        Checkpoint(path, {}, 1, ["a"])
-    Checkpoint(path, {}, 1, ["a"]).close()
+    with Checkpoint(path, {}, DESIGNS, ["a"], {}), pytest.raises(ValueError, match="being written by another"):
+        Checkpoint(path, {}, DESIGNS, ["a"], {})
+    Checkpoint(path, {}, DESIGNS, ["a"], {}).close()
 
 
 def test_what_was_begun_in_vain_leaves_nothing(tmp_path):
@@ -273,3 +274,21 @@ def test_where_nothing_can_be_written_nothing_is_computed(tmp_path):
 
 def _unwanted(made):
     raise AssertionError
+
+
+def test_an_unfinished_sweep_is_loaded(tmp_path):
+    path = tmp_path / "sweep"
+    begun(path, units={"a": "Hz"})
+    before = path.read_bytes()
+    with pytest.warns(fm.FlexmbWarning, match="4 of 8 designs"):
+        found = fm.design.Sweep.load(path)
+    np.testing.assert_array_equal(found["size"], DESIGNS["size"][:4])
+    np.testing.assert_array_equal(found["a"], FACTOR * DESIGNS["size"][:4] ** 2)
+    assert (found.units, found.failures(), path.read_bytes()) == ({"a": "Hz"}, {}, before)
+    fm.sweep(build, {"a": scaled}, DESIGNS, **run(path))
+    found = fm.design.Sweep.load(path)
+    np.testing.assert_array_equal(found.axes["size"], DESIGNS["size"])
+    np.testing.assert_array_equal(found["a"], FACTOR * DESIGNS["size"] ** 2)
+    path.write_bytes(path.read_bytes()[:-9] + b"x" + path.read_bytes()[-8:])
+    with pytest.raises(ValueError, match=r"Checkpoint '.*sweep' is damaged: its record 4"):
+        fm.design.Sweep.load(path)

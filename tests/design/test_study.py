@@ -11,7 +11,7 @@ from cases.commands import command as call
 import flexmb as fm
 from flexmb.design.study import sweep_answer
 from flexmb.design.study_file import read_study
-from flexmb.design.sweep import Sweep
+from flexmb.design.swept import Sweep
 
 GUIDE = """PLBEAM 1 1 2 3 4
 PLBEAM 2 3 4 5 6

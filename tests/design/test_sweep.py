@@ -62,6 +62,78 @@ def test_files(grid, tmp_path):
         grid.save(tmp_path / "a.csv")
 
 
+@pytest.mark.parametrize("ending", ["npz", "mat"])
+def test_a_saved_sweep_is_loaded(tmp_path, ending):
+    grid = fm.design.grid({"a": [1.0, 2.0, 3.0], "wall thickness": [0.1, 0.2]})
+    values = np.arange(12.0).reshape(6, 2)
+    answers = {"pair": values, "f": np.where(values[:, 0] == 4, np.nan, values[:, 0])}
+    codes = np.array([0, 0, 3, 0, 8, 0], np.int32)
+    for designs in (grid, fm.design.Designs({"a": np.ones((6, 1)), "b": np.arange(6)})):
+        path = tmp_path / f"sweep.{ending}"
+        fm.design.Sweep(designs, answers, codes, {"f": "Hz"}).save(path)
+        found = fm.design.Sweep.load(path)
+        assert (found.units, found.failures()) == ({"f": "Hz"}, {"not_converged": 1})
+        np.testing.assert_equal(found.answers, answers)
+        np.testing.assert_equal(dict(found.designs), dict(designs))
+        np.testing.assert_equal(found.axes, designs.axes)
+
+
+def test_other_files_are_no_sweep(tmp_path):
+    np.savez(tmp_path / "other.npz", a=[1.0])
+    fm.design.Sweep(fm.design.grid(a=[1.0, 2.0]), {"f": np.ones(2)}, np.zeros(2), {}).save(tmp_path / "sweep.npz")
+    whole = (tmp_path / "sweep.npz").read_bytes()
+    (tmp_path / "cut.npz").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "flipped.npz").write_bytes(whole.replace("shapes".encode("utf-32-le"), "shapex".encode("utf-32-le")))
+    (tmp_path / "study.toml").write_bytes(b"model = 'guide.dat'")
+    (tmp_path / "nothing").write_bytes(b"")
+    for path in tmp_path.iterdir():
+        if path.name != "sweep.npz":
+            with pytest.raises(ValueError, match=f"'.*{path.name}' is no sweep"):
+                fm.design.Sweep.load(path)
+    with pytest.raises(FileNotFoundError):
+        fm.design.Sweep.load(tmp_path / "none")
+
+
+def test_the_front_of_a_circle_and_of_a_simplex():
+    """Of a quarter of a disk the arc is the front; of the points of a lattice those on x + y + z = 1."""
+    r, phi = np.meshgrid(np.linspace(0.1, 1, 10), np.linspace(0, np.pi / 2, 13), indexing="ij")
+    x, y = (r * np.cos(phi)).ravel(), (r * np.sin(phi)).ravel()
+    codes = np.zeros(130, np.int32)
+    # The best of all has no answer, another one failed.
+    y[5], codes[120] = np.nan, 3
+    pair = np.stack([np.where(np.arange(130) == 5, 9.0, x), y], axis=1)
+    found = fm.design.Sweep(fm.design.Designs({"a": np.arange(130)}), {"pair": pair, "y": -y}, codes, {"y": "m"})
+    front = found.pareto(minimize="y", maximize=["pair[0]"])
+    assert front.left_out == 2
+    np.testing.assert_array_equal(front.rows, [129, 128, 127, 126, 125, 124, 123, 122, 121, 119, 118, 117])
+    np.testing.assert_allclose(np.hypot(*front["pair"][:9].T), 1, rtol=1e-15)
+    assert "12 of 130 designs" in str(front)
+    assert front.sweep["a"].tolist() == front.rows.tolist()
+    lattice = np.stack(np.meshgrid(*[np.arange(11)] * 3), axis=-1).reshape(-1, 3)
+    inside = lattice[lattice.sum(axis=1) >= 10]
+    many = fm.design.Sweep(fm.design.Designs({"n": inside}), {}, np.zeros(len(inside)), {})
+    best = many.pareto(minimize=["n[0]", "n[1]", "n[2]"])
+    assert len(best) == 66
+    assert np.all(best["n"].sum(axis=1) == 10)
+
+
+@pytest.mark.parametrize(
+    ("call", "fault", "words"),
+    [
+        ({}, ValueError, "Say what is wanted"),
+        ({"minimize": "g"}, KeyError, "no answer or dimension 'g'"),
+        ({"minimize": "f", "maximize": "f"}, ValueError, "'f' is asked for twice"),
+        ({"minimize": "pair"}, ValueError, r"'pair\[0\]'"),
+        ({"minimize": "pair[2]"}, KeyError, "no entry"),
+        ({"minimize": "nothing"}, ValueError, "not one of the 2 designs"),
+    ],
+)
+def test_fronts_that_cannot_be(call, fault, words):
+    answers = {"f": np.ones(2), "pair": np.ones((2, 2)), "nothing": np.full(2, np.nan)}
+    with pytest.raises(fault, match=words):
+        fm.design.Sweep(fm.design.grid(a=[1.0, 2.0]), answers, np.zeros(2), {}).pareto(**call)
+
+
 def test_one_design_that_fails_stops_no_other():
     designs = {"thickness": [0.4e-3, -0.5e-3, 0.6e-3, np.nan]}
     found = fm.sweep(design_cases.loaded_guide, {"load": lambda m: fm.buckling_loads(m)[0]}, designs)

@@ -33,7 +33,7 @@ def test_a_map_of_a_grid():
     mesh = ax.collections[0]
     # The third axis is held at its middle value.
     np.testing.assert_allclose(mesh.get_array(), [[np.nan, 20, 30], [90, 180, 270]], equal_nan=True)
-    assert ax.get_title() == "c = 10"
+    assert ax.get_title() == "c = 10, 1 of 6 designs failed"
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("a [m]", "b")
     np.testing.assert_allclose(ax.lines[-1].get_xydata(), [[1.0, 1.0]])
     assert ax.figure.axes[1].get_ylabel() == "f [Hz]"
@@ -53,6 +53,42 @@ def test_points_of_other_designs():
     drawn = ax.collections[0]
     np.testing.assert_allclose(drawn.get_offsets(), np.stack([found["b"], found["a"]], axis=1))
     np.testing.assert_allclose(drawn.get_array(), found["f"])
+
+
+def test_an_answer_over_another_and_the_front():
+    """f = a b^2 should be large and a small: of equal b the whole grid, and the largest b alone is the front."""
+    found = swept(fm.design.grid(a=[1.0, 2.0, 3.0], b=[1.0, 3.0]), fails=[3])
+    front = found.pareto(maximize="f", minimize="a")
+    ax = plot.sweep(front, x="a", y="f")
+    points, line = ax.lines
+    np.testing.assert_allclose(points.get_xydata(), [[1, 1], [1, 9], [2, 2], [3, 3], [3, 27]])
+    np.testing.assert_allclose(line.get_xydata(), [[1, 9], [3, 27]])
+    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("a [m]", "f [Hz]", "1 of 6 designs failed")
+    assert line.get_label() == "front, 2 designs"
+    # Of a front its criteria, unless others are named; entries of arrays have names too.
+    assert plot.sweep(front).get_xlabel() == "a [m]"
+    assert plot.sweep(found, x="g[1]", y="b").get_xlabel() == "g[1]"
+    np.testing.assert_allclose(plot.sweep(front, "f", ["a", "b"]).lines[-1].get_xydata(), [[1, 3], [3, 3]])
+    with pytest.raises(ValueError, match="both `x` and `y`"):
+        plot.sweep(found, x="f")
+    with pytest.raises(ValueError, match="either"):
+        plot.sweep(found, "f", x="f", y="a")
+
+
+def test_many_designs_are_hexagons():
+    found = swept(fm.design.latin_hypercube(4000, seed=3, a=(1.0, 2.0), b=(1.0, 3.0)), fails=range(0, 4000, 8))
+    counts = plot.sweep(found, x="a", y="f").collections[0].get_array()
+    assert len(counts) < 1000
+    assert counts.sum() == 3500
+    ax = plot.sweep(found, "f", ("a", "b"))
+    drawn = ax.collections[0]
+    # The mean of a hexagon is near to the value in its middle, within its size.
+    x, y = drawn.get_offsets().T
+    off = drawn.get_array() / (x * y**2) - 1
+    assert np.max(np.abs(off)) < 0.25
+    assert abs(np.mean(off)) < 0.02
+    assert ax.get_title() == "500 of 4000 designs failed"
+    assert len(ax.lines[0].get_xdata()) == 500
 
 
 @pytest.mark.parametrize(

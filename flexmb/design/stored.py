@@ -1,0 +1,99 @@
+"""Sweeps in files: what was saved as .npz or .mat, and checkpoints, read again."""
+
+import io
+import json
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import clean
+from ..results import RESULTS
+from .checkpoint import MAGIC, Stored
+from .chunks import gathered
+from .designs import Designs
+
+
+class Contents(NamedTuple):
+    """What a file says of a sweep.
+
+    Attributes:
+        designs: Dimensions.
+        answers: By name, each (designs, ...).
+        codes: Of RESULTS, (designs,).
+        units: By name.
+        planned: Designs of the whole sweep, of which a checkpoint may hold a part.
+    """
+
+    designs: Designs
+    answers: dict[str, np.ndarray]
+    codes: np.ndarray
+    units: dict[str, str]
+    planned: int
+
+
+def read(path: str | os.PathLike) -> Contents:
+    """Read a sweep.
+
+    Args:
+        path: Of a .npz, a .mat, or a checkpoint; what it is, its content says.
+
+    Raises:
+        ValueError: The file is no saved sweep, or is damaged.
+        OSError: It cannot be read.
+    """
+    path = Path(path)
+    with path.open("rb") as file:
+        if file.read(len(MAGIC)) == MAGIC:
+            file.seek(0)
+            return _of_checkpoint(Stored(path, file))
+    try:
+        return _of_arrays(_arrays(path.read_bytes()))
+    except Exception as why:  # Whatever the readers of other formats stumble over in bytes that are none.
+        raise ValueError(
+            f"'{clean(path)}' is no sweep that Sweep.save or a checkpoint of fm.sweep wrote, or is damaged"
+            f" ({clean(why)})."
+        ) from None
+
+
+def _of_checkpoint(stored: Stored) -> Contents:
+    parts = [(rows, (values, codes)) for rows, values, codes in stored.parts()]
+    if not parts:
+        raise ValueError(f"Checkpoint '{clean(stored.path)}' holds no design yet: fm.sweep with it has just begun.")
+    designs, count = stored.designs, stored.designs.count
+    answers, codes = gathered(count, stored.answers, parts)
+    done = np.unique(np.concatenate([rows for rows, _ in parts]))
+    if len(done) < count:
+        designs = Designs({name: values[done] for name, values in designs.items()})
+        answers = {name: values[done] for name, values in answers.items()}
+    return Contents(designs, answers, codes[done], stored.units, count)
+
+
+def _arrays(content: bytes) -> dict[str, np.ndarray]:
+    """Arrays of a file by name."""
+    if content[:2] == b"PK":
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    import scipy.io
+
+    found: dict[str, Any] = scipy.io.loadmat(io.BytesIO(content))
+    # Names that MATLAB does not take were changed.
+    changed = next((json.loads(found[n].item()) for n in found if n.rstrip("_") == "names_of_arrays"), {})
+    return {changed.get(name, name): array for name, array in found.items()}
+
+
+def _of_arrays(arrays: dict[str, np.ndarray]) -> Contents:
+    about = json.loads(arrays["about"].item())
+    along = list(about["axes"])
+    # A .mat has two axes at least.
+    own = {name: np.asarray(arrays[name], float).reshape(shape) for name, shape in about["shapes"].items()}
+    axes: dict[str, np.ndarray] = {}
+    for i, name in enumerate(along):
+        axes[name] = np.moveaxis(own[name], i, 0).reshape(own[name].shape[i], -1)[:, 0]
+    codes = np.asarray(arrays["codes"]).ravel().astype(np.int32)
+    if not np.all(np.isin(codes, [int(one) for one in RESULTS])):
+        raise ValueError("codes that no result has")
+    flat = {name: array.reshape(len(codes), *array.shape[max(len(along), 1) :]) for name, array in own.items()}
+    designs = Designs({name: flat.pop(name) for name in about["dimensions"]}, axes)
+    return Contents(designs, flat, codes, dict(about["units"]), len(codes))

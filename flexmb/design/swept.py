@@ -1,0 +1,295 @@
+"""Answers of many designs, and the best of them."""
+
+import dataclasses
+import os
+import re
+from collections.abc import Container, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..display import Result, Summary, span
+from ..errors import clean, warn
+from ..files import save_arrays
+from ..results import RESULTS
+from .chunks import ANSWERED
+from .designs import Designs
+from .front import nondominated
+from .labelled import pandas, xarray
+from .stored import read
+
+# Rows of a table on the terminal.
+ROWS = 20
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Sweep(Result):
+    """Answers of many designs.
+
+    Attributes:
+        designs: Dimensions by name, each (designs, ...) [SI]; ``designs.axes`` of a grid.
+        answers: Answers by name, each (designs, ...), NaN where a design failed [their units].
+        codes: Code of RESULTS of every design, (designs,).
+        units: Units by name, as given.
+    """
+
+    designs: Designs
+    answers: dict[str, np.ndarray]
+    codes: np.ndarray
+    units: dict[str, str]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """An answer or a dimension by name; of a grid, with its axes first."""
+        found = self.answers[name] if name in self.answers else self.designs.get(name)
+        if found is None:
+            raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
+        return (
+            found.reshape(tuple(len(a) for a in self.designs.axes.values()) + found.shape[1:]) if self.axes else found
+        )
+
+    def column(self, name: str) -> np.ndarray:
+        """One number of every design.
+
+        Args:
+            name: Of a dimension or an answer, or of an entry of an array as "frequencies[0]".
+
+        Returns:
+            (designs,), also of a grid [its unit].
+
+        Raises:
+            KeyError: There is no such name.
+            ValueError: It has several numbers a design, and none of them is named.
+        """
+        known = {**self.designs, **self.answers}
+        entry = re.fullmatch(r"(.+)\[(\d+(?:, ?\d+)*)\]", name) if isinstance(name, str) else None
+        if entry and name not in known and entry[1] in known:
+            at = tuple(map(int, entry[2].split(",")))
+            shape = known[entry[1]].shape[1:]
+            if len(at) != len(shape) or any(i >= n for i, n in zip(at, shape, strict=True)):
+                raise KeyError(f"'{entry[1]}' has shape {shape} a design, and no entry {list(at)}")
+            return known[entry[1]][(slice(None), *at)]
+        if name not in known:
+            raise KeyError(f"no answer or dimension '{clean(name)}'; there are {', '.join(known)}")
+        if known[name].ndim > 1:
+            first = ", ".join("0" * (known[name].ndim - 1))
+            raise ValueError(f"'{name}' has several numbers a design: name one of them, such as '{name}[{first}]'.")
+        return known[name]
+
+    def unit_of(self, name: str) -> str:
+        """Unit of one number of a design; empty where none was given.
+
+        Args:
+            name: As :meth:`column` takes it.
+        """
+        return self.units.get(name, self.units.get(name.rpartition("[")[0], ""))
+
+    def selected(self, rows: Any) -> "Sweep":
+        """Some of the designs, which are no grid any more.
+
+        Args:
+            rows: Numbers of the designs from 0, or True for each that is meant, (k,).
+        """
+        designs = Designs({name: values[rows] for name, values in self.designs.items()})
+        answers = {name: values[rows] for name, values in self.answers.items()}
+        return Sweep(designs, answers, self.codes[rows], dict(self.units))
+
+    def pareto(self, *, minimize: str | Sequence[str] = (), maximize: str | Sequence[str] = ()) -> "Front":
+        """Designs than which no other is better in everything that is asked (the Pareto front).
+
+        Designs that failed, or of which something that is asked is NaN, do not count; the front says how many.
+
+        Args:
+            minimize: Names of what should be small: answers, dimensions, or entries as "frequencies[0]".
+            maximize: Names of what should be large.
+
+        Returns:
+            Front, sorted by what is named first, the best first.
+
+        Raises:
+            KeyError: There is no such name.
+            ValueError: Nothing is asked, something twice, an array without its entry, or not one design has answers.
+
+        Source:
+            Definition: a design is left out where another one is no worse in everything and better in something.
+        """
+        senses = {"minimize": minimize, "maximize": maximize}
+        pairs = [(n, sense) for sense, given in senses.items() for n in ([given] if isinstance(given, str) else given)]
+        criteria = dict(pairs)
+        if not pairs:
+            raise ValueError("Say what is wanted of the front: `minimize`, `maximize` or both, by names of answers.")
+        if len(criteria) < len(pairs):
+            twice = next(name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i]))
+            raise ValueError(f"'{clean(twice)}' is asked for twice: once is enough.")
+        costs = np.stack([self.column(n) * (1 if sense == "minimize" else -1) for n, sense in pairs], axis=1)
+        known = np.flatnonzero(np.isin(self.codes, [int(c) for c in ANSWERED]) & ~np.any(np.isnan(costs), axis=1))
+        if not len(known):
+            raise ValueError(f"There is no front: not one of the {len(self.codes)} designs has an answer.")
+        rows = known[nondominated(costs[known])]
+        return Front(self, rows[np.lexsort(costs[rows].T[::-1])], criteria, len(self.codes) - len(known))
+
+    def table(self, rows: int = ROWS) -> str:
+        """Dimensions, answers of one number and results as text, one row a design.
+
+        Args:
+            rows: At most so many.
+        """
+        columns = {n: v for n, v in {**self.designs, **self.answers}.items() if v.ndim == 1}
+        widths = [max(16, len(clean(name)) + 2) for name in columns]
+        lines = ["".join(f"{clean(n):>{w}}" for n, w in zip(columns, widths, strict=True)) + "  result"]
+        for i, code in enumerate(self.codes[:rows]):
+            cells = [f"{v[i]:>{w}.7g}" for v, w in zip(columns.values(), widths, strict=True)]
+            lines.append("".join(cells) + f"  {RESULTS(int(code)).name}")
+        if len(self.codes) > rows:
+            lines.append(f"... {len(self.codes) - rows} more designs")
+        return "\n".join(lines)
+
+    @property
+    def axes(self) -> dict[str, np.ndarray]:
+        """Values along each axis of a grid, by name; otherwise empty."""
+        return self.designs.axes
+
+    def failures(self) -> dict[str, int]:
+        """How many designs failed, by the name of the code."""
+        return {RESULTS(c).name: int(np.sum(self.codes == c)) for c in np.unique(self.codes) if c not in ANSWERED}
+
+    def to_pandas(self):
+        """A ``pandas.DataFrame`` with one row a design; units in ``attrs``.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        columns: dict[str, Any] = {}
+        for name, array in {**self.designs, **self.answers}.items():
+            for at in np.ndindex(array.shape[1:]):
+                label = name + (f"[{', '.join(map(str, at))}]" if at else "")
+                columns[_free(label, columns)] = array[(slice(None), *at)]
+        columns["result"] = [RESULTS(int(c)).name for c in self.codes]
+        frame = pandas().DataFrame(columns)
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def to_xarray(self):
+        """An ``xarray.Dataset``: of a grid with its axes, otherwise with the axis "design".
+
+        Raises:
+            ImportError: xarray is not installed.
+        """
+        xr = xarray()
+        along = tuple(self.axes) or ("design",)
+        variables, taken = {}, {*self.answers, *self.designs, "result", "design"}
+        for name in (*self.answers, *(() if self.axes else self.designs)):
+            values = self[name]
+            own = tuple(_free(f"{name}_{i}", taken) for i in range(values.ndim - len(along)))
+            variables[name] = ((*along, *own), values, {"units": self.units.get(name, "")})
+        shape = tuple(len(a) for a in self.axes.values()) or (-1,)
+        variables["result"] = (along, self.codes.reshape(shape), {"meaning": "code of flexmb.RESULTS"})
+        coords = {name: ((name,), a, {"units": self.units.get(name, "")}) for name, a in self.axes.items()}
+        return xr.Dataset(variables, coords)
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write as .npz or .mat: every dimension and answer by its name, "codes", and "about" (units) as JSON.
+
+        Args:
+            path: Where; its ending says how.
+
+        Raises:
+            ValueError: Another ending.
+            OSError: The folder is missing or not writable.
+        """
+        arrays = {name: self[name] for name in (*self.designs, *self.answers)}
+        shape = tuple(len(a) for a in self.axes.values()) or (-1,)
+        about = {
+            "units": self.units, "axes": list(self.axes), "failures": self.failures(),
+            "dimensions": list(self.designs), "shapes": {name: array.shape for name, array in arrays.items()},
+        }  # fmt: skip
+        save_arrays(path, {**arrays, "codes": self.codes.reshape(shape)}, about)
+
+    @staticmethod
+    def load(path: str | os.PathLike) -> "Sweep":
+        """What :meth:`save` wrote, or a checkpoint of ``fm.sweep``, also of a sweep that is not done.
+
+        Args:
+            path: Of a .npz, a .mat, or a checkpoint; what it is, its content says.
+
+        Returns:
+            Sweep; of a checkpoint that is not done the designs that have been computed, without axes of a grid.
+
+        Raises:
+            ValueError: The file is no saved sweep, or is damaged.
+            OSError: It cannot be read.
+
+        Warns:
+            FlexmbWarning: The checkpoint is not done.
+        """
+        designs, answers, codes, units, planned = read(path)
+        if len(codes) < planned:
+            warn(
+                f"Checkpoint '{clean(path)}' holds {len(codes)} of {planned} designs, and these are loaded: fm.sweep"
+                " with the same call goes on with the others."
+            )
+        return Sweep(designs, answers, codes, units)
+
+    def summary(self) -> Summary:
+        """Failures, and between which values each answer lies."""
+        failures = ", ".join(f"{count} {name}" for name, count in self.failures().items())
+        rows = {"designs": str(len(self.codes)), "failed": failures or "none"}
+        rows |= {name: span(values, self.units.get(name, "")) for name, values in self.answers.items()}
+        over = ", ".join(f"{name} {span(values, self.units.get(name, ''))}" for name, values in self.designs.items())
+        drawn = [n for n, values in self.answers.items() if values.ndim == 1 and np.any(np.isfinite(values))]
+        varied = [n for n, values in self.designs.items() if np.ndim(values) == 1 and np.ptp(values) > 0]
+        small = {"answer": drawn[0], "over": varied[:2]} if drawn and varied else None
+        return Summary(f"Sweep over {over}", rows, "sweep", small)
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Front(Result):
+    """Designs of a sweep than which no other is better in everything that was asked.
+
+    Attributes:
+        whole: The sweep with all designs.
+        rows: Their numbers in it, from 0, (front,), the best in the first criterion first.
+        criteria: "minimize" or "maximize" by name.
+        left_out: How many designs have no answer and did not count.
+    """
+
+    whole: Sweep
+    rows: np.ndarray
+    criteria: dict[str, str]
+    left_out: int
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """An answer or a dimension of the designs on the front, (front, ...)."""
+        return self.sweep[name]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def sweep(self) -> Sweep:
+        """The designs on the front alone, for files and tables."""
+        return self.whole.selected(self.rows)
+
+    def summary(self) -> Summary:
+        """How many designs are on it, and between which values what was asked lies."""
+        alone, rows = self.sweep, {}
+        for name, sense in self.criteria.items():
+            rows[f"{sense} {name}"] = span(alone.column(name), alone.unit_of(name))
+        if self.left_out:
+            rows["left out, without answer"] = str(self.left_out)
+        title = f"Pareto front: {len(self)} of {len(self.whole.codes)} designs"
+        return Summary(title, rows, "sweep", {} if len(self.criteria) > 1 else None)
+
+    def __str__(self) -> str:
+        title, rows, *_ = self.summary()
+        lines = [title, *(f"  {name}: {text}" for name, text in rows.items())]
+        chosen = np.unique(np.linspace(0, len(self) - 1, min(ROWS, len(self))).round().astype(int))
+        if len(chosen) < len(self):
+            lines.append(f"{len(chosen)} of them, from one end to the other:")
+        return "\n".join([*lines, self.whole.selected(self.rows[chosen]).table()])
+
+
+def _free(name: str, taken: Container[str]) -> str:
+    """A name that is not taken."""
+    while name in taken:
+        name += "_"
+    return name

@@ -1,0 +1,176 @@
+"""Static equilibria one after the other, each begun from the one before it."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..arguments import check_numbers
+from ..compilation.compile import jit
+from ..compilation.record import Record
+from ..display import Result, States, Summary, course, span
+from ..errors import ModelError
+from ..mechanics.inertia import Felt
+from ..mechanics.loads import LoadFactors
+from ..model.model import AtNodes, Labels, Model, as_determined
+from ..results import RESULTS, check
+from .equilibrium import Equilibrium, warn_of_increment
+from .solve import reactions_of, solve_onward, undeformed
+
+
+class Equilibria(AtNodes, Result, Record):
+    """Static equilibria under loads that follow one another, states first.
+
+    Attributes:
+        load_factor: Factor of the loads of each, (states,) [-].
+        increment: Factor of the incremental loads of each, (states,) [-].
+        each: All of them as one :class:`Equilibrium` with states first, as ``jax.vmap`` takes it.
+        model: The mechanism.
+    """
+
+    load_factor: Float[Array, "states"]
+    increment: Float[Array, "states"]
+    each: Equilibrium
+    model: Model
+    one_axis = "increment"
+
+    def __getitem__(self, number: int) -> Equilibrium:
+        """One of them, such as ``fm.stress(model, at=found[-1])`` takes it."""
+        return jax.tree.map(lambda array: array[number], self.each)
+
+    def __len__(self) -> int:
+        return self.increment.shape[0]
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.model.labels
+
+    @property
+    def x(self) -> Float[Array, "states n_x"]:
+        """Nodal coordinates, (states, n_x) [m, rad, -]."""
+        return self.each.x
+
+    @property
+    def e(self) -> Float[Array, "states n_e"]:
+        """Deformations, (states, n_e) [m, rad]."""
+        return self.each.e
+
+    @property
+    def sigma(self) -> Float[Array, "states n_e"]:
+        """Stress resultants, (states, n_e) [N, N m]."""
+        return self.each.sigma
+
+    @property
+    def reactions(self) -> Float[Array, "states n_x"]:
+        """Forces of the supports on the mechanism, dual to x, (states, n_x) [N, N m]."""
+        return self.each.reactions
+
+    @property
+    def iterations(self) -> Int[Array, "states"]:
+        """Newton iterations of each, (states,)."""
+        return self.each.iterations
+
+    @property
+    def result(self) -> Int[Array, "states"]:
+        """Code of RESULTS of each, (states,)."""
+        return self.each.result
+
+    def states(self) -> States:
+        """The equilibria, over the factor that varies."""
+        over = "increment" if np.ptp(np.asarray(self.increment)) > 0 else "load_factor"
+        return States(self.model, self.x, "path", getattr(self, over), f"{over.replace('_', ' ')} [-]")
+
+    def summary(self) -> Summary:
+        """Outcomes, factors and iterations."""
+        codes = np.asarray(self.result)
+        found = [f"{np.sum(codes == code)} {RESULTS(int(code)).name}" for code in np.unique(codes)]
+        rows = {
+            "result": ", ".join(found),
+            "increment": span(self.increment),
+            "load factor": span(self.load_factor),
+            "iterations": str(int(np.sum(np.asarray(self.iterations)))),
+        }
+        return Summary(f"Equilibria: {len(codes)}, {course(self.states())}", rows, "mechanism")
+
+
+@jit
+def _equilibria(topology, parameters, targets):
+    def onward(begin, target):
+        at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
+        # A state that was not found is no beginning: the next one is looked for from the last that was.
+        good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
+        begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
+        reactions = reactions_of(topology, at)
+        return begin, (at.x, at.e, at.sigma, Felt(at.gravity), reactions, iterations, result)
+
+    start = jax.lax.stop_gradient(undeformed(topology, parameters))
+    _, found = jax.lax.scan(onward, start, targets)
+    codes = found[-1]
+    failures = jnp.where(codes == RESULTS.critical_state, RESULTS.successful, codes)
+    worst = jnp.where(jnp.any(failures != RESULTS.successful), jnp.max(failures), jnp.max(codes))
+    return found, worst.astype(jnp.int32)
+
+
+def equilibria(
+    model: Model,
+    *,
+    increment: Float[Array, "states"] | float | None = None,
+    load_factor: Float[Array, "states"] | float = 1.0,
+    throw: bool = True,
+) -> Equilibria:
+    """Static equilibria along a stroke or a load, solved once: each begins from the one before it.
+
+    One compiled program for all of them, in which Newton's method needs few iterations where states lie near each
+    other. They are the states that the mechanism passes as the factors go from one to the next, so that their order
+    matters where there are several equilibria. A stroke is a displacement that is prescribed with ``increment=True``:
+    of 1 m it makes the factors lengths in metres, and ``reactions`` has the force that it takes.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``, forward and reverse.
+        increment: Factors of the incremental loads, (states,) [-]; zero unless given.
+        load_factor: Factors of the loads, (states,) or one for all, () [-].
+        throw: Raise where a solve fails; otherwise the codes are in ``result``, and what comes after a failure is
+            looked for from the last state that was found.
+
+    Returns:
+        Equilibria with x (states, n_x) [m, rad, -], e and sigma (states, n_e), reactions (states, n_x) [N, N m].
+
+    Raises:
+        ValueError: Factors are not finite, or no list of them is given.
+        ModelError: There are no incremental loads.
+        AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try; not_converged
+            beyond a limit load, which ``fm.path`` passes.
+
+    Warns:
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
+
+    Source:
+        As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives are those of the equations at each state, THEORY.md 10,
+        eq. (10.1).
+    """
+    as_determined(model, "equilibria")
+    if increment is None:
+        warn_of_increment(model, "equilibria")
+    elif model.parameters.increment is None:
+        raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
+    given: dict[str, Any] = {"load_factor": load_factor, "increment": 0.0 if increment is None else increment}
+    for name, value in given.items():
+        check_numbers(f"Argument `{name}`", value)
+        if np.ndim(value) > 1:
+            raise ValueError(
+                f"Argument `{name}` must be a list of factors, (states,), but has shape {np.shape(value)}."
+            )
+    lengths = {len(value) for value in given.values() if np.ndim(value)}
+    if len(lengths) != 1 or 0 in lengths:
+        raise ValueError(
+            "Give `increment` as a list of factors, or `load_factor`, or both of one length"
+            f" (got {' and '.join(map(str, sorted(lengths))) or 'none'}). For one state there is fm.equilibrium."
+        )
+    factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in given.values()]
+    found, worst = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
+    check(worst, throw)
+    each: Any = (*found, model.labels)
+    return Equilibria(factors[0], factors[1], Equilibrium(*each), model)
