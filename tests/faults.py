@@ -201,6 +201,22 @@ FAULTS = [
         "test_cli.py -k every_command",
     ),
     Fault("cli.py", 'if data["status"] != "ok":', "if False:", "design/test_study.py -k exit_1"),
+    Fault("cli.py", "        WRITTEN.append(path)\n", "", "test_cli.py -k says_what_it_keeps"),
+    Fault(
+        "cli.py",
+        "            if checkpoint is None:\n                raise",
+        "            if True:\n                raise",
+        "test_cli.py -k says_what_it_keeps",
+    ),
+    Fault(
+        "cli.py", 'PICTURES = (".png", ".svg", ".pdf")', 'PICTURES = (".png", ".svg")', "test_cli.py -k appear_whole"
+    ),
+    Fault(
+        "checks/mobility.py",
+        ": RLSE {advice[0]} {advice[1]}",
+        ": RLSE {advice[1]} {advice[0]}",
+        "test_cli.py -k on_request",
+    ),
     Fault("cli.py", "code = EXIT_WRONG_CALL", "code = 0", "test_cli.py -k wrong_call"),
     Fault("cli.py", "return names[text]", "return 7", "test_cli.py -k by_number_and_by_name"),
     Fault(
