@@ -930,6 +930,31 @@ FAULTS = [
         "mechanics/test_temperature.py -k free_element",
     ),
     # Building.
+    Fault("build/description.py", "        twin.dofs = keys\n", "", "build/test_builder.py -k can_be_named"),
+    Fault(
+        "build/description.py",
+        "is_element = symbol[:1] ==",
+        "is_element = of[:1] ==",
+        "build/test_builder.py -k can_be_named",
+    ),
+    Fault(
+        "build/description.py",
+        ' or f"{before} {number}" in self.nodes',
+        "",
+        "build/test_builder.py -k that_are_not_given",
+    ),
+    Fault(
+        "elements/spatial.py",
+        "jnp.stack([arc[1], -arc[0]])",
+        "jnp.stack([arc[1], arc[0]])",
+        "mechanics/test_temperature.py -k arc_without",
+    ),
+    Fault(
+        "elements/planar.py",
+        "[_rigid_beam(p, rot_p, q, ref=ref), _hinge(rot_p, rot_q, ref=ref)]",
+        "[_rigid_beam(p, rot_p, q, ref=ref), 0 * _hinge(rot_p, rot_q, ref=ref)]",
+        "elements/test_transmission.py -k clamped_at_both",
+    ),
     Fault("build/dofs.py", "if named > ndof:", "if False:", "spacar/test_tutorial.py -k counted"),
     Fault(
         "build/dofs.py",

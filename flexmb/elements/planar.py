@@ -164,15 +164,13 @@ def _rigid_thermal(
 ) -> Float[Array, "2"]:
     """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
-    # A pinned body has no length, whose derivative would not be finite.
-    square = offset @ offset
-    length = jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
-    across = length * jnp.stack([-offset[1], offset[0]])
+    across = beams.length_or_zero(ref) * jnp.stack([-offset[1], offset[0]])
     return own * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
 
 
 rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=())
-"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED.
+"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. It does not turn the rotation at q:
+what is joined there is hinged. ``planar.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
 """
@@ -189,6 +187,33 @@ def _hinge(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
 
 hinge = Element(_hinge, **uncoupled(1), released=ALL)
 """Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
+
+
+def _rigid_body(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref) -> Float[Array, "3"]:
+    """Offset of q from its place on the body of p, in axes of the body [m], and rotation of q relative to it [rad]."""
+    return jnp.concatenate([_rigid_beam(p, rot_p, q, ref=ref), _hinge(rot_p, rot_q, ref=ref)])
+
+
+def _rigid_body_thermal(
+    change, gradient, *, ref, alpha: float | None = None, section: Section | None = None
+) -> Float[Array, "3"]:
+    """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
+    offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section)
+    return jnp.append(offset, -beams.expansion_of(section, alpha) * gradient[0] * beams.length_or_zero(ref))
+
+
+rigid_body = Element(
+    _rigid_body,
+    inertia=beams.rigid_body_inertia,
+    thermal=_rigid_body_thermal,
+    shape=beams.straight_shape,
+    released=(),
+)
+"""Rigid body from p to q, clamped at both: e1, e2 offset of q in body axes [m], e3 rotation of q relative to p [rad],
+FIXED. Its two ends may lie in one place.
+
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
+"""
 
 
 def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref, axis: Float[Array, "2"]) -> Float[Array, "2"]:

@@ -325,7 +325,8 @@ def _check_rigid(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
 
 
 rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, check=_check_rigid, released=())
-"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED.
+"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. It does not turn the rotation
+at q: what is joined there turns freely. ``spatial.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
 y (vector that fixes local y, along which a temperature may grow).
@@ -334,6 +335,45 @@ y (vector that fixes local y, along which a temperature may grow).
 
 pin_body = rigid_beam
 """The predecessor's name for a rigid beam, whose two ends may lie in one place."""
+
+
+def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref) -> Float[Array, "6"]:
+    """Offset of q from its place on the body of p [m], and rotation of q relative to it [rad], in axes of the body."""
+    turn = 2 * joints.relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
+    return jnp.concatenate([_rigid_beam(p, rot_p, q, ref=ref), turn])
+
+
+def _rigid_body_thermal(
+    change,
+    gradient,
+    *,
+    ref,
+    alpha: float | None = None,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+) -> Float[Array, "6"]:
+    """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
+    offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section, y=y)
+    along = jnp.where(beams.length_or_zero(ref) > 0, ref.q - ref.p, np.array([1.0, 0, 0]))
+    arc = beams.expansion_of(section, alpha) * beams.length_or_zero(ref) * gradient
+    turn = initial_frame(jnp.zeros(3), along, y)[:, 1:] @ jnp.stack([arc[1], -arc[0]])
+    return jnp.concatenate([offset, turn])
+
+
+rigid_body = Element(
+    _rigid_body,
+    inertia=beams.rigid_body_inertia,
+    thermal=_rigid_body_thermal,
+    shape=beams.straight_shape,
+    check=_check_rigid,
+    released=(),
+)
+"""Rigid body from p to q, clamped at both: e1 to e3 offset of q in body axes [m], e4 to e6 rotation of q relative to p
+[rad], FIXED. Its two ends may lie in one place.
+
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
+y (vector that fixes local y, along which a temperature may grow).
+"""
 
 
 hinge = joints.hinge
