@@ -22,7 +22,7 @@ def offered(package: str) -> dict[str, str]:
 
 
 def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of a package.
+    """``__getattr__`` and ``__dir__`` of a package; what it is made of is not listed.
 
     Args:
         package: Its full name.
@@ -30,6 +30,8 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
     """
 
     def load(name: str) -> Any:
+        if name == "__all__":
+            return listed()
         where = None
         for room in () if name.startswith("__") else ("", *rooms):
             where = where or offered(f"{package}.{room}".rstrip(".")).get(name)
@@ -42,6 +44,6 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
         return found
 
     def listed() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *offered(package)})
+        return sorted(offered(package))
 
     return load, listed

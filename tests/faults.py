@@ -944,6 +944,13 @@ FAULTS = [
         "build/test_builder.py -k that_are_not_given",
     ),
     Fault(
+        "lazy.py",
+        "return sorted(offered(package))",
+        "return sorted(vars(sys.modules[package]))",
+        "elements/test_told.py",
+    ),
+    Fault("elements/told.py", "element.usual\n", "element\n", "elements/test_told.py -k of_ones_own"),
+    Fault(
         "elements/spatial.py",
         "jnp.stack([arc[1], -arc[0]])",
         "jnp.stack([arc[1], arc[0]])",

@@ -62,3 +62,19 @@ fused_silica = Material(E=73e9, G=31.2e9, rho=2200.0, nu=0.17, alpha=0.5e-6, str
 
 MakeItFrom, fused quartz. G = E/(2 (1 + nu)).
 """
+
+__all__ = [
+    "Material",
+    "aluminium_7075",
+    "copper_beryllium",
+    "fused_silica",
+    "invar_36",
+    "silicon_110",
+    "stainless_17_7",
+    "stainless_301",
+    "titanium_6al_4v",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,4 +1,10 @@
-"""Planar elements: beams, joints, springs, transmissions, lumped mass and rotary inertia.
+"""Planar elements. ``help(planar.beam)`` tells of one: its deformations in order, with units, and what it takes.
+
+- Flexible: truss, beam, spectral_beam, leaf_spring.
+- Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
+- Joints: hinge, slider, prismatic. Transmissions: gear, belt, belt_to_point.
+- Springs and dampers with a law of one's own: spring_damper, rotary_spring_damper.
+- Mass and loads: mass, inertia, body, follower_force.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
 """
@@ -141,7 +147,14 @@ beam = Element(
     thermal=_beam_thermal,
     check=beams.check_length,
 )
-"""Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping.
+"""Flexible beam, a cubic between its ends.
+
+Deformations:
+    e1: elongation [m].
+    e2: bending at p [m]: by how much the axis at p is turned counter-clockwise from the chord, times length.
+    e3: bending at q [m]: by how much the axis at q is turned clockwise from it, times length. An arc has both alike.
+
+Properties: section (without one it is rigid and has no mass), damping.
 
 Options: second_order, whether the elongation counts the shortening by bending, True unless given.
 It counts shear where its section does; where that is left out and would change a stiffness by more than 1 %, a model
@@ -267,7 +280,9 @@ def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1
 
 
 rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic)
-"""The same between two bodies, with a moment on body p [N m]: e1 rotation of body q relative to body p [rad]."""
+"""Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
+relative to body p [rad]. Properties and option law: as of ``planar.spring_damper``.
+"""
 
 
 gear = transmission.gear
@@ -327,3 +342,29 @@ body = Element(_body, inertia=_body_inertia, check=_check_body)
 """Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
 (about the centre) [kg m^2].
 """
+
+__all__ = [
+    "beam",
+    "belt",
+    "belt_to_point",
+    "body",
+    "follower_force",
+    "gear",
+    "hinge",
+    "inertia",
+    "leaf_spring",
+    "mass",
+    "pin_body",
+    "prismatic",
+    "rigid_beam",
+    "rigid_body",
+    "rotary_spring_damper",
+    "slider",
+    "spectral_beam",
+    "spring_damper",
+    "truss",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

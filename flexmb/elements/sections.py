@@ -461,3 +461,30 @@ def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Sca
 def _rise(x: Scalar) -> Scalar:
     """How far a unit circle rises from its lowest point."""
     return 1 - jnp.sqrt(1 - x**2)
+
+
+__all__ = [
+    "Circle",
+    "Damping",
+    "HollowRectangle",
+    "Material",
+    "MaterialDamping",
+    "Profile",
+    "Rectangle",
+    "Rigidity",
+    "Section",
+    "Tube",
+    "damping_from_ratio",
+    "notch_circular",
+    "notch_elliptic",
+    "notch_filleted",
+    "stepped",
+    "taper",
+    "torsion_approximate",
+    "torsion_series",
+    "warping_factor",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,4 +1,10 @@
-"""Spatial elements: beams, joints, springs, lumped mass and rotary inertia; moments about fixed axes.
+"""Spatial elements. ``help(spatial.beam)`` tells of one: its deformations in order, with units, and what it takes.
+
+- Flexible: truss, beam, warping_beam, spectral_beam, leaf_spring.
+- Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
+- Joints: hinge, slider, prismatic, screw. Transmissions: gear.
+- Springs and dampers with a law of one's own: spring_damper, rotary_spring_damper.
+- Mass and loads: mass, inertia, body, moment (about fixed axes), follower_force, follower_moment.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
 """
@@ -176,9 +182,19 @@ beam = Element(
     thermal=_beam_thermal,
     check=_check_beam,
 )
-"""Flexible beam: e1 elongation, e2 torsion (l0 times twist), e3, e4 bending along z, e5, e6 along y [m].
+"""Flexible beam, cubics between its ends.
 
-Properties: section, damping, y (vector that fixes local y).
+Deformations:
+    e1: elongation [m].
+    e2: torsion [m]: by how much the end q is twisted from p about local x, times length.
+    e3, e4: bending along local z at p and at q [m]: by how much the axis is turned from the chord, negatively about
+        local y at p and positively at q, times length. An arc has both alike.
+    e5, e6: bending along local y [m]: the same about local z.
+
+Properties: section (without one it is rigid and has no mass), damping, y. Local x runs from p to q. The vector y, (3,),
+has local y as its part across the beam: that is along the width of a rectangle. Unless given it is the global axis
+along which the beam has its smallest component. Local z, along the thickness, completes the right-handed axes, so that
+e3 and e4 are the soft bending of a leaf spring.
 
 Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
 It counts shear and restrained warping where its section does; where these are left out and would change a stiffness by
@@ -405,8 +421,9 @@ def _rotary_spring_damper(
 
 
 rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis)
-"""The same between two bodies, with a moment on body p [N m]: e1 rotation of body q relative to body p, counted past
-full turns [rad]. Properties: axis (global, undeformed state), and those that the law names.
+"""Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
+relative to body p, counted past full turns [rad]. Properties: axis (global, undeformed state), and those that the law
+names. Option law: as of ``spatial.spring_damper``.
 """
 
 
@@ -501,3 +518,31 @@ body = Element(_body, inertia=_body_inertia, check=_check_body)
 """Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
 ((Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about the centre and global axes, undeformed) [kg m^2].
 """
+
+__all__ = [
+    "beam",
+    "body",
+    "follower_force",
+    "follower_moment",
+    "gear",
+    "hinge",
+    "inertia",
+    "leaf_spring",
+    "mass",
+    "moment",
+    "pin_body",
+    "prismatic",
+    "rigid_beam",
+    "rigid_body",
+    "rotary_spring_damper",
+    "screw",
+    "slider",
+    "spectral_beam",
+    "spring_damper",
+    "truss",
+    "warping_beam",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

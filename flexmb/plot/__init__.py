@@ -14,3 +14,21 @@ from .sensitivities import sensitivities as sensitivities
 from .stress import stress as stress
 from .sweep import sweep as sweep
 from .tuning import tuning as tuning
+
+__all__ = [
+    "bode",
+    "frequencies",
+    "history",
+    "mechanism",
+    "modes",
+    "path",
+    "self_stress",
+    "sensitivities",
+    "stress",
+    "sweep",
+    "tuning",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
