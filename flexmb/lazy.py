@@ -47,3 +47,14 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
         return sorted(offered(package))
 
     return load, listed
+
+
+def only(module: dict[str, Any], is_meant: Callable[[Any], bool]) -> tuple[list[str], Callable[[], list[str]]]:
+    """``__all__`` and ``__dir__`` of a module whose names are loaded with it: what users call, and no imports.
+
+    Args:
+        module: Its ``globals()``, at its end.
+        is_meant: Whether a value is for users; names that begin with an underscore are not.
+    """
+    found = sorted(name for name, value in module.items() if not name.startswith("_") and is_meant(value))
+    return found, lambda: found

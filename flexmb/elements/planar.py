@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..lazy import only
 from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
 from .element import ALL, Element
@@ -343,28 +344,5 @@ body = Element(_body, inertia=_body_inertia, check=_check_body)
 (about the centre) [kg m^2].
 """
 
-__all__ = [
-    "beam",
-    "belt",
-    "belt_to_point",
-    "body",
-    "follower_force",
-    "gear",
-    "hinge",
-    "inertia",
-    "leaf_spring",
-    "mass",
-    "pin_body",
-    "prismatic",
-    "rigid_beam",
-    "rigid_body",
-    "rotary_spring_damper",
-    "slider",
-    "spectral_beam",
-    "spring_damper",
-    "truss",
-]
 
-
-def __dir__() -> list[str]:
-    return __all__
+__all__, __dir__ = only(globals(), lambda value: isinstance(value, Element))

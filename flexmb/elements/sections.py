@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, is_concrete, shown
 from ..compilation.record import static
+from ..lazy import only
 from . import surface
 from .profile import Profile as Profile
 from .profile import stepped as stepped
@@ -463,28 +464,4 @@ def _rise(x: Scalar) -> Scalar:
     return 1 - jnp.sqrt(1 - x**2)
 
 
-__all__ = [
-    "Circle",
-    "Damping",
-    "HollowRectangle",
-    "Material",
-    "MaterialDamping",
-    "Profile",
-    "Rectangle",
-    "Rigidity",
-    "Section",
-    "Tube",
-    "damping_from_ratio",
-    "notch_circular",
-    "notch_elliptic",
-    "notch_filleted",
-    "stepped",
-    "taper",
-    "torsion_approximate",
-    "torsion_series",
-    "warping_factor",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+__all__, __dir__ = only(globals(), lambda value: getattr(value, "__module__", "").startswith(f"{__package__}."))

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, turned
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
@@ -519,30 +520,5 @@ body = Element(_body, inertia=_body_inertia, check=_check_body)
 ((Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about the centre and global axes, undeformed) [kg m^2].
 """
 
-__all__ = [
-    "beam",
-    "body",
-    "follower_force",
-    "follower_moment",
-    "gear",
-    "hinge",
-    "inertia",
-    "leaf_spring",
-    "mass",
-    "moment",
-    "pin_body",
-    "prismatic",
-    "rigid_beam",
-    "rigid_body",
-    "rotary_spring_damper",
-    "screw",
-    "slider",
-    "spectral_beam",
-    "spring_damper",
-    "truss",
-    "warping_beam",
-]
 
-
-def __dir__() -> list[str]:
-    return __all__
+__all__, __dir__ = only(globals(), lambda value: isinstance(value, Element))

@@ -3,6 +3,7 @@
 matplotlib is loaded when the first picture is drawn.
 """
 
+from ..lazy import only
 from .bode import bode as bode
 from .frequencies import frequencies as frequencies
 from .history import history as history
@@ -15,20 +16,4 @@ from .stress import stress as stress
 from .sweep import sweep as sweep
 from .tuning import tuning as tuning
 
-__all__ = [
-    "bode",
-    "frequencies",
-    "history",
-    "mechanism",
-    "modes",
-    "path",
-    "self_stress",
-    "sensitivities",
-    "stress",
-    "sweep",
-    "tuning",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+__all__, __dir__ = only(globals(), lambda value: callable(value) and value is not only)
