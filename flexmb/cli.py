@@ -20,6 +20,9 @@ EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 EXIT_INTERRUPTED, EXIT_NOBODY_READS = 130, 141
 MOST_STEPS = 100_000
 LONGEST_MESSAGE = 300
+# Files that this call has written, for who stops it from the keyboard.
+WRITTEN: list[Any] = []
+PICTURES = (".png", ".svg", ".pdf")
 LATER = {"edit": "a page to build mechanisms on", "fmu": "mechanisms as units for co-simulation"}
 
 
@@ -58,9 +61,17 @@ class Program(TyperGroup):
             what = "".join(map(clean, words[:LONGEST_MESSAGE]))
             _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
             code = EXIT_WRONG_CALL
-        if code == EXIT_INTERRUPTED:
-            _complain("flexmb: interrupted from the keyboard.")
         sys.exit(code or 0)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; where the keyboard stops it, say what is kept."""
+        WRITTEN.clear()
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            kept = [*map(str, stop.args), *(f"'{clean(path)}' is written" for path in WRITTEN)]
+            _complain(f"flexmb: interrupted from the keyboard; {'; '.join(kept) or 'nothing is kept'}.")
+            raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
 app = typer.Typer(
@@ -78,7 +89,7 @@ Save = Annotated[Path | None, typer.Option("--save", help="Save the answer as .n
 Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run here.")]
 Release = Annotated[str, typer.Option("--release", help="auto: release over-constraints.")]
 Plot = Annotated[
-    Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg, or as .html to turn and play.")
+    Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf, or as .html to turn and play.")
 ]
 Numbers = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
@@ -142,6 +153,7 @@ def _store(path: Any, write: Callable[[Any], None]) -> None:
     if path not in (None, "-"):
         with _writing(path):
             write(path)
+        WRITTEN.append(path)
 
 
 def _prepare_jax() -> None:
@@ -189,8 +201,8 @@ def _check_call(
         _refuse(f"flexmb: --release takes auto or none, not '{clean(release)}'.")
     if save is not None and save.suffix not in (".npz", ".mat"):
         _refuse(f"flexmb: --save writes .npz or .mat, not '{clean(save)}'.")
-    if plot is not None and plot.suffix not in (".png", ".svg", ".html"):
-        _refuse(f"flexmb: --plot writes .png, .svg or .html, not '{clean(plot)}'.")
+    if plot is not None and plot.suffix not in (*PICTURES, ".html"):
+        _refuse(f"flexmb: --plot writes .png, .svg, .pdf or .html, not '{clean(plot)}'.")
     given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
     taken = {} if source is None else {os.path.realpath(source): "the input file"}
     for option, path in given.items():
@@ -428,7 +440,7 @@ def _demo_picture(name: str) -> Path:
 
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
-StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png or .svg.")]
+StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf.")]
 
 
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
@@ -438,8 +450,8 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
     from .design.study_file import read_study
     from .files import write_whole
 
-    if plot is not None and plot.suffix not in (".png", ".svg"):
-        _refuse(f"flexmb {command}: --plot writes .png or .svg, not '{clean(plot)}'.")
+    if plot is not None and plot.suffix not in PICTURES:
+        _refuse(f"flexmb {command}: --plot writes .png, .svg or .pdf, not '{clean(plot)}'.")
     _check_call("none", json_path, save, None, plot, path)
     _prepare_jax()
     name, found, saved = clean(path.name), None, None
@@ -491,7 +503,13 @@ def sweep(
 
         if plot is not None and not any(len(set(v.tolist())) > 1 for v in read.designs().values()):
             _refuse("flexmb sweep: --plot needs two designs at least, which differ in a parameter.")
-        found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty())
+        try:
+            found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty())
+        except KeyboardInterrupt:
+            if checkpoint is None:
+                raise KeyboardInterrupt("nothing is kept: --checkpoint FILE keeps the designs that are done") from None
+            kept = f"'{clean(checkpoint)}' keeps the designs that are done; the same command goes on from them"
+            raise KeyboardInterrupt(kept) from None
         return sweep_answer(read, found, __version__), sweep_table(found), found.save, found
 
     with _foreseen(debug):

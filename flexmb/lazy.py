@@ -22,7 +22,7 @@ def offered(package: str) -> dict[str, str]:
 
 
 def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of a package.
+    """``__getattr__`` and ``__dir__`` of a package; what it is made of is not listed.
 
     Args:
         package: Its full name.
@@ -30,6 +30,8 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
     """
 
     def load(name: str) -> Any:
+        if name == "__all__":
+            return listed()
         where = None
         for room in () if name.startswith("__") else ("", *rooms):
             where = where or offered(f"{package}.{room}".rstrip(".")).get(name)
@@ -42,6 +44,17 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
         return found
 
     def listed() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *offered(package)})
+        return sorted(offered(package))
 
     return load, listed
+
+
+def only(module: dict[str, Any], is_meant: Callable[[Any], bool]) -> tuple[list[str], Callable[[], list[str]]]:
+    """``__all__`` and ``__dir__`` of a module whose names are loaded with it: what users call, and no imports.
+
+    Args:
+        module: Its ``globals()``, at its end.
+        is_meant: Whether a value is for users; names that begin with an underscore are not.
+    """
+    found = sorted(name for name, value in module.items() if not name.startswith("_") and is_meant(value))
+    return found, lambda: found

@@ -201,6 +201,22 @@ FAULTS = [
         "test_cli.py -k every_command",
     ),
     Fault("cli.py", 'if data["status"] != "ok":', "if False:", "design/test_study.py -k exit_1"),
+    Fault("cli.py", "        WRITTEN.append(path)\n", "", "test_cli.py -k says_what_it_keeps"),
+    Fault(
+        "cli.py",
+        "            if checkpoint is None:\n                raise",
+        "            if True:\n                raise",
+        "test_cli.py -k says_what_it_keeps",
+    ),
+    Fault(
+        "cli.py", 'PICTURES = (".png", ".svg", ".pdf")', 'PICTURES = (".png", ".svg")', "test_cli.py -k appear_whole"
+    ),
+    Fault(
+        "checks/mobility.py",
+        ": RLSE {advice[0]} {advice[1]}",
+        ": RLSE {advice[1]} {advice[0]}",
+        "test_cli.py -k on_request",
+    ),
     Fault("cli.py", "code = EXIT_WRONG_CALL", "code = 0", "test_cli.py -k wrong_call"),
     Fault("cli.py", "return names[text]", "return 7", "test_cli.py -k by_number_and_by_name"),
     Fault(
@@ -955,6 +971,38 @@ FAULTS = [
         "mechanics/test_temperature.py -k free_element",
     ),
     # Building.
+    Fault("build/description.py", "        twin.dofs = keys\n", "", "build/test_builder.py -k can_be_named"),
+    Fault(
+        "build/description.py",
+        "is_element = symbol[:1] ==",
+        "is_element = of[:1] ==",
+        "build/test_builder.py -k can_be_named",
+    ),
+    Fault(
+        "build/description.py",
+        ' or f"{before} {number}" in self.nodes',
+        "",
+        "build/test_builder.py -k that_are_not_given",
+    ),
+    Fault(
+        "lazy.py",
+        "return sorted(offered(package))",
+        "return sorted(vars(sys.modules[package]))",
+        "elements/test_told.py",
+    ),
+    Fault("elements/told.py", "element.usual\n", "element\n", "elements/test_told.py -k of_ones_own"),
+    Fault(
+        "elements/spatial.py",
+        "jnp.stack([arc[1], -arc[0]])",
+        "jnp.stack([arc[1], arc[0]])",
+        "mechanics/test_temperature.py -k arc_without",
+    ),
+    Fault(
+        "elements/planar.py",
+        "[_rigid_beam(p, rot_p, q, ref=ref), _hinge(rot_p, rot_q, ref=ref)]",
+        "[_rigid_beam(p, rot_p, q, ref=ref), 0 * _hinge(rot_p, rot_q, ref=ref)]",
+        "elements/test_transmission.py -k clamped_at_both",
+    ),
     Fault("build/dofs.py", "if named > ndof:", "if False:", "spacar/test_tutorial.py -k counted"),
     Fault(
         "build/dofs.py",

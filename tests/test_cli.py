@@ -7,6 +7,7 @@ import resource
 import subprocess
 import sys
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -172,7 +173,7 @@ def test_printed_state_space(name, a21, a22, b2, c):
     assert np.hypot(*data["poles"][0]) ** 2 == pytest.approx(-data["A"][1][0], rel=1e-9)
 
 
-def test_overconstrained_guide_is_reported_refused_and_released_on_request():
+def test_overconstrained_guide_is_reported_refused_and_released_on_request(tmp_path):
     result, data = answer("pf3dover", 0)
     assert (result.exit_code, data["status"], data["overconstraints"]) == (0, "overconstrained", 1)
     involved = {d["element"] for d in data["mobility"][0]["deformations"]}
@@ -180,10 +181,15 @@ def test_overconstrained_guide_is_reported_refused_and_released_on_request():
     result, data = answer("pf3dover", 7)
     assert (result.exit_code, data["status"]) == (1, "overconstrained")
     assert result.stderr.count("\n") == 1
-    assert "release deformation" in data["message"]
+    advice = re.search("release deformation . of element '.': (RLSE . .)$", data["message"])
+    assert advice is not None
     result, data = answer("pf3dover", 7, "--release", "auto")
     assert result.exit_code == 0
     assert data["frequencies_hz"][0] == pytest.approx(10.6464, abs=5e-5)
+    # The advice is a line that the file takes.
+    path = tmp_path / "released.dat"
+    path.write_text(mechanism_path("pf3dover").read_text().replace("\nDYNX", f"\n{advice[1]}\nDYNX", 1))
+    assert json.loads(call("check", path, "--json", "-").stdout)["status"] == "ok"
 
 
 def test_load_up_buckles_the_other_way(tmp_path):
@@ -253,9 +259,11 @@ def test_files_appear_whole_or_not_at_all(tmp_path):
     for heading in ("INPUT", "ELEMENTS", "NODES", "DEGREES OF FREEDOM", "NXO", "TOTAL MASS", "TRANSFER FUNCTIONS"):
         assert heading in text
     mat = tmp_path / "a.mat"
-    assert call("run", mechanism_path("pf2d"), "--mode", "9", "--save", mat).exit_code == 0
+    picture = tmp_path / "a.pdf"
+    assert call("run", mechanism_path("pf2d"), "--mode", "9", "--save", mat, "--plot", picture).exit_code == 0
     assert mat.stat().st_size > 0
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "a.log", "a.mat", "a.npz"]
+    assert picture.read_bytes().startswith(b"%PDF")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "a.log", "a.mat", "a.npz", "a.pdf"]
     refused = call("run", mechanism_path("pf2d"), "--mode", "7", "--json", tmp_path / "none" / "b.json")
     assert refused.exit_code == 2
     assert "does not exist" in refused.stderr
@@ -291,7 +299,7 @@ MISUSED = {
     "run utf16.dat --mode 7": "utf16.dat:1: the file is in UTF-16; save it as UTF-8",
     "run guide.dat --mode 7 --release all": "--release takes auto or none, not 'all'",
     "run guide.dat --mode 7 --save a.txt": "--save writes .npz or .mat, not 'a.txt'",
-    "run guide.dat --mode 7 --plot a.pdf": "--plot writes .png, .svg or .html, not 'a.pdf'",
+    "run guide.dat --mode 7 --plot a.eps": "--plot writes .png, .svg, .pdf or .html, not 'a.eps'",
     "run guide.dat --mode 10 --max-steps 0": "Invalid value for '--max-steps'",
     "run guide.dat --mode 10 --max-steps 1e3": "Invalid value for '--max-steps'",
     "run guide.dat --mode 10 --max-steps 999999999": "Input should be less than or equal to 100000",
@@ -403,8 +411,31 @@ def test_an_interrupt_is_one_line(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(answers, "answer", interrupted)
-    result = call("run", mechanism_path("pf2d"), "--mode", "7")
-    assert (result.exit_code, result.stdout, result.stderr) == (130, "", "flexmb: interrupted from the keyboard.\n")
+    result, told = call("run", mechanism_path("pf2d"), "--mode", "7"), "flexmb: interrupted from the keyboard; "
+    assert (result.exit_code, result.stdout, result.stderr) == (130, "", told + "nothing is kept.\n")
+
+
+def test_an_interrupted_call_says_what_it_keeps(monkeypatch, tmp_path, workplace):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    # Of a run, what is written before; of a sweep, its checkpoint.
+    with monkeypatch.context() as late:
+        late.setattr("flexmb.answers.tables.log", interrupted)
+        result = call("run", "guide.dat", "--mode", "0", "--json", "a.json", "--log", "a.log")
+    assert (result.exit_code, result.stderr) == (130, "flexmb: interrupted from the keyboard; 'a.json' is written.\n")
+    assert not Path("a.log").exists()
+    study = (
+        'model = "thick.dat"\n[answers]\nf = { frequency = 1 }\n[parameters]\nm = { value = 1, lower = 1, upper = 2 }\n'
+    )
+    Path("study.toml").write_text(study)
+    monkeypatch.setattr("flexmb.design.study.Study.sweep", interrupted)
+    for more, told in (
+        ((), "nothing is kept: --checkpoint FILE keeps the designs that are done"),
+        (("--checkpoint", "c"), "'c' keeps the designs that are done; the same command goes on from them"),
+    ):
+        result = call("sweep", "study.toml", *more)
+        assert (result.exit_code, result.stderr) == (130, f"flexmb: interrupted from the keyboard; {told}.\n")
 
 
 def test_a_fault_nobody_foresaw_is_one_line(monkeypatch):

@@ -15,7 +15,7 @@ from flexmb.lazy import offered
 ROOMS = sorted(stub.parent.name for stub in Path(flexmb.__file__).parent.glob("*/__init__.pyi"))
 NAMES = {*offered("flexmb"), *(name for room in ROOMS for name in offered(import_module(f"flexmb.{room}").__name__))}
 PUBLIC = {name: getattr(flexmb, name) for name in sorted(NAMES)}
-PLOTS = {f"plot.{name}": f for name, f in vars(plot).items() if inspect.isfunction(f)}
+PLOTS = {f"plot.{name}": getattr(plot, name) for name in dir(plot)}
 FUNCTIONS = {name: f for name, f in PUBLIC.items() if inspect.isfunction(f)} | PLOTS
 CLASSES = {name: c for name, c in PUBLIC.items() if inspect.isclass(c)}
 METHODS = {

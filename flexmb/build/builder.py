@@ -602,12 +602,13 @@ class Builder(Description):
 
     # -- the model ----------------------------------------------------------------------------------------------
 
-    def build(self, *, dofs: str = "auto", release: str = "none", check: bool = True) -> Model:
+    def build(self, *, dofs: str | Sequence[str] = "auto", release: str = "none", check: bool = True) -> Model:
         """Make the model.
 
         Args:
             dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
-                the coefficients of spectral beams that they leave undetermined.
+                the coefficients of spectral beams that they leave undetermined. Or the names themselves, as
+                ``model.q_labels`` gives them: "top.x", "top.rotation.phi", "hinge.e2".
             release: "auto" releases deformations until no over-constraint is left.
             check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
 
@@ -624,6 +625,8 @@ class Builder(Description):
             FlexmbWarning: A prestress, strain or damping of deformations that are held.
             BeamTheoryWarning: Plain beams leave out shear or restrained warping of more than 1 % of a stiffness.
         """
+        if not isinstance(dofs, str):
+            return self.with_dofs(dofs).build(dofs="named", release=release, check=check)
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed, ModelError)
         check_flag("check", check, ModelError)
@@ -650,8 +653,8 @@ class Builder(Description):
                 return note(check_inputs(assemble(twin), twin))
             if not self.dofs and dofs == "auto":
                 raise ModelError(
-                    "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof();"
-                    " an untraced build says which it finds in model.q_labels."
+                    "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof(),"
+                    " or give those that an untraced build finds: build(dofs=model.q_labels)."
                 )
             e, named = model.topology.e, model.topology.n_q
             # By shapes, since indices are traced too under jit: the constraint matrix must be square.

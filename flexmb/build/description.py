@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import difflib
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -108,6 +109,39 @@ class Description:
         self._set_roles(keys, Role.DOF)
         self.dofs += keys
 
+    def with_dofs(self, labels: Sequence[str]) -> Self:
+        """A builder with these degrees of freedom, in their order; those named by :meth:`dof` are among them.
+
+        Args:
+            labels: Names as ``model.q_labels`` gives them, such as "top.x" and "hinge.e2".
+
+        Raises:
+            ModelError: What is no name of a coordinate or deformation, one that is named twice or left out.
+        """
+        if not isinstance(labels, list | tuple) or any(not isinstance(label, str) for label in labels):
+            raise ModelError(
+                "Argument `dofs` must be 'auto', 'named' or a list of names as model.q_labels gives them, such as"
+                f" ['top.x', 'hinge.e2'], not {shown(labels)}."
+            )
+        twin, keys = self.copy(), []
+        for label in labels:
+            of, point, symbol = label.rpartition(".")
+            if not point:
+                raise ModelError(f"Argument `dofs`: {shown(label)} is no degree of freedom: say of what, as 'top.x'.")
+            is_element = symbol[:1] == "e" and number_in(symbol[1:]) is not None
+            kind, component = ("element", symbol[1:]) if is_element else ("node", symbol)
+            key = twin._entry(of, component, kind)
+            if key in keys:
+                raise ModelError(f"Argument `dofs` has {shown(label)} twice.")
+            keys.append(key)
+        if left_out := [
+            f"'{of} {component}'" for kind, of, component in self.dofs if (kind, of, component) not in keys
+        ]:
+            raise ModelError(f"Argument `dofs` leaves out {', '.join(left_out)}, which dof() names.")
+        twin._set_roles(keys, Role.DOF)
+        twin.dofs = keys
+        return twin
+
     def copy(self) -> Self:
         """A builder with the same contents, to vary."""
         twin = copy.copy(self)
@@ -150,9 +184,9 @@ class Description:
         self.nodes[name] = Node(kind, start, [role] * kind.size)
 
     def _free_name(self, before: str) -> str:
-        """A name with a number that no element has yet."""
+        """A name with a number that no element has yet, and no node either."""
         number = len(self.members) + 1
-        while f"{before} {number}" in self.members:
+        while f"{before} {number}" in self.members or f"{before} {number}" in self.nodes:
             number += 1
         return f"{before} {number}"
 

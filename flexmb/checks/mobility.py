@@ -120,7 +120,9 @@ class Mobility(Result):
             lines.append(f"self-stress {i + 1}: {parts}")
             advice = self.release[i]
             if advice is not None:
-                lines.append(f"  to remove it, release deformation {advice[1]} of element '{advice[0]}'")
+                # Elements of files are named by numbers, and there a line says it.
+                own = f": RLSE {advice[0]} {advice[1]}" if advice[0].isdecimal() else ""
+                lines.append(f"  to remove it, release deformation {advice[1]} of element '{advice[0]}'{own}")
             else:
                 lines.append("  rigid elements form a closed loop here: replace one by a flexible or a pinned one")
         for i in range(self.underconstraints):

@@ -179,6 +179,24 @@ def rigid_inertia(p, rot_p, q, *, ref, section: Section):
     return line_inertia(p, q, ref=ref, section=section)
 
 
+def rigid_body_inertia(p, rot_p, q, rot_q, *, ref, section: Section):
+    """The same of a rigid line between two bodies."""
+    return line_inertia(p, q, ref=ref, section=section)
+
+
+def length_or_zero(ref) -> Float[Array, ""]:
+    """Length of an element whose ends may lie in one place: there its derivative is zero, and finite.
+
+    Args:
+        ref: Coordinates in the undeformed mechanism [m].
+
+    Returns:
+        () [m].
+    """
+    square = (ref.q - ref.p) @ (ref.q - ref.p)
+    return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
+
+
 def truss_resultants(p, q, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
     """Normal force alone, (6,) [N, N m]."""
     normal = sigma[0]

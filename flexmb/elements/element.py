@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arguments import as_whole, shown
 from .nodes import STATIC, NodeKind
+from .told import repr_of, text_of
 
 EMPTY = inspect.Parameter.empty
 # Kinds of options: what passes for them, and how they are called.
@@ -31,7 +32,7 @@ COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", *SECTIONAL
 GIVEN = ("ref", "near", "place", "sigma", "fall", "resultants")
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class Element:
     """An element type: the deformation function and its companions.
 
@@ -111,6 +112,9 @@ class Element:
     third_order: bool = False
     series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
     chosen: tuple[tuple[str, type, Any], ...] = ()
+
+    def __repr__(self) -> str:
+        return repr_of(self)
 
     def __call__(self, *values: Any, **options: Any) -> "Element":
         """The same element type with options chosen; those that are not given stay as they are.
@@ -292,6 +296,19 @@ class Element:
         if required and any(value is None for name, value in chosen.items() if wanted[name].default is not None):
             return None
         return chosen | self._named_options(companion)
+
+
+class _Text:
+    """Text of the class, and of each element type its own, so that help() tells of it."""
+
+    def __init__(self, own: str | None):
+        self.own = own
+
+    def __get__(self, element: Element | None, owner: type) -> str | None:
+        return self.own if element is None else text_of(element)
+
+
+Element.__doc__ = _Text(Element.__doc__)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @functools.cache

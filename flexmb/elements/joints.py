@@ -24,7 +24,7 @@ def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:
     return initial_frame(jnp.zeros(3), axis, None)
 
 
-def _relative(rot_p, rot_q, ref_p, ref_q) -> Float[Array, "4"]:
+def relative(rot_p, rot_q, ref_p, ref_q) -> Float[Array, "4"]:
     """Euler parameters of the rotation of body q relative to body p since the undeformed state, in axes of body p."""
     at_p = _to_global(ref_p, relative_parameters(ref_p, rot_p))
     at_q = _to_global(ref_q, relative_parameters(ref_q, rot_q))
@@ -51,7 +51,7 @@ def turn_and_tilt(rot_p, rot_q, ref_p, ref_q, near, axis) -> Float[Array, "3"]:
     Source:
         Definition of Euler parameters.
     """
-    rel = _relative(rot_p, rot_q, ref_p, ref_q)
+    rel = relative(rot_p, rot_q, ref_p, ref_q)
     about, tilt_y, tilt_z = _frame(axis).T @ rel[1:]
     return jnp.stack([counted(2 * jnp.arctan2(about, rel[0]), near, 4 * jnp.pi), 2 * tilt_y, 2 * tilt_z])
 
@@ -98,7 +98,7 @@ def _prismatic(
     p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref, axis: Float[Array, "3"]
 ) -> Float[Array, "6"]:
     """Displacement along a line of body p, off it [m], and rotation of body q relative to it [rad]."""
-    rotation = 2 * _relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
+    rotation = 2 * relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
     return jnp.concatenate([_offset(p, rot_p, q, ref, axis), _frame(axis).T @ rotation])
 
 

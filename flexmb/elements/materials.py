@@ -5,6 +5,7 @@ What is delivered differs, in strength and fatigue most: take its certificate fo
 source states is left out: damping always, since what clamps and surroundings take is more than what a metal takes.
 """
 
+from ..lazy import only
 from .section import Material
 
 stainless_301 = Material(E=185e9, G=72.3e9, rho=7880.0, nu=0.28, alpha=16.6e-6, strength=965e6, fatigue=552e6)
@@ -62,3 +63,6 @@ fused_silica = Material(E=73e9, G=31.2e9, rho=2200.0, nu=0.17, alpha=0.5e-6, str
 
 MakeItFrom, fused quartz. G = E/(2 (1 + nu)).
 """
+
+
+__all__, __dir__ = only(globals(), lambda value: isinstance(value, Material))

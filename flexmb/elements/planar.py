@@ -1,4 +1,10 @@
-"""Planar elements: beams, joints, springs, transmissions, lumped mass and rotary inertia.
+"""Planar elements. ``help(planar.beam)`` tells of one: its deformations in order, with units, and what it takes.
+
+- Flexible: truss, beam, spectral_beam, leaf_spring.
+- Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
+- Joints: hinge, slider, prismatic. Transmissions: gear, belt, belt_to_point.
+- Springs and dampers with a law of one's own: spring_damper, rotary_spring_damper.
+- Mass and loads: mass, inertia, body, follower_force.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
 """
@@ -8,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..lazy import only
 from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
 from .element import ALL, Element
@@ -141,7 +148,14 @@ beam = Element(
     thermal=_beam_thermal,
     check=beams.check_length,
 )
-"""Flexible beam: e1 elongation [m], e2 and e3 bending at p and q [m]. Properties: section, damping.
+"""Flexible beam, a cubic between its ends.
+
+Deformations:
+    e1: elongation [m].
+    e2: bending at p [m]: by how much the axis at p is turned counter-clockwise from the chord, times length.
+    e3: bending at q [m]: by how much the axis at q is turned clockwise from it, times length. An arc has both alike.
+
+Properties: section (without one it is rigid and has no mass), damping.
 
 Options: second_order, whether the elongation counts the shortening by bending, True unless given.
 It counts shear where its section does; where that is left out and would change a stiffness by more than 1 %, a model
@@ -164,15 +178,13 @@ def _rigid_thermal(
 ) -> Float[Array, "2"]:
     """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
-    # A pinned body has no length, whose derivative would not be finite.
-    square = offset @ offset
-    length = jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
-    across = length * jnp.stack([-offset[1], offset[0]])
+    across = beams.length_or_zero(ref) * jnp.stack([-offset[1], offset[0]])
     return own * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
 
 
 rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=())
-"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED.
+"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. It does not turn the rotation at q:
+what is joined there is hinged. ``planar.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
 """
@@ -189,6 +201,33 @@ def _hinge(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
 
 hinge = Element(_hinge, **uncoupled(1), released=ALL)
 """Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
+
+
+def _rigid_body(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref) -> Float[Array, "3"]:
+    """Offset of q from its place on the body of p, in axes of the body [m], and rotation of q relative to it [rad]."""
+    return jnp.concatenate([_rigid_beam(p, rot_p, q, ref=ref), _hinge(rot_p, rot_q, ref=ref)])
+
+
+def _rigid_body_thermal(
+    change, gradient, *, ref, alpha: float | None = None, section: Section | None = None
+) -> Float[Array, "3"]:
+    """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
+    offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section)
+    return jnp.append(offset, -beams.expansion_of(section, alpha) * gradient[0] * beams.length_or_zero(ref))
+
+
+rigid_body = Element(
+    _rigid_body,
+    inertia=beams.rigid_body_inertia,
+    thermal=_rigid_body_thermal,
+    shape=beams.straight_shape,
+    released=(),
+)
+"""Rigid body from p to q, clamped at both: e1, e2 offset of q in body axes [m], e3 rotation of q relative to p [rad],
+FIXED. Its two ends may lie in one place.
+
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
+"""
 
 
 def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref, axis: Float[Array, "2"]) -> Float[Array, "2"]:
@@ -242,7 +281,9 @@ def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1
 
 
 rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic)
-"""The same between two bodies, with a moment on body p [N m]: e1 rotation of body q relative to body p [rad]."""
+"""Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
+relative to body p [rad]. Properties and option law: as of ``planar.spring_damper``.
+"""
 
 
 gear = transmission.gear
@@ -302,3 +343,6 @@ body = Element(_body, inertia=_body_inertia, check=_check_body)
 """Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
 (about the centre) [kg m^2].
 """
+
+
+__all__, __dir__ = only(globals(), lambda value: isinstance(value, Element))

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, is_concrete, shown
 from ..compilation.record import static
+from ..lazy import only
 from . import surface
 from .profile import Profile as Profile
 from .profile import stepped as stepped
@@ -475,3 +476,6 @@ def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Sca
 def _rise(x: Scalar) -> Scalar:
     """How far a unit circle rises from its lowest point."""
     return 1 - jnp.sqrt(1 - x**2)
+
+
+__all__, __dir__ = only(globals(), lambda value: getattr(value, "__module__", "").startswith(f"{__package__}."))

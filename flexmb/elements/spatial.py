@@ -1,4 +1,10 @@
-"""Spatial elements: beams, joints, springs, lumped mass and rotary inertia; moments about fixed axes.
+"""Spatial elements. ``help(spatial.beam)`` tells of one: its deformations in order, with units, and what it takes.
+
+- Flexible: truss, beam, warping_beam, spectral_beam, leaf_spring.
+- Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
+- Joints: hinge, slider, prismatic, screw. Transmissions: gear.
+- Springs and dampers with a law of one's own: spring_damper, rotary_spring_damper.
+- Mass and loads: mass, inertia, body, moment (about fixed axes), follower_force, follower_moment.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
 """
@@ -10,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, turned
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
@@ -176,9 +183,19 @@ beam = Element(
     thermal=_beam_thermal,
     check=_check_beam,
 )
-"""Flexible beam: e1 elongation, e2 torsion (l0 times twist), e3, e4 bending along z, e5, e6 along y [m].
+"""Flexible beam, cubics between its ends.
 
-Properties: section, damping, y (vector that fixes local y).
+Deformations:
+    e1: elongation [m].
+    e2: torsion [m]: by how much the end q is twisted from p about local x, times length.
+    e3, e4: bending along local z at p and at q [m]: by how much the axis is turned from the chord, negatively about
+        local y at p and positively at q, times length. An arc has both alike.
+    e5, e6: bending along local y [m]: the same about local z.
+
+Properties: section (without one it is rigid and has no mass), damping, y. Local x runs from p to q. The vector y, (3,),
+has local y as its part across the beam: that is along the width of a rectangle. Unless given it is the global axis
+along which the beam has its smallest component. Local z, along the thickness, completes the right-handed axes, so that
+e3 and e4 are the soft bending of a leaf spring.
 
 Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
 It counts shear and restrained warping where its section does; where these are left out and would change a stiffness by
@@ -325,7 +342,8 @@ def _check_rigid(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
 
 
 rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, check=_check_rigid, released=())
-"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED.
+"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. It does not turn the rotation
+at q: what is joined there turns freely. ``spatial.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
 y (vector that fixes local y, along which a temperature may grow).
@@ -334,6 +352,45 @@ y (vector that fixes local y, along which a temperature may grow).
 
 pin_body = rigid_beam
 """The predecessor's name for a rigid beam, whose two ends may lie in one place."""
+
+
+def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref) -> Float[Array, "6"]:
+    """Offset of q from its place on the body of p [m], and rotation of q relative to it [rad], in axes of the body."""
+    turn = 2 * joints.relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
+    return jnp.concatenate([_rigid_beam(p, rot_p, q, ref=ref), turn])
+
+
+def _rigid_body_thermal(
+    change,
+    gradient,
+    *,
+    ref,
+    alpha: float | None = None,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+) -> Float[Array, "6"]:
+    """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
+    offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section, y=y)
+    along = jnp.where(beams.length_or_zero(ref) > 0, ref.q - ref.p, np.array([1.0, 0, 0]))
+    arc = beams.expansion_of(section, alpha) * beams.length_or_zero(ref) * gradient
+    turn = initial_frame(jnp.zeros(3), along, y)[:, 1:] @ jnp.stack([arc[1], -arc[0]])
+    return jnp.concatenate([offset, turn])
+
+
+rigid_body = Element(
+    _rigid_body,
+    inertia=beams.rigid_body_inertia,
+    thermal=_rigid_body_thermal,
+    shape=beams.straight_shape,
+    check=_check_rigid,
+    released=(),
+)
+"""Rigid body from p to q, clamped at both: e1 to e3 offset of q in body axes [m], e4 to e6 rotation of q relative to p
+[rad], FIXED. Its two ends may lie in one place.
+
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
+y (vector that fixes local y, along which a temperature may grow).
+"""
 
 
 hinge = joints.hinge
@@ -365,8 +422,9 @@ def _rotary_spring_damper(
 
 
 rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis)
-"""The same between two bodies, with a moment on body p [N m]: e1 rotation of body q relative to body p, counted past
-full turns [rad]. Properties: axis (global, undeformed state), and those that the law names.
+"""Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
+relative to body p, counted past full turns [rad]. Properties: axis (global, undeformed state), and those that the law
+names. Option law: as of ``spatial.spring_damper``.
 """
 
 
@@ -461,3 +519,6 @@ body = Element(_body, inertia=_body_inertia, check=_check_body)
 """Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
 ((Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about the centre and global axes, undeformed) [kg m^2].
 """
+
+
+__all__, __dir__ = only(globals(), lambda value: isinstance(value, Element))

@@ -3,6 +3,7 @@
 matplotlib is loaded when the first picture is drawn.
 """
 
+from ..lazy import only
 from .bode import bode as bode
 from .frequencies import frequencies as frequencies
 from .history import history as history
@@ -14,3 +15,5 @@ from .sensitivities import sensitivities as sensitivities
 from .stress import stress as stress
 from .sweep import sweep as sweep
 from .tuning import tuning as tuning
+
+__all__, __dir__ = only(globals(), lambda value: callable(value) and value is not only)

@@ -10,6 +10,7 @@ from ..display import Result
 
 # The same file for the same answer: no date in it, no random names.
 CONSTANT: Any = {"backend": "agg", "svg.hashsalt": "flexmb"}
+DATES = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def image(answer: Any, format: str) -> bytes:
@@ -17,7 +18,7 @@ def image(answer: Any, format: str) -> bytes:
 
     Args:
         answer: Answer of :func:`flexmb.answers.answers.answer`.
-        format: "png" or "svg".
+        format: "png", "svg" or "pdf".
 
     Returns:
         Content of the file.
@@ -34,7 +35,7 @@ def image_of(found: Result, format: str, picture: str = "") -> bytes:
 
         figure = getattr(plot, picture)(found) if picture else _figure(found)
         buffer = io.BytesIO()
-        figure.savefig(buffer, format=format, dpi=150, metadata={"Date": None} if format == "svg" else None)
+        figure.savefig(buffer, format=format, dpi=150, metadata=DATES.get(format))
         plt.close(figure)
     return buffer.getvalue()
 

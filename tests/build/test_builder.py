@@ -45,6 +45,17 @@ WRONG = {
     "deformation out of range": (lambda b: beam(b, released=(1, 4)), r"'leaf' has deformations 1 to 3, not 4"),
     "two roles": (lambda b: (beam(b), b.fix("A"), b.dof("A", "x")), r"'A' is fixed already and cannot be dof too"),
     "degree of freedom twice": (lambda b: (beam(b), b.dof("B", "x"), b.dof("B", "x")), r"B.x.* twice"),
+    "label of nothing": (lambda b: (beam(b), b.build(dofs=["B.x", "leaf"])), r"'leaf' is no degree of freedom: say of"),
+    "label unknown": (lambda b: (beam(b), b.build(dofs=["B.q"])), r"'B.rotation' has no coordinate 'q'"),
+    "label twice": (lambda b: (beam(b), b.build(dofs=["B.x", "B.x"])), r"`dofs` has 'B.x' twice"),
+    "label as a word": (
+        lambda b: (beam(b), b.build(dofs=("B", 1))),
+        r"`dofs` must be 'auto', 'named' or a list of names",
+    ),
+    "labels without one that is named": (
+        lambda b: (beam(b), b.dof("B", "y"), b.build(dofs=["B.x"])),
+        r"`dofs` leaves out 'B 2', which dof\(\) names",
+    ),
     "unknown coordinate": (lambda b: b.dof("A", "z"), r"no coordinate 'z'. It has: phi|has no coordinate 'z'"),
     "unknown element": (lambda b: (beam(b), b.release("leav", 1)), r"No element 'leav'. Did you mean 'leaf'"),
     "force too long": (lambda b: b.force("B", (1, 2, 3)), r"Force on node 'B' has 3 components, but the node has 2"),
@@ -151,6 +162,15 @@ def test_wrong_description(case):
         act(two_nodes())
 
 
+def test_names_that_are_not_given_are_new():
+    b = two_nodes()
+    b.node("beam 2", (1, 1))
+    b.add(planar.beam, "A", "B", name="beam 1")
+    assert b.add(planar.beam, "A", "beam 2") == "beam 3"
+    assert b.add(planar.beam, "B", "beam 2", name="beam 4") == "beam 4"
+    assert [b.add(planar.truss, "A", "B", section=LEAF), b.add(planar.beam, "A", "B")] == ["truss 4", "beam 5"]
+
+
 def test_parallel_y_vector():
     b = two_nodes(3)
     with pytest.raises(fm.ModelError, match="'leaf' has a local y vector that is zero or parallel"):
@@ -201,6 +221,21 @@ def test_found_degrees_of_freedom_are_said_and_can_be_named():
     named = mechanisms.planar_guide(elongation=True).build()
     # Another choice of coordinates, the same mechanism.
     np.testing.assert_allclose(fm.frequencies(found), fm.frequencies(named), rtol=1e-9)
+    # The labels are names again, in their order, of deformations and of coordinates, with names that have points.
+    b = mechanisms.planar_guide(elongation=True, dofs=False)
+    assert b.build(dofs=found.q_labels[::-1]).q_labels == found.q_labels[::-1]
+    assert b.build(dofs=["left1.x", *found.q_labels[1:]]).q_labels == ["left1.x", *found.q_labels[1:]]
+    assert b.dofs == []
+    bent = fm.Builder()
+    bent.node("a.b", (0, 0, 0))
+    bent.node("e1", (0.1, 0, 0))
+    bent.add(spatial.beam, "a.b", "e1", name="e1.e2", section=LEAF)
+    bent.fix("a.b")
+    labels = ["e1.y", "e1.rotation.l1", *(f"e1.e2.e{i}" for i in (1, 3, 4, 6))]
+    model = bent.build(dofs=labels)
+    assert model.q_labels == labels
+    bent.dof("e1", "y")
+    assert bent.build(dofs=model.q_labels).q_labels == labels
 
 
 def test_traced_geometry_needs_named_degrees_of_freedom():
@@ -252,19 +287,17 @@ def test_coefficients_of_spectral_beams_make_up_the_degrees_of_freedom():
 
 
 def test_a_traced_build_has_all_degrees_of_freedom_named():
-    def tip(height, names=()):
+    def tip(height, dofs="auto"):
         b = spectral_guide(height)
         b.dof("B", "x")
-        for of, number in names:
-            b.dof(of, number)
-        return fm.frequencies(b.build())[0]
+        return fm.frequencies(b.build(dofs=dofs))[0]
 
     with pytest.raises(fm.ModelError, match="NDOF = 13, but 1 degrees of freedom are named, and the rest"):
         jax.grad(tip)(0.1)
     b = spectral_guide()
     b.dof("B", "x")
-    names = [(of, int(e[1:])) for of, e in (label.split(".") for label in b.build().q_labels[1:])]
-    found = jax.grad(lambda h: tip(h, names))(0.1)
+    labels = b.build().q_labels
+    found = jax.grad(lambda h: tip(h, labels))(0.1)
     # Central difference: truncation 1e-8.
     assert found == pytest.approx((float(tip(0.1 + 1e-5)) - float(tip(0.1 - 1e-5))) / 2e-5, rel=1e-6)
 

@@ -384,8 +384,8 @@ def test_modules_of_one_name_are_told_apart(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--plot", "a.html"), "--plot writes .png or .svg, not 'a.html'"),
-        (("--plot", "a.gif"), "--plot writes .png or .svg, not 'a.gif'"),
+        (("--plot", "a.html"), "--plot writes .png, .svg or .pdf, not 'a.html'"),
+        (("--plot", "a.gif"), "--plot writes .png, .svg or .pdf, not 'a.gif'"),
         (("--save", "a.csv"), "--save writes .npz or .mat"),
         (("--json", "none/a.json"), "the folder of 'none/a.json' does not exist"),
         (("--save", "none/a.npz"), "the folder of 'none/a.npz' does not exist"),

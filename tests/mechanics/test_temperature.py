@@ -26,6 +26,7 @@ CANTILEVERS: dict[str, tuple[str, dict[str, Any]]] = {
     "spectral": ("spectral_beam", {"section": LEAF}),
     "reinforced": ("spectral_beam", {"section": sections.stepped([LEAF, THICK, LEAF], (0.2, 0.8)), "order": 4}),
     "rigid": ("rigid_beam", {"alpha": ALPHA}),
+    "rigid at both ends": ("rigid_body", {"alpha": ALPHA}),
 }
 # K, at both ends, and K/m along y and z: small, since the cubic beam's arc is right to first order.
 CHANGE, ACROSS = (5.0, 15.0), (300.0, 1200.0)
@@ -62,7 +63,13 @@ def test_a_free_element_becomes_an_arc_without_stress(dimension):
         if name != "cold":
             expected[0] = ALPHA * np.mean(CHANGE) * L - L * bend @ bend / 6
             expected[1:] = (-bend / 2 * L) if dimension == 2 else (-bend[::-1] / 2 * L)
-        if name == "rigid":
+        if name != "rigid":
+            turn = np.asarray(found.at(f"tip {name}.rotation"))
+            slope = [-bend[0]] if dimension == 2 else [0.0, bend[0], -bend[1]]
+            turn = turn if dimension == 2 else 2 * turn[1:]
+            # As what is moved, below.
+            np.testing.assert_allclose(turn, (name != "cold") * np.array(slope), atol=2e-4 * np.max(bend), err_msg=name)
+        if name.startswith("rigid"):
             # Its arc is straight.
             expected[0] = ALPHA * np.mean(CHANGE) * L
         # Second order in the curvature, and its product with the mean strain of 1e-4.

@@ -1,0 +1,91 @@
+"""What help() tells of an element type: the text below it in its module, and what its signature says."""
+
+import ast
+import functools
+import inspect
+import itertools
+import sys
+from typing import Any
+
+
+def repr_of(element: Any) -> str:
+    """An element type in one line: its name, what it joins, and what it takes."""
+    parts = [f"joins {', '.join(_joined(element))}"]
+    if element.properties:
+        parts.append(f"takes {', '.join(element.properties)}")
+    if options := _options(element):
+        parts.append(f"options {options}")
+    return f"<{_name(element)}: {'; '.join(parts)}>"
+
+
+def text_of(element: Any) -> str:
+    """Name and text of an element type, then what ``Builder.add`` takes of it."""
+    kinds = ", ".join(f"{name} ({kind.part})" for name, kind in element.nodes.items() if kind.part != "internal")
+    ends = list(_ends(element))
+    short = f", or one for each end: {', '.join(ends)}" if len(ends) < len(_joined(element)) else ""
+    lines = [f"Nodes: {kinds}{short}."]
+    lines += [f"Takes: {', '.join(element.properties)}."] if element.properties else []
+    lines += [f"Options: {options}."] if (options := _options(element)) else []
+    return f"{_name(element)}: {_said(element)[1]}\n\n" + "\n".join(lines)
+
+
+def _joined(element: Any) -> list[str]:
+    return [name for name, kind in element.nodes.items() if kind.part != "internal"]
+
+
+def _ends(element: Any):
+    """Parameters that need a name of their own: a node stands for its rotation and its warping too."""
+    seen: set[str] = set()
+    for name in _joined(element):
+        part = element.nodes[name].part
+        if not seen or part in seen or part == "position":
+            seen = set()
+            yield name
+        seen.add(part)
+
+
+def _options(element: Any) -> str:
+    chosen = element.options
+    return ", ".join(f"{name}={_word(chosen[name])}" if name in chosen else name for name in element.option_names)
+
+
+def _word(value: Any) -> str:
+    return getattr(value, "__name__", None) or repr(value)
+
+
+def _name(element: Any) -> str:
+    """Where users find it, such as planar.beam."""
+    name, _ = _said(element)
+    room = "planar" if next(iter(element.nodes.values())).dimension == 2 else "spatial"
+    public = sys.modules.get(f"{__package__}.{room}")
+    return f"{room}.{name}" if _same(getattr(public, name, None), element) else name
+
+
+def _same(found: Any, element: Any) -> bool:
+    return isinstance(found, type(element)) and found.usual == element.usual
+
+
+@functools.cache
+def _said(element: Any) -> tuple[str, str]:
+    """Name of an element type in the module that defines it, and the text there; else those of its function."""
+    module = sys.modules.get(element.deformation.__module__)
+    for name, text in _texts(element.deformation.__module__).items():
+        if _same(getattr(module, name, None), element):
+            return name, text
+    return element.name, inspect.getdoc(element.deformation) or "an element type."
+
+
+@functools.cache
+def _texts(module: str) -> dict[str, str]:
+    """Texts below assignments of a module, by name; none where its source is not there."""
+    try:
+        body = ast.parse(inspect.getsource(sys.modules[module])).body
+    except (KeyError, OSError, TypeError):
+        return {}
+    found = {}
+    for first, then in itertools.pairwise(body):
+        target = first.targets[0] if isinstance(first, ast.Assign) else None
+        text = then.value.value if isinstance(then, ast.Expr) and isinstance(then.value, ast.Constant) else None
+        if isinstance(target, ast.Name) and isinstance(text, str):
+            found[target.id] = inspect.cleandoc(text)
+    return found
