@@ -80,7 +80,7 @@ def _stress(lin: Linearization) -> dict[str, Any]:
     if not any(map(any, lin.labels.stressed)) or without_shape(lin.model):
         return {}
     found = stress(lin.model, at=lin)
-    element, place, _ = found.where
+    element, place, *_ = found.where
     used = {} if found.strength is None else {"utilisation": float(np.max(found.utilisation))}
     return {"stress": {"maximum": float(found.maximum), "element": number(element), "place": place, **used}}
 

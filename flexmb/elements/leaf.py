@@ -117,7 +117,7 @@ class Leaf(Sheared):
             sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
         section = self.plain() if self.section.varies else self.rectangle(0.0, length)
-        twists, warps = rigidities(section, ENDS, length, ("GIt", "EIw")).T
+        twists, warps = rigidities(section, jnp.asarray(ENDS), length, ("GIt", "EIw")).T
         first, last = jnp.sqrt(warps / twists) / length
         return first, last
 

@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import jax
@@ -84,7 +84,9 @@ def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
 def _apart(names: tuple[str, ...], element: Element, options, splits, n_e: int, structure, shapes):
     """Companions of one element taken apart into what follows from reference and properties, and the rest of each."""
     ref, own = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
-    block = Block(element, names, options, np.zeros((1, 0), int), np.zeros((1, n_e), int), splits)
+    x: Any = np.zeros((1, 0), int)
+    e: Any = np.zeros((1, n_e), int)
+    block = Block(element, names, options, x, e, splits)
     varying = {"stiffness": (), "energy": ((jax.ShapeDtypeStruct((n_e,), float),),)}
     taken = [(_alone(block, own, name), varying.get(name, (ref,))) for name in names]
     early, late = split_together(taken, (ref, own))
@@ -129,7 +131,7 @@ def element_function(block: Block, companion, properties):
     return as_primitives(function)
 
 
-def each_block(topology: Topology, parameters: Parameters, companion: str):
+def each_block(topology: Topology, parameters: Parameters, companion: str) -> Iterator[tuple[Block, Any, Any, Any]]:
     """Blocks that have a companion, with the function of one element and the stacked arguments it is mapped over.
 
     Args:

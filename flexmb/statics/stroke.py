@@ -8,19 +8,20 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_numbers
-from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..display import Result, States, Summary, course, span
 from ..errors import ModelError
+from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors
-from ..model.model import AtNodes, Labels, Model, as_determined
+from ..model.by_name import ByName
+from ..model.model import Labels, Model, as_determined
 from ..results import RESULTS, check
 from .equilibrium import Equilibrium, warn_of_increment
-from .solve import reactions_of, solve_onward, undeformed
+from .solve import external_of, reactions_of, solve_onward, undeformed
 
 
-class Equilibria(AtNodes, Result, Record):
+class Equilibria(ByName, Result, Record):
     """Static equilibria under loads that follow one another, states first.
 
     Attributes:
@@ -69,6 +70,11 @@ class Equilibria(AtNodes, Result, Record):
         return self.each.reactions
 
     @property
+    def external(self) -> Float[Array, "states n_x"]:
+        """Forces that act from outside, loads but weight and the supports' together, dual to x, (states, n_x)."""
+        return self.each.external
+
+    @property
     def iterations(self) -> Int[Array, "states"]:
         """Newton iterations of each, (states,)."""
         return self.each.iterations
@@ -96,15 +102,15 @@ class Equilibria(AtNodes, Result, Record):
         return Summary(f"Equilibria: {len(codes)}, {course(self.states())}", rows, "mechanism")
 
 
-@jit
+@kernel
 def _equilibria(topology, parameters, targets):
     def onward(begin, target):
         at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         # A state that was not found is no beginning: the next one is looked for from the last that was.
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
-        reactions = reactions_of(topology, at)
-        return begin, (at.x, at.e, at.sigma, Felt(at.gravity), reactions, iterations, result)
+        outside = reactions_of(topology, at), external_of(topology, parameters, at)
+        return begin, (at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))
     _, found = jax.lax.scan(onward, start, targets)
