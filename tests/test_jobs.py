@@ -1,0 +1,188 @@
+"""Days of a designer: each job is done as it would be in a notebook, by names alone, and checked against another source.
+
+Further ones are notebooks: a cross pivot with stress and buckling (12), a bistable beam (19), a stage that is exactly
+constrained with its loop (13), and an element of one's own (09).
+"""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import flexmb as fm
+from flexmb import planar
+
+MICRO = 1e-6
+
+
+def folded_flexure(width):
+    """A comb drive's suspension of silicon: eight beams, two floating trusses, and a shuttle that both carry."""
+    silicon = fm.Material(E=169e9, G=169e9 / 2.44, rho=2330.0)
+    section = fm.Rectangle(width=25 * MICRO, thickness=width, material=silicon)
+    b = fm.Builder()
+    inner, outer, length = 150 * MICRO, 300 * MICRO, 200 * MICRO
+    for side, place in {"left": -1, "right": 1}.items():
+        b.node(f"{side} anchor", (place * inner, 0))
+        b.node(f"{side} shuttle", (place * outer, 0))
+        b.fix(f"{side} anchor")
+    b.add(planar.rigid_body, "left shuttle", "right shuttle")
+    for end, height in {"upper": length, "lower": -length}.items():
+        at = {"a": -outer, "b": -inner, "c": inner, "d": outer}
+        for name, x in at.items():
+            b.node(f"{end} {name}", (x, height))
+            b.mass(f"{end} {name}", 1e-13)
+        for one, other in ("ab", "bc", "cd"):
+            b.add(planar.rigid_body, f"{end} {one}", f"{end} {other}")
+        joined = {"a": "left shuttle", "b": "left anchor", "c": "right anchor", "d": "right shuttle"}
+        for name, foot in joined.items():
+            b.add(planar.beam, foot, f"{end} {name}", section=section)
+    b.mass("left shuttle", 2e-9)
+    b.mass("right shuttle", 2e-9)
+    b.force("left shuttle", (1e-6, 0))
+    return b.build()
+
+
+def test_folded_flexure_in_micrometres():
+    width = 2 * MICRO
+    model = folded_flexure(width)
+    state = fm.equilibrium(model)
+    moved = state.position("left shuttle", "x") + 300 * MICRO
+    # Eight beams, two pairs in a row at each end: 24 EI/L^3, less what stretching beams let the trusses turn.
+    length, inertia = 200 * MICRO, 25 * MICRO * width**3 / 12
+    stiffness = 24 * 169e9 * inertia / length**3
+    assert float(moved) == pytest.approx(1e-6 / stiffness, rel=3e-3)
+    assert float(state.force_needed("left shuttle", "x")) == pytest.approx(1e-6, rel=1e-9)
+    feet = state.reaction("left anchor", "x") + state.reaction("right anchor", "x")
+    assert float(feet) == pytest.approx(-1e-6, rel=1e-9)
+    # Rayleigh's quotient: trusses go half as far, and beams count 12/35; its error is of second order in their mass.
+    beams = 8 * 2330 * width * 25 * MICRO * length
+    mass = 4e-9 + 8e-13 / 4 + 12 / 35 * beams
+    expected = np.sqrt(1e-6 / float(moved) / mass) / 2 / np.pi
+    assert float(fm.frequencies(model, count=1)[0]) == pytest.approx(expected, rel=2e-4)
+
+
+def test_four_bar_of_flexure_hinges_with_its_reactions_over_time():
+    steel = fm.Material(E=210e9, G=80e9, rho=0.0)
+    hinge = fm.Rectangle(width=0.01, thickness=0.2e-3, material=steel)
+    b = fm.Builder()
+    places = {"foot": (0, 0), "foot end": (0, 0.005), "crank end": (0, 0.055), "coupler": (0, 0.06)}
+    places |= {"arm": (0.06, 0.06), "arm end": (0.06, 0.055), "rocker end": (0.06, 0.005), "rocker": (0.06, 0)}
+    for name, place in places.items():
+        b.node(name, place)
+    names = list(places)
+    for number, pair in enumerate(zip(names, names[1:], strict=False)):
+        # A hinge, a bar, a hinge, the coupler, and so on; hinges bend and do not stretch.
+        bends = {"section": hinge, "released": (2, 3)} if number % 2 == 0 and number != 3 else {}
+        b.add(planar.beam if bends else planar.rigid_body, *pair, **bends)
+    b.fix("foot")
+    b.fix("rocker")
+    masses = {"foot end": 0.02, "crank end": 0.02, "coupler": 0.2, "arm": 0.3, "arm end": 0.02, "rocker end": 0.02}
+    for name, mass in masses.items():
+        b.mass(name, mass)
+    model = b.build()
+    times = np.linspace(0.0, 0.05, 401)
+    motion = fm.simulate(model, times, loads={"coupler.x": lambda t: 5.0 * jnp.sin(40 * t)}, rtol=1e-10)
+    # Newton's law of the whole, with accelerations by second differences of positions.
+    h = times[1]
+    supports = motion.reaction("foot")[:, :2] + motion.reaction("rocker")[:, :2]
+    inertia = np.zeros((len(times) - 2, 2))
+    for node, mass in masses.items():
+        x = np.asarray(motion.position(node))
+        inertia += mass * (x[2:] - 2 * x[1:-1] + x[:-2]) / h**2
+    drive = np.stack([5.0 * np.sin(40 * times), 0 * times], axis=1)
+    # A difference of second order: h^2/12 times the fourth derivative.
+    size = np.max(np.abs(inertia))
+    np.testing.assert_allclose(np.asarray(supports)[1:-1], (inertia - drive[1:-1]), atol=1e-3 * size)
+    np.testing.assert_allclose(motion.force_needed("coupler", "x"), drive[:, 0], atol=1e-9)
+    assert np.max(np.abs(motion.position("coupler", "x"))) > 1e-3
+
+
+def cantilever(E, t):
+    material = fm.Material(E=E, G=E / 2.6, rho=7850.0)
+    b = fm.Builder()
+    b.node("root", (0, 0))
+    b.node("tip", (0.1, 0))
+    section = fm.Rectangle(width=0.02, thickness=t, material=material)
+    b.add(planar.spectral_beam, "root", "tip", name="strip", order=8, section=section)
+    b.fix("root")
+    b.mass("tip", 0.02)
+    return b.build()
+
+
+def measured(E, t):
+    """First two frequencies of a uniform cantilever with a mass at its tip, from its characteristic equation [Hz]."""
+    line, mass, length = 7850 * 0.02 * t, 0.02, 0.1
+    share = mass / (line * length)
+
+    def equation(z):
+        return 1 + np.cos(z) * np.cosh(z) - share * z * (np.sin(z) * np.cosh(z) - np.cos(z) * np.sinh(z))
+
+    roots = [brentq(equation, *ends, xtol=1e-14) for ends in ((0.1, 2.0), (3.2, 4.7))]
+    return np.array(roots) ** 2 * np.sqrt(E * 0.02 * t**3 / 12 / line) / length**2 / 2 / np.pi
+
+
+def test_youngs_modulus_and_thickness_identified_from_frequencies():
+    seen = measured(195e9, 0.52e-3)
+    found = fm.tune(
+        cantilever,
+        {"frequencies": lambda model: fm.frequencies(model, count=2)},
+        {"E": 210e9, "t": 0.5e-3},
+        {"E": (150e9, 250e9), "t": (0.3e-3, 0.8e-3)},
+        targets={"frequencies": seen},
+    )
+    # The beam stretches and turns as it vibrates, which the equation leaves out: (t/L)^2 of the frequencies, which the
+    # second one's lead on the first multiplies.
+    assert found.dimensions["t"] == pytest.approx(0.52e-3, rel=2e-3)
+    assert found.dimensions["E"] == pytest.approx(195e9, rel=5e-3)
+
+
+def guide(t, length):
+    steel = fm.Material(E=210e9, G=80e9, rho=7850.0)
+    leaf = fm.Rectangle(width=0.018, thickness=t, material=steel)
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, length), "C": (0.1, length), "D": (0.1, 0)}.items():
+        b.node(name, place)
+    b.add(planar.beam, "A", "B", name="left", section=leaf, released=(2, 3))
+    b.add(planar.beam, "D", "C", name="right", section=leaf, released=(2, 3))
+    b.add(planar.rigid_body, "B", "C", name="stage")
+    b.fix("A")
+    b.fix("D")
+    b.mass("B", 0.2)
+    b.force("C", (0.1, 0))
+    b.dof("B", "x")
+    return b.build()
+
+
+def test_twenty_thousand_designs_stopped_resumed_and_their_front(tmp_path):
+    answers = {
+        "drive": lambda model: 0.1 / fm.equilibrium(model).position("B", "x"),
+        "stress": lambda model: fm.stress(model).maximum,
+    }
+    designs = fm.design.latin_hypercube(20_000, {"t": (0.2e-3, 1e-3), "length": (0.05, 0.2)}, seed=1)
+    options = {"checkpoint": tmp_path / "designs", "chunk": 5000}
+
+    def stop(done, _):
+        if done >= 10_000:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fm.sweep(guide, answers, designs, progress=stop, **options)
+    begun = []
+    found = fm.sweep(guide, answers, designs, progress=lambda done, _: begun.append(done), **options)
+    assert begun[0] > 10_000
+    t, length = np.asarray(designs["t"]), np.asarray(designs["length"])
+    # Closed form at small strokes: 24 EI/L^3; and each leaf spring, under half the load F, carries F L/4 at its ends.
+    small = t > 0.5e-3
+    np.testing.assert_allclose(
+        np.asarray(found["drive"])[small], (2 * 210e9 * 0.018 * t**3 / length**3)[small], rtol=2e-3
+    )
+    of_ends = 6 * (0.1 * length / 4) / (0.018 * t**2)
+    np.testing.assert_allclose(np.asarray(found["stress"])[small], of_ends[small], rtol=1e-2)
+    front = found.pareto(minimize=["drive", "stress"])
+    assert len(front) > 5
+    drive, largest = front["drive"], front["stress"]
+    assert np.all(np.diff(drive) > 0)
+    assert np.all(np.diff(largest) < 0)
+    every = np.stack([found["drive"], found["stress"]], axis=1)
+    for one in np.stack([drive, largest], axis=1)[::10]:
+        assert not np.any(np.all(every <= one, axis=1) & np.any(every < one, axis=1))
