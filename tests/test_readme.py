@@ -18,6 +18,7 @@ import matplotlib.pyplot as plt
 import pytest
 from cases.commands import command
 
+from flexmb.setup import cache_folder
 from flexmb.spacar.keywords import DRAWN, REFUSED, ROWS
 
 ROOT = Path(__file__).parents[1]
@@ -128,6 +129,7 @@ def test_what_a_manual_shows_runs(manual, tmp_path, monkeypatch):
     mpl.use("Agg")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("FLEXMB_CACHE", str(cache_folder() / "tests"))
     scope: dict = {}
     printed = None
     for block in blocks_of(manual):
