@@ -1,16 +1,20 @@
-"""Days of a designer: each job is done as it would be in a notebook, by names alone, and checked against another source.
+"""Days of a designer: each job is done as in a notebook, by names alone, and checked against another source.
 
 Further ones are notebooks: a cross pivot with stress and buckling (12), a bistable beam (19), a stage that is exactly
 constrained with its loop (13), and an element of one's own (09).
 """
 
+import itertools
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.commands import command
 from scipy.optimize import brentq
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.mechanisms import mechanism_path
 
 MICRO = 1e-6
 
@@ -70,9 +74,9 @@ def test_four_bar_of_flexure_hinges_with_its_reactions_over_time():
     for name, place in places.items():
         b.node(name, place)
     names = list(places)
-    for number, pair in enumerate(zip(names, names[1:], strict=False)):
+    for number, pair in enumerate(itertools.pairwise(names)):
         # A hinge, a bar, a hinge, the coupler, and so on; hinges bend and do not stretch.
-        bends = {"section": hinge, "released": (2, 3)} if number % 2 == 0 and number != 3 else {}
+        bends = {"section": hinge, "released": (2, 3)} if number % 2 == 0 else {}
         b.add(planar.beam if bends else planar.rigid_body, *pair, **bends)
     b.fix("foot")
     b.fix("rocker")
@@ -186,3 +190,64 @@ def test_twenty_thousand_designs_stopped_resumed_and_their_front(tmp_path):
     every = np.stack([found["drive"], found["stress"]], axis=1)
     for one in np.stack([drive, largest], axis=1)[::10]:
         assert not np.any(np.all(every <= one, axis=1) & np.any(every < one, axis=1))
+
+
+GUIDE = mechanism_path("pf2db").read_text()
+# Files with a fault, by name: what stands in the place of what.
+FAULTY = {
+    "unknown.dat": ("PLBEAM 1", "PLBEEM 1"),
+    "short.dat": ("PLBEAM 1 1 2 3 4", "PLBEAM 1 1 2 3"),
+    "letters.dat": ("X 3 0 0.1", "X 3 0 O.1"),
+    "braces.dat": ("X 3 0 0.1", "X 3 0 {l}"),
+    "unfinished.dat": ("END\nHALT", ""),
+    "binary.dat": ("%", "\0"),
+    "empty.dat": (GUIDE, ""),
+    "guide.dat": ("", ""),
+}
+# What is called, how it ends, and what is said.
+MISUSED = [
+    ("frobnicate", 2, "No such command 'frobnicate'"),
+    ("run", 2, "Missing argument 'MODEL.dat'"),
+    ("check", 2, "Missing argument 'MODEL.dat'"),
+    ("run guide.dat", 2, "give one of --mode and --analysis"),
+    ("run nowhere.dat --mode 7", 2, "cannot read 'nowhere.dat'"),
+    ("run . --mode 7", 2, "cannot read '.'"),
+    ("run guide.dat guide.dat --mode 7", 2, "unexpected extra argument"),
+    ("run guide.dat --modes 7", 2, "No such option: --modes"),
+    ("run guide.dat --mode 11", 2, "there is no mode '11'"),
+    ("run guide.dat --mode x", 2, "there is no mode 'x'"),
+    ("run guide.dat --analysis frequency", 2, "7 (frequencies)"),
+    ("run guide.dat --mode 7 --mode 8", 2, "--mode is given twice"),
+    ("run guide.dat --mode 7 --json", 2, "'--json' requires an argument"),
+    ("run guide.dat --mode 7 --json no/such/out.json", 2, "the folder of 'no/such/out.json' does not exist"),
+    ("run guide.dat --mode 7 --plot m.xyz", 2, "--plot writes .png, .svg, .pdf or .html"),
+    ("run guide.dat --mode 7 --save guide.dat", 2, "--save writes .npz or .mat"),
+    ("run guide.dat --mode 7 --set t=1", 2, "guide.dat has no {t}"),
+    ("run guide.dat --mode 7 --release maybe", 2, "--release takes auto or none"),
+    ("run braces.dat --mode 7", 2, "braces.dat:8: X: node 3: '{l}'"),
+    ("run braces.dat --mode 7 --set l=abc", 2, "must be a number, but is 'abc'"),
+    ("run braces.dat --mode 7 --set l", 2, "--set takes NAME=NUMBER"),
+    ("run braces.dat --mode 7 --set l=1 --set l=2", 2, "--set gives 'l' twice"),
+    ("run unknown.dat --mode 7", 2, "unknown.dat:4: PLBEEM: unknown keyword; did you mean PLBEAM?"),
+    ("run short.dat --mode 7", 2, "short.dat:4: PLBEAM: element 1: too few parameters"),
+    ("run letters.dat --mode 7", 2, "letters.dat:8: X: node 3: y must be a number, but is 'O.1'"),
+    ("run empty.dat --mode 7", 2, "empty.dat:1: file is empty"),
+    ("run unfinished.dat --mode 7", 2, "belongs in the dynamics block"),
+    ("run binary.dat --mode 7", 2, "it is no text"),
+    ("demo nothing", 2, "no mechanism 'nothing'. Shipped: elevator"),
+    ("demo pf2d --to no/such", 2, "the folder 'no/such' does not exist"),
+    ("sweep nowhere.toml", 2, "'nowhere.toml'"),
+    ("tune guide.dat", 2, "guide.dat"),
+]
+
+
+@pytest.mark.parametrize(("words", "status", "said"), MISUSED, ids=[words for words, *_ in MISUSED])
+def test_a_command_that_is_misused_says_so_and_writes_nothing(words, status, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, (old, new) in FAULTY.items():
+        (tmp_path / name).write_text(GUIDE.replace(old, new, 1) if old else GUIDE)
+    result = command(*words.split())
+    assert (result.exit_code, result.stdout) == (status, "")
+    assert said in result.stderr
+    assert "Traceback" not in result.stderr
+    assert {path.name for path in tmp_path.iterdir()} == set(FAULTY)
