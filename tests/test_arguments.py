@@ -83,7 +83,7 @@ def test_results_are_not_taken_for_models():
         with pytest.raises(TypeError, match=r"not a Equilibrium.*fm\.linearize"):
             ASKS[name](equilibrium)
     path = fm.path(cart(increment=True).build(), step=1.0)
-    with pytest.raises(TypeError, match=r"not a Path.*linearization\(step\)"):
+    with pytest.raises(TypeError, match=r"not a Path.*at=path, step=-1"):
         fm.frequencies(path)
     with pytest.raises(TypeError, match=r"fm\.linearize takes a Model.*not a Linearization"):
         fm.linearize(path.linearization())

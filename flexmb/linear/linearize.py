@@ -256,6 +256,10 @@ class ManyStates:
         """
         raise NotImplementedError
 
+    def linearizations(self) -> Linearization:
+        """Linearised equations of all states, which stand in front."""
+        raise NotImplementedError
+
     def factors(self, step: int) -> LoadFactors:
         """Load factors of one state, of a path alone."""
         raise NotImplementedError

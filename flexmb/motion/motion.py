@@ -13,7 +13,8 @@ from ..arguments import check_number, check_whole
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, course, listed, short
-from ..linear.linearize import Linearization, ManyStates, Stressed
+from ..linear.along import Along
+from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
@@ -30,7 +31,7 @@ from .moving_matrices import moving_matrices
 SAME_TIME = 1e-9
 
 
-class Motion(ByName, ManyStates, Result, Record):
+class Motion(ByName, Along, Result, Record):
     """Motion of a mechanism at the times asked for.
 
     Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,

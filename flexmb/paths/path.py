@@ -13,8 +13,9 @@ from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..display import AT_MOST, Result, States, Summary, course, short
 from ..errors import AnalysisError
+from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.linearize import AboutState, Linearization, ManyStates, Matrices, Stressed, matrices_at
+from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..mechanics.loads import LoadFactors, load_factors
@@ -29,7 +30,7 @@ from .stepper import Ramp
 from .walk import Step, Walker
 
 
-class Path(ByName, AboutState, ManyStates, Result, Record):
+class Path(ByName, AboutState, Along, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
@@ -85,14 +86,30 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
             raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
+    def linearizations(self) -> Linearization:
+        """Linearised equations at all steps, which stand in front."""
+        return Linearization(self.matrices, self.model)
+
+    def at_critical_points(self) -> "Path":
+        """The critical points as states of a path of their own, in their order; at least one."""
+        found = []
+        for point in self.critical_points:
+            near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
+            factors = _factors(self.model, point.load_factor)
+            found.append(_look_at(self.model.topology, self.model.parameters, factors, jnp.asarray(point.x), near))
+        matrices, multipliers = jax.tree.map(lambda *a: jnp.stack(a), *found)
+        values = jnp.asarray(np.sign(hertz := frequencies_along(matrices)) * (2 * np.pi * hertz) ** 2)
+        loads = jnp.array([point.load_factor for point in self.critical_points])
+        stable = np.zeros(len(found), bool)
+        return Path(loads, matrices, values, multipliers, stable, self.critical_points, self.result, self.model)
+
     def factors(self, step: int) -> LoadFactors:
         """Load factors of the constant and of the incremental loads at one step.
 
         Args:
             step: Which, from 0.
         """
-        load: Any = self.load_factor[step]
-        return load_factors(load, 0.0) if self.model.parameters.increment is None else load_factors(1.0, load)
+        return _factors(self.model, self.load_factor[step])
 
     def stressed(self) -> Stressed:
         """What the stress of all steps is computed from."""
@@ -113,6 +130,11 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
             "critical points": ", ".join(points[:AT_MOST]) or "none",
         }
         return Summary(f"Path: {course(self.states())}", rows, "path")
+
+
+def _factors(model: Model, load: Any) -> LoadFactors:
+    """A path scales the incremental loads, or all where there are none."""
+    return load_factors(load, 0.0) if model.parameters.increment is None else load_factors(1.0, load)
 
 
 class _Found(NamedTuple):
@@ -143,6 +165,15 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
         return _Found(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
     return _Found(matrices, jnp.where(jnp.isnan(eigenvalues), jnp.inf, eigenvalues), multipliers, stable)
+
+
+@jit
+def _look_at(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near):
+    """Matrices and load multipliers of a state on the path that is no step of it."""
+    at = state(topology, parameters, factors, x, near)
+    zero = jnp.zeros((), jnp.int32)
+    matrices = matrices_at(topology, parameters, factors, at, zero, zero)
+    return matrices, multipliers_of(*scaled_stiffness(topology, parameters, at, near))
 
 
 def path(
