@@ -24,7 +24,7 @@ from ..model.by_name import ByName
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import check, told
 from .critical import CriticalPoint
 from .stepper import Ramp
 from .walk import Step, Walker
@@ -124,7 +124,7 @@ class Path(ByName, AboutState, Along, Result, Record):
         points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
         stable = np.asarray(self.stable)
         rows = {
-            "result": RESULTS(int(self.result)).name,
+            "result": told(self.result),
             "steps": f"{len(stable)}, {int(np.sum(stable))} of them stable",
             "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
             "critical points": ", ".join(points[:AT_MOST]) or "none",
