@@ -6,7 +6,7 @@ The terminal, notebooks, pictures and the viewer ask for these two, and know no 
 import importlib
 import operator
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
@@ -92,7 +92,10 @@ class Result:
         left = len(lines) - LINES + 1
         lines = [*lines[: LINES - 1], f"  … and {left} more"] if left > 1 else lines
         long = {"width": WIDTH, "subsequent_indent": "    ", "break_on_hyphens": False, "placeholder": " …"}
-        return "\n".join(textwrap.fill(line, max_lines=LINES if len(lines) == 1 else 1, **long) for line in lines)
+        # What went wrong, and what to try, is told whole.
+        whole = [len(lines) == 1 or line.startswith("  result: ") for line in lines]
+        told = zip(lines, whole, strict=True)
+        return "\n".join(textwrap.fill(line, max_lines=LINES if all_of else 1, **long) for line, all_of in told)
 
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook; None, for which a notebook shows the text, where it has no one number."""
@@ -152,11 +155,12 @@ def span(values: Any, unit: str = "") -> str:
     return f"{short(finite.min())} to {short(finite.max())} {unit}".strip() if finite.size else "none"
 
 
-def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at") -> str:
+def largest(values: Any, names: Sequence[Any], unit: str | Callable[[Any], str] = "", word: str = "at") -> str:
     """The number of largest size, and whose it is.
 
     Args:
         values: Numbers, (n,), of which those that are not finite do not count.
+        unit: Unit of all of them, or that of one by its name.
         word: What stands before the name.
     """
     values = np.asarray(values)
@@ -164,8 +168,10 @@ def largest(values: Any, names: Sequence[Any], unit: str = "", word: str = "at")
     if np.max(sizes, initial=-1.0) < 0:
         return "none"
     index = int(np.argmax(sizes))
-    of = f" {word} {names[index]}" if values[index] and len(names) == len(values) else ""
-    return f"{short(values[index])} {unit}".strip() + of
+    named = len(names) == len(values)
+    of = f" {word} {names[index]}" if values[index] and named else ""
+    told = unit if isinstance(unit, str) else unit(names[index]) if named else ""
+    return f"{short(values[index])} {told}".strip() + of
 
 
 def counted(count: int, thing: str) -> str:
@@ -178,19 +184,40 @@ def unit_of(entry: Any) -> str:
     return "m" if entry.kind == "position" else "rad" if entry.symbol == "phi" else "-"
 
 
+def unit_of_force(entry: Any) -> str:
+    """Unit of what is dual to a coordinate."""
+    return "N" if entry.kind == "position" else "N m" if entry.symbol == "phi" else ""
+
+
+def unit_of_rate(entry: Any) -> str:
+    """Unit of the rate of a coordinate."""
+    return f"{unit_of(entry).replace('-', '1')}/s"
+
+
 def course(states: States) -> str:
-    """Shape of several states, which coordinate moves most along them, and between which values."""
+    """How many states there are, which coordinate moves most along them, and between which values."""
     x, names = np.asarray(states.x), states.model.labels.x
     if not len(x) or len(names) != x.shape[1] or not np.any(np.ptp(x, axis=0)):
-        return f"x {x.shape}"
+        return counted(len(x), "state")
     index = states.most_moving()
-    return f"x {x.shape}, {names[index]} moves most, {span(x[:, index], unit_of(names[index]))}"
+    return f"{counted(len(x), 'state')}, {names[index]} moves most, {span(x[:, index], unit_of(names[index]))}"
 
 
-def modal_summary(what: str, found: States, rows: dict[str, str]) -> Summary:
-    """Summary of modes, of whichever kind, which the first of them stand for in a small picture."""
+def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[str, str]) -> Summary:
+    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
+
+    Args:
+        values: What is told of each mode beside what moves most in it.
+        rows: What is told of all of them.
+    """
     moves, names = np.asarray(found.moves), found.model.labels.x
     count = moves.shape[1]
-    moving = f", the first moves {names[int(np.argmax(np.abs(moves[:, 0])))]} most" if count and names else ""
-    title = f"{what}: {count} of {found.model.topology.n_q}, shapes {moves.shape}{moving}"
+    own = {}
+    for i, value in enumerate(values[:AT_MOST]):
+        moving = f", moves {names[int(np.argmax(np.abs(moves[:, i])))]} most" if names else ""
+        own[f"mode {i + 1}"] = f"{value}{moving}"
+    if count > AT_MOST:
+        own["more"] = listed(list(values[AT_MOST:]))
+    title = f"{what}: {count} of {found.model.topology.n_q}"
+    rows = {**own, **rows}
     return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})

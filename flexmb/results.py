@@ -120,6 +120,16 @@ class RESULTS(enum.IntEnum):
     )
 
 
+def told(result: Any) -> str:
+    """An outcome for a person: its name, and of a failure what to try.
+
+    Args:
+        result: Code, () [-].
+    """
+    member = RESULTS(int(result))
+    return f"{member.name}. {member.message}" if member.message else member.name
+
+
 _CODES: contextvars.ContextVar[tuple[Any, list[Any]] | None] = contextvars.ContextVar("codes", default=None)
 
 

@@ -1275,6 +1275,15 @@ FAULTS = [
     Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call"),
     Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k of_a_motion"),
     Fault("spacar/light.py", "return damped(lin", "return lin or damped(lin", "spacar/test_light.py -k damping_ratio"),
+    # What is drawn along a path.
+    Fault("linear/along.py", "values = 1 / found", "values = found", "linear/test_along.py -k closed_form"),
+    Fault(
+        "paths/path.py",
+        "_factors(self.model, point.load_factor)",
+        "_factors(self.model, 1.0)",
+        "linear/test_along.py -k critical",
+    ),
+    Fault("plot/canvas.py", "return 10.0**-power", "return 10.0**power", "plot/test_plot.py -k any_two"),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

@@ -83,12 +83,12 @@ def test_results_are_not_taken_for_models():
         with pytest.raises(TypeError, match=r"not a Equilibrium.*fm\.linearize"):
             ASKS[name](equilibrium)
     path = fm.path(cart(increment=True).build(), step=1.0)
-    with pytest.raises(TypeError, match=r"not a Path.*linearization\(step\)"):
+    with pytest.raises(TypeError, match=r"not a Path.*at=path, step=-1"):
         fm.frequencies(path)
     with pytest.raises(TypeError, match=r"fm\.linearize takes a Model.*not a Linearization"):
         fm.linearize(path.linearization())
     motion = fm.simulate(MODEL, [0, 0.1, 0.2])
-    with pytest.raises(TypeError, match=r"not a Motion.*linearize_motion\(motion\)\.at_time"):
+    with pytest.raises(TypeError, match=r"not a Motion.*at=motion, step=-1"):
         fm.modes(motion)
     along = fm.motion.linearize_motion(motion)
     for name in ("poles", "compliance", "directional_compliance", "modes", "frequencies"):

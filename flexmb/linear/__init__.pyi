@@ -1,5 +1,6 @@
 """Names that this room offers beside those of flexmb itself."""
 
+from .along import Series as Series
 from .buckling import Buckling as Buckling
 from .compliance import directional_compliance as directional_compliance
 from .linearize import Linearization as Linearization

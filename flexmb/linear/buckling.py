@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..compilation.record import Record
-from ..display import Result, States, Summary, listed, modal_summary
+from ..display import Result, States, Summary, modal_summary
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.blocks import kernel
@@ -87,7 +87,8 @@ class Buckling(ByName, AboutState, Result, Record):
 
     def summary(self) -> Summary:
         """Load multipliers."""
-        return modal_summary("Buckling", self.states(), {"load multipliers": listed(self.multipliers)})
+        told = [f"load multiplier {own:.5g}" for own in np.asarray(self.multipliers).tolist()]
+        return modal_summary("Buckling", self.states(), told, {})
 
 
 def geometric_stiffness_of_increment(

@@ -84,8 +84,7 @@ def _beside_free_motions(lin: Linearization, node: str, jacobian: np.ndarray) ->
     return jnp.asarray(jacobian @ flexibility @ jacobian.T)
 
 
-@jit
-def _compliance(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
+def compliance_of(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
     """Compliance, rows of the node's directions by the degrees of freedom, and code of RESULTS."""
     rows = [_rates(found.x[part]) @ found.DFx[part] for part in parts]
     if local:
@@ -103,6 +102,9 @@ def _compliance(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: boo
     result = jnp.where(factors.regular(), RESULTS.successful, RESULTS.singular_stiffness)
     scaled = jacobian * scale
     return scaled @ factors.solve(scaled.T), jacobian, result.astype(jnp.int32)
+
+
+_compliance = jit(compliance_of)
 
 
 def directional_compliance(

@@ -22,7 +22,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, told
 from ..statics.equilibrium import load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
 
@@ -213,7 +213,7 @@ class Linearization(ByName, AboutState, Result, Record):
         moved = np.asarray(self.x - model.parameters.reference)[positions]
         furthest = f", {self.labels.x[positions[np.argmax(np.abs(moved))]]} is displaced most" if np.any(moved) else ""
         rows = {
-            "result": RESULTS(int(self.result)).name,
+            "result": told(self.result),
             "degrees of freedom": str(count),
             "largest displacement": f"{short(np.max(np.abs(moved), initial=0.0))} m",
             "diagonal of M0": listed(np.diag(np.asarray(self.M0))),
@@ -254,6 +254,10 @@ class ManyStates:
             step: Number of the state, from 0.
             time: Time of a state of a motion [s].
         """
+        raise NotImplementedError
+
+    def linearizations(self) -> Linearization:
+        """Linearised equations of all states, which stand in front."""
         raise NotImplementedError
 
     def factors(self, step: int) -> LoadFactors:

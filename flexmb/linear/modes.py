@@ -9,7 +9,7 @@ from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
-from ..display import Result, States, Summary, listed, modal_summary
+from ..display import Result, States, Summary, modal_summary
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.by_name import ByName, moved
@@ -77,17 +77,19 @@ class Modes(ByName, AboutState, Result, Record):
 
     def states(self) -> States:
         """The modes about their state, each with its frequency."""
-        values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)
-        told = [f"{hertz:.5g} Hz" if hertz >= 0 else f"unstable, ω² = {own:.4g} rad²/s²" for hertz, own in values]
-        titles = [f"mode {i + 1}: {text}" for i, text in enumerate(told)]
+        titles = [f"mode {i + 1}: {text}" for i, text in enumerate(self._told())]
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
+
+    def _told(self) -> list[str]:
+        values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)
+        return [f"{hertz:.5g} Hz" if hertz >= 0 else f"unstable, ω² = {own:.4g} rad²/s²" for hertz, own in values]
 
     def summary(self) -> Summary:
         """Frequencies and stability."""
-        rows = {"frequencies": listed(self.frequencies, "Hz"), "stable": "yes" if self.stable else "no"}
+        rows = {"stable": "yes" if self.stable else "no"}
         if self.massless:
             rows["motions without mass"] = str(self.massless)
-        return modal_summary("Modes", self.states(), rows)
+        return modal_summary("Modes", self.states(), self._told(), rows)
 
 
 @jit

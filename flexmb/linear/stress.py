@@ -20,7 +20,7 @@ from ..mechanics.stress_resultants import section_resultants as resultants_of_bl
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
-from ..results import RESULTS
+from ..results import told
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .linearize import Linearization, ManyStates, Where
 
@@ -55,7 +55,7 @@ class SectionResultants(Result, Record):
 
     def summary(self) -> Summary:
         """Outcome, and the extremes of each force and moment."""
-        rows = {"result": RESULTS(int(self.result)).name, **_extremes(self.quantities(), self.names, self.places)}
+        rows = {"result": told(self.result), **_extremes(self.quantities(), self.names, self.places)}
         return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
 
 
@@ -135,7 +135,7 @@ class Stress(Result, Record):
     def summary(self) -> Summary:
         """Outcome, and the extremes of the stresses."""
         found = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
-        rows = {"result": RESULTS(int(self.resultants.result)).name, **_extremes(found, self.names, self.places)}
+        rows = {"result": told(self.resultants.result), **_extremes(found, self.names, self.places)}
         if self.strength is not None and (silent := self._without("strength")):
             rows["without strength"] = listed(silent)
         *states, count, places, points = self.von_mises.shape

@@ -12,14 +12,15 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_number, check_whole
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, course, listed, short
-from ..linear.linearize import Linearization, ManyStates, Stressed
+from ..display import Result, States, Summary, course, largest, listed, short, span, unit_of_force, unit_of_rate
+from ..linear.along import Along
+from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, mass_matrix, work_of_weight
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
-from ..results import RESULTS
+from ..results import told
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .element_forces import Moving
@@ -30,7 +31,7 @@ from .moving_matrices import moving_matrices
 SAME_TIME = 1e-9
 
 
-class Motion(ByName, ManyStates, Result, Record):
+class Motion(ByName, Along, Result, Record):
     """Motion of a mechanism at the times asked for.
 
     Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,
@@ -182,7 +183,7 @@ class Motion(ByName, ManyStates, Result, Record):
         """Outcome, times and how they were computed."""
         t = np.asarray(self.t)
         rows = {
-            "result": RESULTS(int(self.result)).name,
+            "result": told(self.result),
             "time": f"{short(t[0])} to {short(t[-1])} s, {len(t)} times" if len(t) else "none",
             "steps": str(int(self.steps)),
             "solver": f"{self.solver}, {self.form}",
@@ -223,6 +224,24 @@ class Observed(ByName, Result, Record):
     potential: Float[Array, "n_t"]
     power: Float[Array, "n_t"]
     labels: Labels = static()
+    one_axis = "kinetic"
+
+    def summary(self) -> Summary:
+        """Extremes over time, with the names of where they are, and the energies."""
+        entries = self.labels.x
+        rows = {"times": str(len(self.kinetic))}
+        for name, values, names, unit in (
+            ("largest velocity", self.xd, entries, unit_of_rate),
+            ("largest acceleration", self.xdd, entries, lambda entry: f"{unit_of_rate(entry)}²"),
+            ("largest reaction", self.reactions, entries, unit_of_force),
+            ("largest stress resultant", self.sigma, self.labels.e, "[N, N m]"),
+        ):
+            own = np.asarray(values)
+            extreme = np.take_along_axis(own, np.argmax(np.abs(own), axis=0)[None], axis=0)[0] if len(own) else own
+            rows[name] = largest(extreme, names, unit)
+        for name in ("kinetic", "elastic", "potential"):
+            rows[f"{name} energy"] = span(getattr(self, name), "J")
+        return Summary("Observed: what follows from a motion", rows)
 
     @property
     def energy(self) -> Float[Array, "n_t"]:

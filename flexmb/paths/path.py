@@ -13,8 +13,9 @@ from ..arguments import check_number, check_whole, shown
 from ..compilation.record import Record, static
 from ..display import AT_MOST, Result, States, Summary, course, short
 from ..errors import AnalysisError, heard, warn
+from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.linearize import AboutState, Linearization, ManyStates, Matrices, Stressed, matrices_at
+from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..linear.stress import stress
@@ -25,7 +26,7 @@ from ..model.by_name import ByName
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, told
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .stepper import Ramp
@@ -33,7 +34,7 @@ from .stops import STRESS, stops_of, unmet
 from .walk import Step, Walker
 
 
-class Path(ByName, AboutState, ManyStates, Result, Record):
+class Path(ByName, AboutState, Along, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
@@ -92,14 +93,30 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
             raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
 
+    def linearizations(self) -> Linearization:
+        """Linearised equations at all steps, which stand in front."""
+        return Linearization(self.matrices, self.model)
+
+    def at_critical_points(self) -> "Path":
+        """The critical points as states of a path of their own, in their order; at least one."""
+        found = []
+        for point in self.critical_points:
+            near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
+            factors = _factors(self.model, point.load_factor)
+            found.append(_look_at(self.model.topology, self.model.parameters, factors, jnp.asarray(point.x), near))
+        matrices, multipliers = jax.tree.map(lambda *a: jnp.stack(a), *found)
+        values = jnp.asarray(np.sign(hertz := frequencies_along(matrices)) * (2 * np.pi * hertz) ** 2)
+        loads = jnp.array([point.load_factor for point in self.critical_points])
+        stable = np.zeros(len(found), bool)
+        return Path(loads, matrices, values, multipliers, stable, self.critical_points, self.result, self.model)
+
     def factors(self, step: int) -> LoadFactors:
         """Load factors of the constant and of the incremental loads at one step.
 
         Args:
             step: Which, from 0.
         """
-        load: Any = self.load_factor[step]
-        return load_factors(load, 0.0) if self.model.parameters.increment is None else load_factors(1.0, load)
+        return _factors(self.model, self.load_factor[step])
 
     def stressed(self) -> Stressed:
         """What the stress of all steps is computed from."""
@@ -114,7 +131,7 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
         points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
         stable = np.asarray(self.stable)
         rows = {
-            "result": RESULTS(int(self.result)).name,
+            "result": told(self.result),
             "steps": f"{len(stable)}, {int(np.sum(stable))} of them stable",
             "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
             "critical points": ", ".join(points[:AT_MOST]) or "none",
@@ -122,6 +139,11 @@ class Path(ByName, AboutState, ManyStates, Result, Record):
         if self.stopped_by is not None:
             rows["stopped by"] = f"{self.stopped_by}, at load factor {short(self.load_factor[-1])}"
         return Summary(f"Path: {course(self.states())}", rows, "path")
+
+
+def _factors(model: Model, load: Any) -> LoadFactors:
+    """A path scales the incremental loads, or all where there are none."""
+    return load_factors(load, 0.0) if model.parameters.increment is None else load_factors(1.0, load)
 
 
 class _Found(NamedTuple):
@@ -152,6 +174,15 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
         return _Found(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
     return _Found(matrices, jnp.where(jnp.isnan(eigenvalues), jnp.inf, eigenvalues), multipliers, stable)
+
+
+@kernel
+def _look_at(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near):
+    """Matrices and load multipliers of a state on the path that is no step of it."""
+    at = state(topology, parameters, factors, x, near)
+    zero = jnp.zeros((), jnp.int32)
+    matrices = matrices_at(topology, parameters, factors, at, zero, zero)
+    return matrices, multipliers_of(*scaled_stiffness(topology, parameters, at, near))
 
 
 def path(

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from ..linear.along import Series
 from .geometry import Line, extent_of
 
 # Colours that also those who see few colours, and printers, tell apart (Okabe and Ito).
@@ -17,6 +18,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "spring": {"color": GREEN, "linewidth": 1.2},
     "joint": {"color": "#777777", "linewidth": 1.0},
 }
+PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # Share of the picture that arrows take.
 ARROW = 0.15
 
@@ -53,6 +55,20 @@ def plain_axes(ax: Any = None) -> Any:
         ValueError: ``ax`` are axes in space.
     """
     return new_axes(2, ax)
+
+
+def prefixed(drawn: Series) -> tuple[float, str]:
+    """By what to multiply a quantity so that it is read without powers of ten, and the label of its axis then.
+
+    Args:
+        drawn: The quantity.
+    """
+    finite = np.abs(drawn.values[np.isfinite(drawn.values)])
+    largest = np.max(finite, initial=0.0)
+    if not largest or drawn.unit == "-" or "," in drawn.unit:
+        return 1.0, drawn.axis
+    power = int(np.clip(3 * np.floor(np.log10(largest * 1.0000001) / 3), -9, 9))
+    return 10.0**-power, f"{drawn.label} [{PREFIXES[power]}{drawn.unit}]"
 
 
 def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:

@@ -4,11 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ..linear.spectrum import general_spectrum, is_real, to_frequency
-from ..motion.linearized import linearize_motion
+from ..linear.along import frequencies_along
 from ..motion.motion import Motion
 from ..paths.path import Path
-from ..results import RESULTS
 from .canvas import plain_axes
 from .modes import AT_MOST
 from .path import index_of, with_unit
@@ -41,7 +39,8 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_
         raise TypeError(f"Frequencies are drawn along a Path or a Motion, not along a {type(found).__name__}.")
     states = states_of(found)
     along, label = states.along, states.label
-    hertz = _of_motion(found) if isinstance(found, Motion) else np.asarray(found.frequencies)
+    of_motion = isinstance(found, Motion)
+    hertz = frequencies_along(found.linearizations().matrices) if of_motion else np.asarray(found.frequencies)
     if of is not None:
         index = index_of(found.labels, of)
         along, label = states.x[:, index], with_unit(found.labels, index)
@@ -55,14 +54,3 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_
     left_out = hertz.shape[1] - len(drawn)
     ax.legend(title=f"and {left_out} higher" if left_out > 0 else None)
     return ax
-
-
-def _of_motion(found: Motion) -> np.ndarray:
-    """Frequencies at every time, ascending, (n_t, n_q) [Hz]."""
-    m = linearize_motion(found).matrices
-    mass, stiffness = np.asarray(m.M0), np.asarray(m.K)
-    rows = np.full(mass.shape[:2], np.nan)
-    for i in np.flatnonzero(np.asarray(m.result) == int(RESULTS.successful.value)):
-        values, _ = general_spectrum(stiffness[i], mass[i])
-        rows[i] = np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))
-    return rows

@@ -1,25 +1,35 @@
-"""Coordinates and energies over time."""
+"""Coordinates, forces, stress, energies and what else a motion tells of, over time or over each other."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from ..linear.along import ENERGIES
 from ..motion.motion import Motion
-from .canvas import plain_axes
+from .canvas import plain_axes, prefixed
 from .path import index_of, with_unit
 
-ENERGIES = ("kinetic", "elastic", "potential", "energy")
 
-
-def history(found: Motion, of: Sequence[str] | str | None = None, *, velocity: bool = False, ax: Any = None) -> Any:
-    """Coordinates, velocities or energies of a motion over time.
+def history(
+    found: Motion,
+    of: Sequence[str] | str | None = None,
+    *,
+    velocity: bool = False,
+    x: str | None = None,
+    y: str | None = None,
+    ax: Any = None,
+) -> Any:
+    """Coordinates, velocities, energies or other quantities of a motion over time, or one over another.
 
     Args:
         found: Motion.
-        of: Coordinates such as "mass.x", or energies: "kinetic", "elastic", "potential", "energy" (their sum). The
-            coordinate that moves most unless given.
+        of: Coordinates such as "mass.x", or energies: "kinetic", "elastic", "potential", "energy" (their sum), or what
+            else :meth:`flexmb.motion.Motion.along` takes, of one unit: "force mass.x", "reaction foot.x",
+            "deformation leaf.2", "stress", "stress leaf". The coordinate that moves most unless given.
         velocity: Velocities of the coordinates in their place.
+        x: Quantity to draw ``y`` over, such as "displacement mass.x"; the time unless given.
+        y: One quantity to draw, in place of ``of``.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:
@@ -27,31 +37,61 @@ def history(found: Motion, of: Sequence[str] | str | None = None, *, velocity: b
 
     Raises:
         TypeError: ``found`` is not a Motion.
-        KeyError: No such coordinate.
-        ValueError: Energies and coordinates are asked for together.
+        KeyError: No such coordinate or quantity.
+        ValueError: Quantities of different units are asked for together; or arguments do not go together.
     """
     if not isinstance(found, Motion):
         raise TypeError(f"Argument `found` must be of fm.simulate(model, times), but is a {type(found).__name__}.")
+    if (x is not None or y is not None) and (of is not None or velocity):
+        raise ValueError("Arguments `x` and `y` say what to draw: leave `of` and `velocity` out.")
+    most = str(found.labels.x[found.states().most_moving()])
     ax = plain_axes(ax)
-    x = np.asarray(found.x)
-    wanted = [str(found.labels.x[found.states().most_moving()])] if of is None else [of] if isinstance(of, str) else of
-    energies = [name for name in wanted if name in ENERGIES]
-    if energies and len(energies) < len(wanted):
-        raise ValueError("Energies and coordinates have different units: draw them in two pictures.")
+    if x is not None or y is not None:
+        _draw_over(ax, found, x or "time", [y or most])
+    else:
+        wanted = [most] if of is None else [of] if isinstance(of, str) else list(of)
+        coordinates = {str(entry) for entry in found.labels.x}
+        energies = [name for name in wanted if name in ENERGIES]
+        if energies and len(energies) < len(wanted):
+            raise ValueError("Energies and coordinates have different units: draw them in two pictures.")
+        if velocity or energies or coordinates.issuperset(wanted):
+            _draw_over_time(ax, found, wanted, velocity)
+        else:
+            _draw_over(ax, found, "time", wanted)
+    ax.grid(visible=True, alpha=0.3)
+    ax.legend()
+    return ax
+
+
+def _draw_over(ax: Any, found: Motion, over: str, wanted: Sequence[str]) -> None:
+    """Quantities of one unit over another, with prefixes of their units."""
+    across, drawn = found.along(over), [found.along(name) for name in wanted]
+    if len({one.unit for one in drawn}) > 1:
+        told = ", ".join(f"'{one.label}' [{one.unit}]" for one in drawn)
+        raise ValueError(f"Quantities of different units are drawn in two pictures: {told}.")
+    factor, label = prefixed(across) if over != "time" else (1.0, across.axis)
+    joined = drawn[0]._replace(values=np.concatenate([one.values for one in drawn]))
+    size, first = prefixed(joined)
+    for one in drawn:
+        ax.plot(across.values * factor, one.values * size, label=one.label)
+    ax.set_xlabel(label)
+    kinds = dict.fromkeys(one.of for one in drawn)
+    ax.set_ylabel(first if len(drawn) == 1 else f"{' and '.join(kinds)} {first[first.rindex('[') :]}")
+
+
+def _draw_over_time(ax: Any, found: Motion, wanted: Sequence[str], velocity: bool) -> None:
+    """Energies, coordinates or their velocities over time."""
     t = np.asarray(found.t)
-    if energies:
+    if wanted[0] in ENERGIES:
         seen = found.observe()
-        for name in energies:
+        for name in wanted:
             ax.plot(t, np.asarray(getattr(seen, name)), label=name)
         ax.set_ylabel("energy [J]")
     else:
-        columns = np.asarray(found.xd if velocity else x)
+        columns = np.asarray(found.xd if velocity else found.x)
         for name in wanted:
             index = index_of(found.labels, name)
             label = with_unit(found.labels, index)
             ax.plot(t, columns[:, index], label=f"d/dt {label[:-1]}/s]" if velocity else label)
         ax.set_ylabel("velocity" if velocity else "coordinate")
     ax.set_xlabel("time [s]")
-    ax.grid(visible=True, alpha=0.3)
-    ax.legend()
-    return ax

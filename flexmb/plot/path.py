@@ -1,4 +1,4 @@
-"""Equilibrium paths, stable and unstable parts apart."""
+"""Equilibrium paths, stable and unstable parts apart: any two of their quantities."""
 
 from typing import Any
 
@@ -7,17 +7,28 @@ import numpy as np
 from ..display import unit_of
 from ..model.model import Labels
 from ..paths.path import Path
-from .canvas import BLACK, BLUE, RED, plain_axes
+from .canvas import BLACK, BLUE, GREY, RED, plain_axes, prefixed
 
 MARKERS = {"limit": "o", "bifurcation": "s"}
+# What is drawn over a coordinate has a slope at the start that says how far the mechanism is from a linear one.
+FORCES = ("force", "moment", "reaction")
+# States at the start that the slope is taken from.
+FIRST = 4
 
 
-def path(found: Path, of: str | None = None, *, ax: Any = None) -> Any:
-    """Load factor over a coordinate: solid where the equilibrium is stable, dashed where it is not.
+def path(found: Path, of: str | None = None, *, x: str | None = None, y: str | None = None, ax: Any = None) -> Any:
+    """Load factor over a coordinate, or any quantity over any other: solid where stable, dashed where not.
+
+    ``fm.plot.path(found, x="displacement top.x", y="force top.x")`` is force against stroke, with the slope at the
+    start as a thin line.
 
     Args:
         found: Path.
-        of: Coordinate such as "tip.y"; the one that moves most unless given.
+        of: Coordinate such as "tip.y" to draw the load factor over; the one that moves most unless given.
+        x: Quantity to draw over in its place, as :meth:`flexmb.paths.Path.along` takes it: "top.x", "displacement
+            top.x", "force top.x", "reaction foot.x", "deformation leaf.2", "stress", "frequency 1", "stiffness top.y",
+            "multiplier 1", "load factor".
+        y: Quantity to draw, likewise; the load factor unless given.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:
@@ -25,28 +36,59 @@ def path(found: Path, of: str | None = None, *, ax: Any = None) -> Any:
 
     Raises:
         TypeError: ``found`` is not a Path.
-        KeyError: No such coordinate.
+        KeyError: No such coordinate or quantity.
+        ValueError: Both ``of`` and ``x`` are given.
     """
     if not isinstance(found, Path):
         raise TypeError(f"Argument `found` must be of fm.path(model), but is a {type(found).__name__}.")
-    ax = plain_axes(ax)
-    x, load = np.asarray(found.matrices.x), np.asarray(found.load_factor)
+    if of is not None and x is not None:
+        raise ValueError("Arguments `of` and `x` both say what to draw over: give `x` alone.")
     index = found.states().most_moving() if of is None else index_of(found.labels, of)
-    stable = np.asarray(found.stable)
-    at, height, kept = _with_critical(x[:, index], load, stable, found, index)
+    plain = x is None and y is None
+    asked = str(found.labels.x[index]) if x is None else x, "load factor" if y is None else y
+    ax = plain_axes(ax)
+    drawn = [found.along(text) for text in asked]
+    points = found.at_critical_points() if found.critical_points else None
+    critical = [np.zeros(0) if points is None else points.along(text).values for text in asked]
+    if plain:
+        units = [(1.0, with_unit(found.labels, index)), (1.0, drawn[1].axis)]
+    else:
+        units = [prefixed(one) for one in drawn]
+    a, b = (one.values * factor for one, (factor, _) in zip(drawn, units, strict=True))
+    ca, cb = (own * factor for own, (factor, _) in zip(critical, units, strict=True))
+    if not plain and drawn[0].of == "coordinate" and drawn[1].of in FORCES:
+        _draw_slope(ax, a, b)
+    at, height, kept = _with_critical((a, b), (ca, cb), np.asarray(found.stable), found)
     for label, wanted, style in (("stable", True, "-"), ("unstable", False, "--")):
         pieces = _runs(at, height, kept == wanted)
         if len(pieces):
             ax.plot(*pieces.T, style, color=BLUE if wanted else RED, label=label)
     for kind, marker in MARKERS.items():
-        points = [(point.x[index], point.load_factor) for point in found.critical_points if point.kind == kind]
-        if points:
-            ax.plot(*np.array(points).T, marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
-    ax.set_xlabel(with_unit(found.labels, index))
-    ax.set_ylabel("load factor [-]")
+        own = [i for i, point in enumerate(found.critical_points) if point.kind == kind]
+        if own:
+            ax.plot(ca[own], cb[own], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
+    ax.set_xlabel(units[0][1])
+    ax.set_ylabel(units[1][1])
     ax.grid(visible=True, alpha=0.3)
     ax.legend()
     return ax
+
+
+def _draw_slope(ax: Any, at: np.ndarray, height: np.ndarray) -> None:
+    """Thin line with the slope of a curve at its start, as far as the curve reaches.
+
+    The slope is that of the polynomial through the first states, whose steps are small beside what bends the curve.
+    """
+    a, b = at[:FIRST] - at[0], height[:FIRST] - height[0]
+    if len(a) < 2 or np.any(np.diff(a) * np.sign(a[-1]) <= 0):
+        return
+    scale = a[-1]
+    slope = np.polynomial.Polynomial.fit(a / scale, b, len(a) - 1, domain=[-1, 1]).deriv()(0.0) / scale
+    ends = np.array([np.min(at), np.max(at)]) - at[0]
+    reach = 1.05 * np.max(np.abs(height - height[0]))
+    if slope:
+        ends = np.clip(ends, -reach / abs(slope), reach / abs(slope))
+    ax.plot(at[0] + ends, height[0] + slope * ends, "-", color=GREY, linewidth=0.9, label="slope at the start")
 
 
 def index_of(labels: Labels, name: str) -> int:
@@ -68,21 +110,25 @@ def with_unit(labels: Labels, index: int) -> str:
     return f"{labels.x[index]} [{unit_of(labels.x[index])}]"
 
 
-def _with_critical(at, load, stable, found: Path, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _with_critical(steps, critical, stable, found: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the path with the critical ones among them, and whether each piece between two points is stable.
 
     Critical points lie between the steps at which stability changes, in the order of the path; a piece that has an end
     in an unstable state, and no critical point between, is drawn as unstable.
+
+    Args:
+        steps: What is drawn over, and what is drawn, at each step.
+        critical: The same at each critical point.
     """
-    left = list(found.critical_points)
-    points, kept = [(at[0], load[0])], []
+    (at, height), x = steps, np.asarray(found.x)
+    left = list(zip(found.critical_points, *critical, strict=True))
+    points, kept = [(at[0], height[0])], []
     for i in range(1, len(at)):
         between = []
-        while left and _between(left[0].x, np.asarray(found.matrices.x)[i - 1 : i + 1]):
+        while left and _between(left[0][0].x, x[i - 1 : i + 1]):
             between.append(left.pop(0))
-        for point in between:
-            points.append((point.x[index], point.load_factor))
-        points.append((at[i], load[i]))
+        points += [(a, b) for _, a, b in between]
+        points.append((at[i], height[i]))
         kept += [stable[i - 1] if between else stable[i - 1] and stable[i]]
         kept += [False] * max(len(between) - 1, 0) + ([stable[i]] if between else [])
     return np.array([p[0] for p in points]), np.array([p[1] for p in points]), np.array(kept, bool)

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_numbers
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
-from ..display import Result, Summary, largest
+from ..display import Result, Summary, largest, unit_of_rate
 from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
@@ -19,7 +19,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, told
 from .solve import held_values
 
 # Degrees of freedom go from their start values in steps of this share of the mechanism's extent, or radians.
@@ -51,8 +51,8 @@ class Configuration(ByName, Result, Record):
     def summary(self) -> Summary:
         """Outcome, and the largest velocity and deformation with their names."""
         rows = {
-            "result": RESULTS(int(self.result)).name,
-            "largest velocity": largest(self.xd, self.labels.x, "[m/s, rad/s]"),
+            "result": told(self.result),
+            "largest velocity": largest(self.xd, self.labels.x, unit_of_rate),
             "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
         }
         return Summary(f"Configuration: {len(self.x)} coordinates, {len(self.e)} deformations", rows)

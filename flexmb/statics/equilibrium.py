@@ -6,14 +6,14 @@ from jaxtyping import Array, Float, Int
 
 from ..arguments import check_flag, check_number, is_concrete
 from ..compilation.record import Record, static
-from ..display import Result, Summary, largest
+from ..display import Result, Summary, largest, unit_of_force
 from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
-from ..results import RESULTS, check
+from ..results import check, told
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
 
@@ -47,11 +47,11 @@ class Equilibrium(ByName, Result, Record):
     def summary(self) -> Summary:
         """Outcome, and the largest deformation, stress resultant and reaction with their names."""
         rows = {
-            "result": RESULTS(int(self.result)).name,
+            "result": told(self.result),
             "iterations": str(int(self.iterations)),
             "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
             "largest stress resultant": largest(self.sigma, self.labels.e, "[N, N m]"),
-            "largest reaction": largest(self.reactions, self.labels.x, "[N, N m]"),
+            "largest reaction": largest(self.reactions, self.labels.x, unit_of_force),
         }
         return Summary(f"Equilibrium: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
 

@@ -445,6 +445,34 @@ def test_time_history_energies_and_frequency_of_a_motion(swinging):
     assert beam[-1, 0] == pytest.approx(1 + 0.01 * np.cos(2.5), abs=1e-7)
 
 
+def test_any_two_quantities_of_a_path_or_a_motion(snapping, swinging):
+    ax = plot.path(snapping, x="displacement top.y", y="force top.y")
+    assert ax.get_xlabel() == "displacement top.y [mm]"
+    assert ax.get_ylabel() == "force top.y [N]"
+    labels = [line.get_label() for line in ax.lines]
+    assert "slope at the start" in labels
+    # The limit points are the extremes of the force, and lie where the load factor has them.
+    limits = ax.lines[labels.index("limit point")].get_ydata()
+    applied = float(snapping.force_needed("top", "y")[-1])
+    np.testing.assert_allclose(limits, applied * np.array([p.load_factor for p in snapping.critical_points]), rtol=1e-9)
+    # EA (h / l)^2 / l at rest, by a polynomial through four steps of a tenth of the way to the limit.
+    slope = ax.lines[labels.index("slope at the start")]
+    rise = np.diff(slope.get_ydata()) / np.diff(slope.get_xdata())
+    assert 1e3 * float(rise[0]) == pytest.approx(1000 * 0.2**2 / 1.04**1.5, rel=0.02)
+    ax = plot.history(swinging, x="displacement cart.x", y="acceleration cart.x")
+    # 100 N/m and 4 kg; ten times the tolerance of the integration.
+    x, y = (np.asarray(v) for v in ax.lines[0].get_data())
+    np.testing.assert_allclose(y, -25.0 * x, atol=1e-3)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement cart.x [mm]", "acceleration cart.x [mm/s²]")
+    drawn = plot.history(swinging, ["reaction wall.x", "force cart.x"])
+    assert drawn.get_ylabel() == "reaction and force [N]"
+    np.testing.assert_allclose(drawn.lines[0].get_ydata(), -0.1 * x, atol=1e-12)
+    with pytest.raises(ValueError, match="drawn in two pictures"):
+        plot.history(swinging, ["reaction wall.x", "frequency 1"])
+    with pytest.raises(ValueError, match="give `x` alone"):
+        plot.path(snapping, "top.x", x="top.y")
+
+
 def test_bode_plot_has_its_resonance_and_only_outputs_that_respond():
     model = planar_guide(ratio=0.005).build()
     figure = plot.bode(model)

@@ -68,7 +68,7 @@ def test_model_linearization_and_modes(cart):
     assert rows["largest displacement"] == "0.01 m"
     assert (rows["diagonal of M0"], rows["diagonal of K0 + N0 + G0"]) == ("4", "100")
     rows = shown(fm.modes(cart))
-    assert rows == {"frequencies": f"{5 / (2 * np.pi):.5g} Hz", "stable": "yes"}
+    assert rows == {"mode 1": f"{5 / (2 * np.pi):.5g} Hz, moves cart.x most", "stable": "yes"}
 
 
 def test_path_and_motion(cart):
@@ -97,7 +97,7 @@ def test_sweep():
 
 def test_buckling():
     found = fm.buckling(planar_guide(force=(0, -1.0)).build())
-    assert shown(found)["load multipliers"].startswith("78.75")
+    assert shown(found)["mode 1"].startswith("load multiplier 78.75")
 
 
 def test_traced_and_stacked_results_keep_their_text(cart):
