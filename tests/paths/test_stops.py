@@ -81,6 +81,8 @@ def test_any_bifurcation_is_left_to_either_side():
         assert path.stopped_by == "apex.x"
         assert float(path.at("apex")[-1, 0]) == pytest.approx(first, abs=1e-15)
         assert sum(c.kind == "bifurcation" for c in path.critical_points) == number
+        # Not where it comes to the axis again, under the opposite load.
+        assert path.load_factor[-1] * path.critical_points[-1].load_factor > 0
         assert out_of_balance(path) < 1e-6
     # One after the other: the sideways branch comes back to the axis at -P, upside down. From there the straight state
     # leads on with a rising load through none at all into tension, or with a falling one to its limit point, -top.
