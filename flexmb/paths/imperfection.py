@@ -66,7 +66,8 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float]) -> Model:
     grow with the load.
 
     Args:
-        imperfection: Largest displacement of each mode, by its number from 1, with its sign [m].
+        imperfection: Largest displacement of each mode, by its number from 1 [m]; where it is positive, the position
+            that changes most in the mode grows.
 
     Raises:
         TypeError: It is no mapping of numbers to lengths.
@@ -105,7 +106,7 @@ def _growing_from_zero(model: Model) -> Model:
 
 
 def _unit_motion(found: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
-    """A buckling mode whose largest displacement is 1 m."""
+    """A buckling mode whose largest displacement is 1 m, and in which the position that changes most grows."""
     count = found.shapes.shape[1]
     if number > count:
         raise ValueError(f"Argument `imperfection` asks for buckling mode {number}, but under these loads are {count}.")
@@ -113,4 +114,10 @@ def _unit_motion(found: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
     largest = largest_displacement(found.lin.model, found.lin.x, found.shapes[:, number - 1])
     if not largest > 0:
         raise ValueError(f"Argument `imperfection` is a length, but buckling mode {number} moves no point.")
-    return shape / largest
+    sizes = np.abs(shape)
+    positions = np.zeros(len(shape))
+    positions[np.asarray(found.lin.model.topology.axes)] = 1.0
+    moved = sizes * positions if np.any(sizes * positions > SMALL * sizes.max()) else sizes
+    # The first of several that change alike, as both ends of a column turn.
+    first = int(np.argmax(moved > (1 - 1e-6) * moved.max()))
+    return shape / (largest * np.sign(shape[first]))

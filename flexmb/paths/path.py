@@ -213,7 +213,7 @@ def path(
             along phi, the other branch follows the load: 1 with a rising load factor, -1 with a falling one.
         imperfection: By how much the undeformed mechanism is bent without stress: the largest displacement [m] of each
             buckling mode, by its number from 1, as ``{1: 1e-6}``. They are those of ``fm.buckling`` about the state in
-            which the path begins, for the loads that grow, numbered and signed in the same way.
+            which the path begins, for the loads that grow. A positive one lets the position grow that moves most.
         throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:

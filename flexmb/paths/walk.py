@@ -123,12 +123,13 @@ def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, 
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     other = jnp.concatenate([beside.x[topology.x.dof], beside.strained[topology.e.dof]])
     phi, psi = null_vectors(topology, at, scale.sizes, shift, other)
-    # The other direction in which r does not change to first order is normal to phi: K with phi made stiff gives it.
+    # In another direction, normal to phi, the load changes and r does not: K with phi made stiff gives it.
     z = at.transfer.DFx / scale.sizes[:, None]
     metric = z.T @ z
     stiffened = at.K0 + at.G0 + shift / SHIFT * jnp.outer(metric @ psi, metric @ phi) / (psi @ metric @ phi)
     onto, by_load = load_response(topology, parameters, ramp, at)
-    along = onto - at.transfer.DFx @ factorise(stiffened).solve(by_load)
+    dq = -factorise(stiffened).solve(by_load)
+    along = onto + at.transfer.DFx @ (dq - phi * (phi @ metric @ dq) / (phi @ metric @ phi))
     return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0)), direction_of(at, along, jnp.array(1.0))
 
 
@@ -482,7 +483,7 @@ class Walker:
             for angle in np.arange(1, 8) * np.pi / 8:
                 fan.append(jax.tree.map(lambda a, b, t=angle: np.cos(t) * a + np.sin(t) * b, phi, other))
         for direction in fan:
-            length = FIRST_ON_BRANCH / self.motion(direction)
+            length = min(FIRST_ON_BRANCH / self.motion(direction), self.longest(direction))
             for _ in range(6):
                 new = self.advance(begin.point, direction, length)
                 if bool(new.converged) and float(new.cosine) > 0.5:
@@ -618,9 +619,11 @@ class Walker:
                 break
             number = sum(point.kind == "bifurcation" for point in self.critical)
             if crossing.kind == "bifurcation" and number in switch:
-                begin, side, others = crossing.zero.step, switch.pop(number), motions[i + 1 :]
-                if abs(product(self.scale, begin.tangent, unit(self.scale, phi))) > SMALLEST_COSINE:
+                others, side = motions[i + 1 :], switch.pop(number)
+                way, _ = self.chord(taken.begin.point, taken.end.point)
+                along_phi, along_load = (abs(product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i]))
+                if along_phi > along_load:
                     # The walk came along phi itself, and the other branch is the one that follows the load.
                     phi, others = loaded[i], []
-                return Left(self.branch(begin, phi, others, side))
+                return Left(self.branch(crossing.zero.step, phi, others, side))
         return None

@@ -39,10 +39,12 @@ def card(found: Result) -> str | None:
 def _picture(found: Result, name: str, small: Mapping[str, Any]) -> str:
     """Small picture of a result as PNG in base64."""
     import matplotlib
+    import matplotlib.pyplot as plt
 
-    with matplotlib.rc_context({"backend": "agg", "font.size": 9}):
-        import matplotlib.pyplot as plt
-
+    if not plt.get_fignums():
+        # A backend is loaded with the first figure, and set up by a notebook as it is loaded: it is to be the user's.
+        plt.switch_backend(matplotlib.get_backend())
+    with matplotlib.rc_context({"font.size": 9}):
         figure = getattr(plot, name)(found, **small).figure
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)

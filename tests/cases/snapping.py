@@ -30,7 +30,7 @@ def load_at(y, EA=1e4, height=1.0, base=BASE):
     return 2 * EA * (1 / np.hypot(base, y) - 1 / np.hypot(base, height)) * y
 
 
-def column(beams, load, *, preload=0.0, bow=0.0):
+def column(beams, load, *, preload=0.0, bow=0.0, shortening=0.0):
     """Pinned column of length 2 along x, EI = 1: two cantilevers of length 1, back to back."""
     section = fm.Rigidity(EA=1e8, EIy=1.0, mass=1.0)
     b = fm.Builder()
@@ -40,7 +40,10 @@ def column(beams, load, *, preload=0.0, bow=0.0):
         b.add(planar.beam, str(i), str(i + 1), section=section)
     b.fix("0", "x", "y")
     b.fix(str(beams), "y")
-    b.force(str(beams), (-load, 0), increment=preload > 0)
+    if shortening:
+        b.prescribe(str(beams), "x", -shortening)
+    else:
+        b.force(str(beams), (-load, 0), increment=preload > 0)
     if preload:
         b.force(str(beams), (-preload, 0))
     return b.build()

@@ -281,12 +281,12 @@ def test_stability_without_a_potential():
     np.testing.assert_array_equal(path.stable, real)
 
 
-def cosine_beam(arcs, order, *, half=False, height=5e-3, load=300.0):
+def cosine_beam(arcs, order, *, half=False, height=5e-3, load=300.0, thickness=0.5e-3):
     """Clamped beam, a period of a cosine 100 mm long, its middle guided; or its left half under half of the load."""
     x = np.linspace(0, 0.1, arcs + 1)
     y, slope = height / 2 * (1 - np.cos(20 * np.pi * x)), np.arctan(10 * np.pi * height * np.sin(20 * np.pi * x))
     chords, turns = np.hypot(np.diff(x), np.diff(y)), np.diff(slope)
-    section = fm.Rectangle(0.01, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    section = fm.Rectangle(0.01, thickness, fm.Material(E=210e9, G=80e9, rho=7850.0))
     b = fm.Builder()
     middle = arcs // 2
     for i in range(middle + 1 if half else arcs + 1):
@@ -327,6 +327,39 @@ def test_a_cosine_beam_passes_all_its_bifurcations(height, load):
     # No state is far from the last: nothing was stepped over.
     middle = np.asarray(path.at("4")[:, 1])
     assert np.max(np.abs(np.diff(middle))) < 0.25 * height
+
+
+def shallow_cosine_arch(thrust, ratio):
+    """Load and displacement of a shallow clamped cosine arch at a thrust, closed form (A7-bistable).
+
+    Thrust as N = sqrt(P L^2/EI), load over EI h/L^3, displacement over h, ratio h/t. W' = A cos(2 pi s) + F/(2 N^2) (1
+    - cos(N s)/cos(N/4)), s from the quarter point; N^2 = 12 ratio^2 times the length that the arch has lost.
+    """
+    s, weights = np.polynomial.legendre.leggauss(40)
+    s, weights = s / 4, weights / 4
+    before, of_load = np.pi * np.cos(2 * np.pi * s), (1 - np.cos(thrust * s) / np.cos(thrust / 4)) / (2 * thrust**2)
+    of_thrust = before * 4 * np.pi**2 / (4 * np.pi**2 - thrust**2)
+    lost = np.array([-weights @ of_load**2, -2 * weights @ (of_load * of_thrust), weights @ (before**2 - of_thrust**2)])
+    loads = np.roots(lost - [0, 0, thrust**2 / (12 * ratio**2)])
+    return sorted((load, 1 - weights @ (of_thrust + load * of_load)) for load in loads)[::-1]
+
+
+def test_a_bistable_beam_snaps_by_its_third_mode():
+    """A7-bistable: the beam of Qiu, Lang and Slocum, its second mode suppressed; h/t = 10 gives what they print."""
+    height, thickness, most = 2e-3, 0.2e-3, 900.0
+    unit = 210e9 * 0.01 * thickness**3 / 12 * height / 0.1**3
+    model = cosine_beam(8, 6, half=True, height=height, load=most * unit, thickness=thickness)
+    # Leaves for the third mode, and comes back from it to the straight state upside down, which follows the load.
+    path = fm.path(model, switch={1: 1, 2: 1}, stop={"4.y": -2 * height})
+    assert path.stopped_by == "4.y"
+    assert [c.kind for c in path.critical_points] == ["bifurcation"] * 2
+    index = path.labels.coordinates("4")[1]
+    found = np.array([(most * c.load_factor, 1 - c.x[index] / height) for c in path.critical_points])
+    # To what is printed: a unit of the last digit but for zeros.
+    assert np.all(np.abs(found - [[740, 0.16], [-370, 1.92]]) < [10, 0.01])
+    # The shallow arch leaves out squares of the slope, 0.06^2; eight arcs are 1e-3 off.
+    expected = np.array(shallow_cosine_arch(4 * np.pi, 10.0))
+    np.testing.assert_allclose(found, expected, rtol=4e-3)
 
 
 def test_two_bifurcations_at_once():

@@ -7,6 +7,8 @@ import io
 import re
 
 import jax
+import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from cases.mechanisms import planar_guide
@@ -93,6 +95,18 @@ def test_sweep():
     assert text is not None
     assert "<img" not in text
     assert f">2 {RESULTS(2).name}<" in text
+
+
+def test_a_card_leaves_pictures_to_the_user(cart):
+    # A backend that draws no window stays what it was, so that the next figure is shown where the user wants it.
+    plt.close("all")
+    before = matplotlib.get_backend()
+    matplotlib.use("svg")
+    try:
+        assert cart._repr_html_() is not None
+        assert matplotlib.get_backend() == "svg"
+    finally:
+        matplotlib.use(before)
 
 
 def test_buckling():
