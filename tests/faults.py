@@ -1115,6 +1115,7 @@ FAULTS = [
         "(-1 if minimize else 1)",
         "design/test_tune.py -k several_starts",
     ),
+    Fault("design/problem.py", "scale = largest or abs(v)", "scale = abs(v)", "design/test_tune.py -k force_curve"),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
     Fault(
         "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"

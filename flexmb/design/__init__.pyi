@@ -1,5 +1,6 @@
 """Names that this room offers beside those of flexmb itself."""
 
+from .curve import Curve as Curve
 from .designs import Designs as Designs
 from .designs import grid as grid
 from .designs import latin_hypercube as latin_hypercube

@@ -14,6 +14,7 @@ from ..display import Result, Summary
 from ..errors import AnalysisError, clean
 from ..progress import reporting
 from ..results import RESULTS
+from .curve import Curve
 from .designs import checked_bounds, numbers
 from .evaluate import (
     Answers,
@@ -54,6 +55,7 @@ class Tuned(Result):
         history: Every evaluation of the run that led here: dimensions and answers by name, "objective" and
             "violation", each (evaluations, ...).
         runs: Objective and violation of every start, (starts, 2), NaN where the start itself failed.
+        curves: Targets that are curves, by the names of their answers.
     """
 
     dimensions: dict[str, Any]
@@ -66,6 +68,7 @@ class Tuned(Result):
     violation: float
     history: dict[str, np.ndarray]
     runs: np.ndarray
+    curves: dict[str, Curve] = dataclasses.field(default_factory=dict)
 
     @property
     def evaluations(self) -> int:
@@ -183,7 +186,9 @@ def tune(
         bounds: Lower and upper value of each by name [SI].
         minimize: Name of the answer that should be small.
         maximize: Name of the answer that should be large.
-        targets: Values that answers should come near to, by name: least squares of the relative differences.
+        targets: Values that answers should come near to, by name: least squares of the relative differences. A
+            whole curve, such as the forces along a stroke, is a :class:`flexmb.design.Curve`, whose differences count
+            relative to its largest value; ``fm.equilibria`` answers such a stroke at once.
         limits: Lower and upper value of answers by name, None for none.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic where the lower bound is positive.
@@ -266,6 +271,7 @@ def tune(
             runs = [from_start(kernel, unit) for unit in units]
     best = min(runs, key=lambda run: (not run.answered, run.violation > 2 * tolerance and run.violation, run.objective))
     found = _found(best, runs, problem, scaling, of_answers, at_start[0], tolerance)
+    found = dataclasses.replace(found, curves={n: t for n, t in (targets or {}).items() if isinstance(t, Curve)})
     if throw and found.result is not RESULTS.successful:
         raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
     return found

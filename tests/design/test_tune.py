@@ -9,6 +9,9 @@ import pytest
 from cases import design_cases
 
 import flexmb as fm
+from flexmb import planar
+from flexmb.design.evaluate import Layout
+from flexmb.design.problem import make_problem
 
 BOUNDS = {"thickness": (0.1e-3, 2e-3)}
 # E1, printed to nine digits [Hz, m], and where the search starts: far away at an end of the bounds, or near the middle.
@@ -255,3 +258,58 @@ def test_the_best_of_several_starts_is_returned():
         np.testing.assert_allclose(np.unique(np.round(ends, 5)), [valleys(low), valleys(high)], atol=1e-5)
         assert found.dimensions["a"] == pytest.approx(low, abs=1e-3)
         assert found.answers["f"] == pytest.approx(valleys(low), abs=1e-6)
+
+
+def flat_truss(bars, height):
+    """A7 with a spring of 100 N/m on its apex, whose other end is pushed down by 1 m for each unit of the increment."""
+    b = fm.Builder()
+    for name, place in {"left": (-10, 0), "right": (10, 0), "apex": (0, height), "drive": (0, height + 2)}.items():
+        b.node(name, place)
+    for foot in ("left", "right"):
+        b.add(planar.truss, foot, "apex", section=fm.Rigidity(EA=bars, mass=1.0))
+        b.fix(foot)
+    b.add(planar.truss, "drive", "apex", section=fm.Rigidity(EA=200.0, mass=1.0))
+    b.fix("apex", "x")
+    b.fix("drive", "x")
+    b.prescribe("drive", "y", -1.0, increment=True)
+    return b.build()
+
+
+def test_a_force_curve_gives_the_truss_that_has_it():
+    """The closed form of A7 past both limit points is the curve: of EA = 1e4 and a height of 1."""
+    heights = np.array([0.8, 0.5, 0.0, -0.4, -1.1])
+    forces = 2e4 * (1 / np.hypot(10, heights) - 1 / np.hypot(10, 1)) * heights
+    strokes = 1 - heights + forces / 100
+
+    def force(model):
+        along = fm.equilibria(model, increment=strokes)
+        return -along.reactions[:, along.labels.known("drive")[1]]
+
+    curve = fm.design.Curve(strokes, forces)
+    found = fm.tune(
+        flat_truss,
+        force,
+        {"bars": 0.7e4, "height": 1.2},
+        {"bars": (5e3, 2e4), "height": (0.8, 1.3)},
+        targets={"force": curve},
+    )
+    # A square that is met to 1e-10 of its start knows its root to half as many digits; beyond that Newton squares it.
+    np.testing.assert_allclose(found.answers["force"], forces, atol=1e-7 * np.max(np.abs(forces)))
+    assert found.dimensions["bars"] == pytest.approx(1e4, rel=1e-5)
+    assert found.dimensions["height"] == pytest.approx(1.0, rel=1e-6)
+    # Differences count relative to the largest force, also where the curve crosses zero.
+    off = (found.start["force"] - forces) / np.max(np.abs(forces))
+    assert found.history["objective"][0] == pytest.approx(off @ off / 2, rel=1e-12)
+    assert found.curves == {"force": curve}
+
+
+def test_curves_that_cannot_be():
+    for over, values, words in (([1, 2], [1], "2,.* places"), ([1, np.inf], [1, 2], "finite"), ([], [], "one value")):
+        with pytest.raises(ValueError, match=words):
+            fm.design.Curve(over, values)
+    curve = fm.design.Curve([1.0, 2.0], 5.0)
+    asked = {"minimize": None, "maximize": None, "targets": {}, "equal": {}, "limits": {}, "margin": 0.0}
+    for shape, words, wanted in (((3,), "2 places", "targets"), ((2,), "a target", "equal")):
+        layout = Layout(("f", "g"), (shape, ()))
+        with pytest.raises(ValueError, match=words):
+            make_problem(layout, np.ones(shape[0] + 1), **{**asked, "maximize": "g", wanted: {"f": curve}})
