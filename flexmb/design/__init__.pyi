@@ -12,4 +12,5 @@ from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import Tolerances as Tolerances
 from .swept import Front as Front
 from .swept import Sweep as Sweep
-from .tune import Tuned as Tuned
+from .tuned import Combination as Combination
+from .tuned import Tuned as Tuned

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..design.tune import Tuned
+from ..design.tuned import Tuned
 from .canvas import BLACK, BLUE, GREY
 
 

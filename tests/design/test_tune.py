@@ -313,3 +313,78 @@ def test_curves_that_cannot_be():
         layout = Layout(("f", "g"), (shape, ()))
         with pytest.raises(ValueError, match=words):
             make_problem(layout, np.ones(shape[0] + 1), **{**asked, "maximize": "g", wanted: {"f": curve}})
+
+
+STEEL, TITANIUM = {"E": 210.0, "rho": 7850.0}, {"E": 110.0, "rho": 4430.0}
+
+
+def springs(count, material, t, gap=0.3):
+    """Leaf springs side by side: stiffness E t^3 and mass rho t of each, and between them the best gap is 0.3."""
+    if count == 5:
+        raise fm.ModelError("five do not fit")
+    stiffness = sum(material["E"] * t**3 for _ in range(count))
+    return {"k": stiffness, "mass": count * material["rho"] * t + 100 * (count > 1) * (gap - 0.3) ** 2}
+
+
+def of(name):
+    return lambda made: made[name]
+
+
+def test_the_best_of_every_combination_of_choices():
+    found = fm.tune(
+        springs,
+        {"k": of("k"), "mass": of("mass")},
+        {"t": 1.0, "gap": 0.2},
+        {"t": (0.1, 10.0), "gap": (0.1, 1.0)},
+        minimize="mass",
+        limits={"k": (500.0, None)},
+        choices={"count": [5, 1, 2], "material": {"steel": STEEL, "titanium": TITANIUM}},
+    )
+    assert found.choices == {"count": 1, "material": TITANIUM}
+    # Closed form: t^3 = 500/(n E), from inside by the tolerance. A single one has no gap, which is no fault.
+    assert found.dimensions["t"] == pytest.approx((500 / 110) ** (1 / 3), rel=2e-6)
+    assert [one.labels["count"] for one in found.combinations] == ["5", "5", "1", "1", "2", "2"]
+    assert {one.result for one in found.combinations[:2]} == {fm.RESULTS.impossible_design}
+    for one in found.combinations[2:]:
+        n, material = one.choices.values()
+        least = n * material["rho"] * (500 / n / material["E"]) ** (1 / 3)
+        # All over the mass of the first that could be built, one of steel 1 thick, whatever its own start is.
+        assert one.tuned.objective == pytest.approx(least / 7850, rel=1e-5)
+    table = str(found).splitlines()[-7:]
+    assert table[0].split() == ["count", "material", "objective", "violation", "result"]
+    assert table[1].endswith("impossible_design: five do not fit")
+    assert table[4].split()[:4] == ["*", "1", "titanium", "0.9348"]
+
+
+def test_choices_alone():
+    """Nothing else varies; what breaks a limit is not chosen, however light."""
+    found = fm.tune(
+        lambda count, material: springs(count, material, 1.0),
+        {"k": of("k"), "mass": of("mass")},
+        {},
+        {},
+        minimize="mass",
+        limits={"k": (200.0, None)},
+        choices={"count": range(1, 4), "material": [STEEL, TITANIUM]},
+    )
+    assert found.choices == {"count": 1, "material": STEEL}
+    assert [one.result.name for one in found.combinations[:2]] == ["successful", "infeasible"]
+    assert found.combinations[1].labels["material"] == "material[1]"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"count": range(60), "material": [STEEL, TITANIUM]}, "120 combinations of choices .count 60, material 2."),
+        ({"count": [], "material": [STEEL]}, "'count' has no value"),
+        ({"count": 2, "material": [STEEL]}, "'count' must be a list of values"),
+        ({"count": [1], "material": [STEEL], "t": [1.0]}, "'t' is a choice and a dimension"),
+        ({"count": [1], "materials": [STEEL]}, "'materials' is not one of springs"),
+        ({"count": [5], "material": [STEEL]}, "five do not fit"),
+        ({"count": [1], "material": [STEEL, TITANIUM]}, "depends on dimension 'gap'"),
+    ],
+)
+def test_choices_that_cannot_be(changes, words):
+    dimensions, bounds = {"t": 1.0, "gap": 0.2}, {"t": (0.1, 10.0), "gap": (0.1, 1.0)}
+    with pytest.raises(ValueError, match=words):
+        fm.tune(springs, {"mass": of("mass")}, dimensions, bounds, minimize="mass", choices=changes)

@@ -7,7 +7,7 @@ import pytest
 import flexmb as fm
 from flexmb import plot
 from flexmb.design.sensitivities import Sensitivities, Tolerances
-from flexmb.design.tune import Tuned
+from flexmb.design.tuned import Tuned
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
