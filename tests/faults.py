@@ -1253,6 +1253,21 @@ FAULTS = [
         "(-1 if minimize else 1)",
         "design/test_tune.py -k several_starts",
     ),
+    Fault("design/problem.py", "scale = largest or abs(v)", "scale = abs(v)", "design/test_tune.py -k force_curve"),
+    Fault(
+        "design/tune.py",
+        "if reference is None else reference, margin",
+        ", margin",
+        "design/test_tune.py -k combination",
+    ),
+    Fault("design/tune.py", "best = min(tried, key=rank)", "best = tried[-1]", "design/test_tune.py -k choices"),
+    Fault(
+        "design/tune.py",
+        "np.all(dependence, axis=0)",
+        "np.any(dependence, axis=0)",
+        "design/test_tune.py -k combination",
+    ),
+    Fault("design/choices.py", "if count > MOST:", "if False:", "design/test_tune.py -k choices_that"),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
     Fault(
         "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"

@@ -1,5 +1,6 @@
 """Names that this room offers beside those of flexmb itself."""
 
+from .curve import Curve as Curve
 from .designs import Designs as Designs
 from .designs import grid as grid
 from .designs import latin_hypercube as latin_hypercube
@@ -11,4 +12,5 @@ from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import Tolerances as Tolerances
 from .swept import Front as Front
 from .swept import Sweep as Sweep
-from .tune import Tuned as Tuned
+from .tuned import Combination as Combination
+from .tuned import Tuned as Tuned

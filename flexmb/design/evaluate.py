@@ -155,7 +155,7 @@ class Layout(NamedTuple):
                 parts.append(np.broadcast_to(array, shape).ravel())
             except ValueError:
                 raise ValueError(f"'{name}' has shape {shape}, but an array of shape {array.shape} is given.") from None
-        return np.concatenate(parts)
+        return np.concatenate([np.zeros(0), *parts])
 
 
 def layout_of(values: Mapping[str, Any]) -> Layout:

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..errors import clean
+from .curve import Curve
 from .designs import numbers
 from .evaluate import Layout
 
@@ -122,7 +123,7 @@ def make_problem(
         start: Answers at the start, (m,), which scale the objective and whatever is compared with zero.
         minimize: Name of a scalar answer, or None.
         maximize: The same.
-        targets: Values by name.
+        targets: Values by name; a :class:`Curve` counts relative to its largest.
         equal: Values by name.
         limits: Lower and upper value by name, None for none.
         margin: By how much limits are tightened, relative to them, so that what is found keeps them.
@@ -151,6 +152,15 @@ def make_problem(
         weights[place] = (1 if minimize else -1) / (abs(start[place]) or 1.0)
 
     def entries(name: str, value: Any, what: str) -> np.ndarray:
+        if isinstance(value, Curve):
+            if what != "target":
+                raise ValueError(f"A curve is a target: the {what} of '{name}' must be numbers.")
+            if shapes[name] != value.values.shape:
+                raise ValueError(
+                    f"The curve that is the target of '{name}' has {len(value.values)} places, but the answer has"
+                    f" shape {shapes[name]}: let it answer one number for each."
+                )
+            return value.values
         try:
             return np.broadcast_to(numbers(what, value), shapes[name]).ravel()
         except (TypeError, ValueError):
@@ -161,12 +171,13 @@ def make_problem(
     def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
         matrix, right, names = [], [], []
         for name, value, sign, what in wanted:
+            largest = np.max(np.abs(value.values)) if isinstance(value, Curve) else 0.0
             for place, v in zip(places[name], entries(name, value, what), strict=True):
                 if np.isinf(v) and what.endswith("limit") and v * sign > 0:
                     continue
                 if not np.isfinite(v):
                     raise ValueError(f"The {what} of '{name}' must be finite, but is {v}.")
-                scale = abs(v) or abs(start[place]) or 1.0
+                scale = largest or abs(v) or abs(start[place]) or 1.0
                 matrix.append(np.eye(len(start))[place] * sign / scale)
                 right.append(sign * v / scale - tightened)
                 names.append(labels[place] if what in ("target", "value") else f"{labels[place]} ({what} {v:g})")

@@ -123,7 +123,12 @@ def search(
     if evaluate(start) is None:
         nothing = np.full(problem.weights.shape, np.nan)
         return Attempt(start, nothing, evaluate.failed, "the start could not be computed", np.nan, np.nan, [])
-    if _is_least_squares_solver(optimizer):
+    if not len(start):
+        # Choices alone.
+        end, reason, result = start, "there is nothing else to vary", RESULTS.successful
+        if problem.violation(evaluate.history[-1][1]) > tolerance:
+            result = RESULTS.infeasible
+    elif _is_least_squares_solver(optimizer):
         if not problem.only_targets:
             raise ValueError("A least-squares solver of optimistix takes targets alone: leave out the rest.")
         end, reason, result = _by_optimistix(problem, of_unit, start, optimizer, budget)

@@ -15,7 +15,8 @@ from .evaluate import build_once, flat_function, layout_of
 from .study_parts import UNTRACEABLE, RaisedError
 from .sweep import sweep
 from .swept import ROWS, Sweep
-from .tune import Tuned, tune
+from .tune import tune
+from .tuned import Tuned
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Study:
         scales: "log" or "linear" by name, where given.
         wanted: Targets, limits and equal, and the options of tune.
         plan: Options of sweep.
+        choices: Values to choose from, by name.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Study:
     scales: dict[str, str]
     wanted: dict[str, Any]
     plan: dict[str, Any]
+    choices: dict[str, list[Any]] = dataclasses.field(default_factory=dict)
 
     @property
     def warnings(self) -> list[str]:
@@ -54,11 +57,12 @@ class Study:
             StudyError: The file asks for what cannot be, with file and key.
             ModelError, AnalysisError: As :func:`flexmb.tune` raises.
         """
-        wanted: Any = {**self.wanted, **options}
+        wanted: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
         with self._named():
             try:
-                return tune(self.build, self.answers, self.values, self._bounded(), scales=scales, **wanted)
+                bounds = {} if self.choices and not self.bounds else self._bounded()
+                return tune(self.build, self.answers, self.values, bounds, scales=scales, **wanted)
             except UNTRACEABLE as fault:
                 raise StudyError(f"{self.name}: {UNTRACED}: {_first_line(fault)}") from fault
 
@@ -69,6 +73,10 @@ class Study:
             StudyError: The file asks for what cannot be, with file and key.
             ModelError: Not one design can be built.
         """
+        if self.choices:
+            raise StudyError(
+                f"{self.name}: [choices]: a sweep makes none. Give one value of each under [parameters], or tune."
+            )
         with self._named():
             designs = self.designs()
             if "chunk" in self.plan:
@@ -160,6 +168,7 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
         "message": "" if good else found.result.message,
         "warnings": study.warnings,
         "reason": found.reason,
+        "choices": found.choices,
         "parameters": found.dimensions,
         "answers": found.answers,
         "start": found.start,
@@ -168,6 +177,17 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
         "violation": found.violation,
         "evaluations": found.evaluations,
         "history": found.history,
+        "combinations": [
+            {
+                "choices": one.choices,
+                "status": one.result.name,
+                "reason": one.reason,
+                "objective": one.tuned and one.tuned.objective,
+                "violation": one.tuned and one.tuned.violation,
+                "parameters": one.tuned and one.tuned.dimensions,
+            }
+            for one in found.combinations
+        ],
     }
 
 

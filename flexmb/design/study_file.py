@@ -21,6 +21,7 @@ TABLES: dict[str, tuple[str, ...] | None] = {
     "model": None,
     "release": None,
     "parameters": ("value", "lower", "upper", "scale"),
+    "choices": None,
     "answers": None,
     "targets": None,
     "limits": ("lower", "upper"),
@@ -67,19 +68,21 @@ class _Reader:
         free = {name: given for name, given in parameters.items() if "lower" in given}
         fixed = tuple((name, given["value"]) for name, given in parameters.items() if name not in free)
         answers = {name: self.answer(name, given) for name, given in self.data["answers"].items()}
+        choices = self.choices(tuple(parameters))
         try:
-            check_names(tuple(parameters), tuple(answers), ())
+            check_names((*parameters, *choices), tuple(answers), ())
         except ValueError as fault:
             raise StudyError(f"{self.name}: [answers] {fault}") from None
         return Study(
             self.name,
-            self.builder(fixed, tuple(free)),
+            self.builder(fixed, (*free, *choices)),
             answers,
             {name: given["value"] for name, given in free.items()},
             {name: (given["lower"], given["upper"]) for name, given in free.items()},
             {name: given["scale"] for name, given in free.items() if "scale" in given},
             self.wanted(tuple(answers)),
             self.plan(tuple(free)),
+            choices,
         )
 
     def fault(self, key: str, text: str) -> StudyError:
@@ -128,6 +131,27 @@ class _Reader:
                 if "lower" not in own:
                     raise self.fault(key, ": a scale belongs to a parameter with lower and upper.")
             found[name] = own
+        return found
+
+    def choices(self, parameters: tuple[str, ...]) -> dict[str, list[Any]]:
+        """Values to choose from, by name."""
+        found = {}
+        in_file = self.data["model"].endswith(".dat") or ":" not in self.data["model"]
+        for name, given in self.data.get("choices", {}).items():
+            key = f"[choices] {clean(name)}"
+            if not name.isidentifier() or name == "pi":
+                raise self.fault(key, ": a choice's name has letters, digits and _ alone, and is not pi.")
+            if name in parameters:
+                raise self.fault(key, ": it is a parameter too; leave one of them out.")
+            if not isinstance(given, list) or not given:
+                raise self.fault(key, f" must be a list of values, but is {clean(repr(given))}.")
+            if in_file:
+                given = [self.number(key, one) for one in given]
+            elif not all(isinstance(one, bool | int | float | str) for one in given):
+                raise self.fault(
+                    key, f" must be a list of numbers, words, true and false, but is {clean(repr(given))}."
+                )
+            found[name] = given
         return found
 
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:

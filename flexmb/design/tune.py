@@ -1,8 +1,9 @@
 """Dimensions that meet targets and limits."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,12 +11,14 @@ import numpy as np
 
 from ..arguments import check_number, check_whole
 from ..compilation.compile import jit
-from ..display import Result, Summary
 from ..errors import AnalysisError, clean
 from ..progress import reporting
 from ..results import RESULTS
-from .designs import checked_bounds, numbers
+from .choices import Options, combinations, options_of
+from .curve import Curve
+from .designs import numbers
 from .evaluate import (
+    REFUSED,
     Answers,
     Build,
     Layout,
@@ -29,127 +32,15 @@ from .evaluate import (
 from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import Problem, make_problem
+from .scaling import Scaling
 from .search import Attempt, search
 from .sensitivities import REVERSE_COST
+from .tuned import Combination, Tuned
 
 # A dimension this near to a bound, as a share of the range, is at it.
 AT_BOUND = 1e-6
 # What stands beside dimensions and answers in a history.
 RESERVED = ("objective", "violation")
-
-
-@dataclasses.dataclass(frozen=True, repr=False)
-class Tuned(Result):
-    """A design that was found.
-
-    Attributes:
-        dimensions: By name [SI].
-        answers: At these dimensions, by name [their units].
-        start: Answers at the start, by name [their units].
-        result: Code of RESULTS: successful, infeasible, not_optimal, or the failure of an analysis.
-        reason: Why the search ended, in words.
-        active: Dimensions at a bound and limits that are reached, in words.
-        objective: What was minimised, relative to the start [-].
-        violation: Largest violation of a limit or of an equality, relative to its value [-].
-        history: Every evaluation of the run that led here: dimensions and answers by name, "objective" and
-            "violation", each (evaluations, ...).
-        runs: Objective and violation of every start, (starts, 2), NaN where the start itself failed.
-    """
-
-    dimensions: dict[str, Any]
-    answers: dict[str, Any]
-    start: dict[str, Any]
-    result: RESULTS
-    reason: str
-    active: tuple[str, ...]
-    objective: float
-    violation: float
-    history: dict[str, np.ndarray]
-    runs: np.ndarray
-
-    @property
-    def evaluations(self) -> int:
-        """Number of designs that the run computed."""
-        return len(self.history["objective"])
-
-    def summary(self) -> Summary:
-        """Dimensions, and answers beside those at the start."""
-        rows = {name: _text(value) for name, value in self.dimensions.items()}
-        rows |= {n: f"{_text(value)} (start {_text(self.start[n])})" for n, value in self.answers.items()}
-        title = f"Tuned, {self.result.name}: {self.reason} ({self.evaluations} evaluations)"
-        return Summary(title, rows, "tuning")
-
-    def __str__(self) -> str:
-        lines = [f"{self.result.name}: {self.reason} ({self.evaluations} evaluations)"]
-        lines += [f"  {name} = {_text(value)}" for name, value in self.dimensions.items()]
-        for name, value in self.answers.items():
-            lines.append(f"  {name}: {_text(value)} (start {_text(self.start[name])})")
-        lines += [f"  {text}" for text in self.active]
-        return "\n".join(lines)
-
-
-def _text(value: Any) -> str:
-    return np.array2string(np.asarray(value), threshold=8, formatter={"float_kind": "{:.7g}".format})
-
-
-class Scaling:
-    """Dimensions between their bounds as numbers from 0 to 1, logarithmic or linear."""
-
-    def __init__(self, layout: Layout, bounds: Mapping[str, Any], scales: Mapping[str, str]):
-        """Check and keep the bounds.
-
-        Args:
-            bounds: Lower and upper value by name.
-            scales: "log" or "linear" by name.
-
-        Raises:
-            ValueError: Names the dimension.
-        """
-        for what, given in (("Bounds", bounds), ("Scale", scales)):
-            for name in given:
-                if name not in layout.names:
-                    listed = ", ".join(layout.names)
-                    raise ValueError(f"{what} of '{clean(name)}': there is no such dimension ({listed}).")
-        for name in layout.names:
-            if name not in bounds:
-                raise ValueError(f"Dimension '{name}' has no bounds: give lower and upper, or fix it in `build`.")
-        pairs = {name: checked_bounds(name, bounds[name]) for name in layout.names}
-        logarithmic = {}
-        for name, (lower, _) in pairs.items():
-            scale = scales.get(name, "log" if np.all(lower > 0) else "linear")
-            if scale not in ("log", "linear"):
-                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {clean(repr(scale))}.")
-            if scale == "log" and not np.all(lower > 0):
-                raise ValueError(f"Scale of '{name}' cannot be 'log', since its lower bound {lower} is not positive.")
-            logarithmic[name] = scale == "log"
-        self.layout = layout
-        self.lower = layout.join({name: lower for name, (lower, _) in pairs.items()})
-        self.upper = layout.join({name: upper for name, (_, upper) in pairs.items()})
-        self.log = layout.join(logarithmic) > 0
-
-    def check_inside(self, flat: np.ndarray) -> None:
-        """Refuse a start outside the bounds.
-
-        Raises:
-            ValueError: Names the dimension.
-        """
-        for name, value, lower, upper in zip(self.layout.labels, flat, self.lower, self.upper, strict=True):
-            if not lower <= value <= upper:
-                raise ValueError(f"Start {value:g} of '{name}' is outside its bounds, {lower:g} to {upper:g}.")
-
-    def to_unit(self, flat: np.ndarray) -> np.ndarray:
-        """Numbers from 0 to 1, (n,), for dimensions, (n,)."""
-        linear = (flat - self.lower) / (self.upper - self.lower)
-        safe = (np.where(self.log, a, e) for a, e in ((flat, 1.0), (self.lower, 1.0), (self.upper, np.e)))
-        value, lower, upper = safe
-        return np.clip(np.where(self.log, np.log(value / lower) / np.log(upper / lower), linear), 0.0, 1.0)
-
-    def to_dimensions(self, unit: Any) -> Any:
-        """Dimensions, (n,), for numbers from 0 to 1, (n,); also under a trace."""
-        ratio = np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0)
-        linear = self.lower + unit * (self.upper - self.lower)
-        found = jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)
-        return jnp.clip(found, self.lower, self.upper) if isinstance(unit, np.ndarray) else found
 
 
 def tune(
@@ -160,6 +51,7 @@ def tune(
     *,
     minimize: str | None = None,
     maximize: str | None = None,
+    choices: Mapping[str, Any] | None = None,
     targets: Mapping[str, Any] | None = None,
     limits: Mapping[str, Any] | None = None,
     equal: Mapping[str, Any] | None = None,
@@ -183,7 +75,13 @@ def tune(
         bounds: Lower and upper value of each by name [SI].
         minimize: Name of the answer that should be small.
         maximize: Name of the answer that should be large.
-        targets: Values that answers should come near to, by name: least squares of the relative differences.
+        choices: Arguments of ``build`` with a few values each, by name: a list, or a dictionary of values by label.
+            Whole numbers, materials, element types: any Python value, which may change the structure of the model.
+            Every combination is searched from the start, and the best feasible design is returned with a table of all.
+            Each is compiled for itself, so that it takes seconds before its search begins. ``dimensions`` may be empty.
+        targets: Values that answers should come near to, by name: least squares of the relative differences. A
+            whole curve, such as the forces along a stroke, is a :class:`flexmb.design.Curve`, whose differences count
+            relative to its largest value; ``fm.equilibria`` answers such a stroke at once.
         limits: Lower and upper value of answers by name, None for none.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic where the lower bound is positive.
@@ -201,11 +99,12 @@ def tune(
         throw: Raise where no feasible or no optimal design is found; otherwise the code is in ``result``.
 
     Returns:
-        Tuned with dimensions and answers by name.
+        Tuned with dimensions and answers by name, and with ``choices`` and ``combinations`` where there are choices.
+        Objectives of all combinations are relative to the answers at the start of the first that has some.
 
     Raises:
-        ValueError: Bounds that are empty, a start outside them, an unknown name, a dimension on which no answer that
-            is asked depends, or answers that are not finite at the start.
+        ValueError: Too many combinations of choices, bounds that are empty, a start outside them, an unknown name, a
+            dimension on which no answer that is asked depends, or answers that are not finite at the start.
         AnalysisError: infeasible, not_optimal, or an analysis fails; ``throw=False`` returns what was found.
 
     Source:
@@ -213,62 +112,152 @@ def tune(
     """
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
-    check_dimensions(build, layout.names)
-    check_names(layout.names, tuple(functions), RESERVED)
+    options = options_of(choices or {}, layout.names)
+    check_dimensions(build, (*layout.names, *options))
+    check_names((*layout.names, *options), tuple(functions), RESERVED)
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
-    starts, together = check_whole("starts", starts, 1), check_whole("together", together, 1)
-    max_evaluations, seed = check_whole("max_evaluations", max_evaluations, 1), check_whole("seed", seed, 0)
+    for name in (minimize, maximize):
+        if name is not None and not isinstance(name, str):
+            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {clean(repr(name))}.")
     check_number("tolerance", tolerance, above=0)
-    models = build_once(build, dimensions)
-    function, of_answers = flat_function(build, functions, layout, models)
-    of_designs = refusal(build, models, layout.split(first))
+    question = _Question(
+        functions,
+        scaling,
+        first,
+        {"minimize": minimize, "maximize": maximize, "targets": targets or {}, "equal": equal or {}}
+        | {"limits": limits or {}},
+        optimizer,
+        check_whole("starts", starts, 1),
+        check_whole("together", together, 1),
+        check_whole("seed", seed, 0),
+        tolerance,
+        check_whole("max_evaluations", max_evaluations, 1),
+        progress,
+    )
+    if options:
+        found = _best_combination(question, build, options)
+    else:
+        found, *_ = _searched(question, build)
+    if throw and found.result is not RESULTS.successful:
+        raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
+    return found
+
+
+class _Question(NamedTuple):
+    """What is asked, checked: see :func:`tune`."""
+
+    functions: dict[str, Callable[[Any], Any]]
+    scaling: Scaling
+    first: np.ndarray
+    wanted: dict[str, Any]
+    optimizer: Any
+    starts: int
+    together: int
+    seed: int
+    tolerance: float
+    max_evaluations: int
+    progress: Any
+
+
+class _StartError(ValueError):
+    """The start has no answer."""
+
+    def __init__(self, message: str, result: RESULTS):
+        super().__init__(message)
+        self.result = result
+
+
+def _best_combination(question: _Question, build: Build, options: Options) -> Tuned:
+    """The best of all combinations, with what became of each.
+
+    Raises:
+        ValueError, ModelError: Not one combination has answers at the start; what is said of the first.
+    """
+    tried: list[Combination] = []
+    faults: list[Exception] = []
+    dependence, reference = [], None
+    for values, labels in combinations(options):
+        try:
+            found, ignored, own = _searched(question, functools.partial(build, **values), reference, alone=False)
+        except (*REFUSED, _StartError) as fault:
+            faults.append(fault)
+            why = fault.result if isinstance(fault, _StartError) else RESULTS.impossible_design
+            tried.append(Combination(values, labels, None, why, clean((str(fault).splitlines() or [""])[0])))
+            continue
+        reference = own if reference is None else reference
+        dependence.append(ignored)
+        tried.append(Combination(values, labels, found, found.result, found.reason))
+    if not dependence:
+        raise faults[0]
+    # A dimension of some combinations alone, such as a gap between leaf springs where there are two, is a dimension.
+    _refuse_ignored(question.scaling.layout.labels, np.all(dependence, axis=0))
+
+    def rank(one: Combination) -> tuple:
+        found = one.tuned
+        return (
+            (found.violation > question.tolerance and found.violation, found.objective) if found else (np.inf, np.inf)
+        )
+
+    best = min(tried, key=rank)
+    assert best.tuned is not None
+    return dataclasses.replace(best.tuned, choices=best.choices, combinations=tuple(tried))
+
+
+def _searched(
+    question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
+) -> tuple[Tuned, np.ndarray, np.ndarray]:
+    """The best design from all starts, dimensions on which nothing depends, and the answers at the start.
+
+    Args:
+        reference: Answers that scale the objective, (m,); None: those at the start.
+        alone: Whether there is no other combination, on which a dimension may depend.
+    """
+    q, scaling, layout = question, question.scaling, question.scaling.layout
+    models = build_once(build, layout.split(q.first))
+    function, of_answers = flat_function(build, q.functions, layout, models)
+    of_designs = refusal(build, models, layout.split(q.first)) if layout.names else None
 
     def of_unit(unit):
         return function(scaling.to_dimensions(unit))
 
     def refused(units: np.ndarray) -> np.ndarray:
+        if of_designs is None:
+            return np.zeros(len(units), bool)
         return of_designs(layout.stacked(scaling.to_dimensions(units)))
 
-    for name in (minimize, maximize):
-        if name is not None and not isinstance(name, str):
-            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {clean(repr(name))}.")
-    named = {name for name in (minimize, maximize, *(targets or {}), *(limits or {}), *(equal or {})) if name}
+    named = {name for name in (q.wanted["minimize"], q.wanted["maximize"]) if name}
+    named |= {name for what in ("targets", "limits", "equal") for name in q.wanted[what]}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
-    unit = scaling.to_unit(first)
+    unit = scaling.to_unit(q.first)
     kernel = _Kernel(of_unit, refused, unit, np.flatnonzero(asked), len(asked))
     at_start = kernel(unit)
     _check_start(of_answers, at_start)
-    problem = make_problem(
-        of_answers,
-        at_start[0],
-        minimize=minimize,
-        maximize=maximize,
-        targets=targets or {},
-        equal=equal or {},
-        limits=limits or {},
-        margin=tolerance,
-    )
-    _check_dependence(problem, layout.labels, kernel, unit, at_start[1], seed)
-    units = [unit, *_other_starts(starts - 1, len(unit), seed)]
-    with reporting(progress, "evaluations, objective, violation") as report:
+    if reference is not None and reference.shape != at_start[0].shape:
+        raise ValueError("Answers have other shapes in one combination of choices than in another: make them the same.")
+    problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
+    ignored = _ignored(problem, kernel, unit, at_start[1], q.seed)
+    if alone:
+        _refuse_ignored(layout.labels, ignored)
+    units = [unit, *_other_starts(q.starts - 1, len(unit), q.seed)]
+    with reporting(q.progress, "evaluations, objective, violation") as report:
 
         def from_start(kernel, unit):
             return search(
-                problem, kernel, of_unit, refused, unit, optimizer, tolerance, max_evaluations, progress=report
+                problem, kernel, of_unit, refused, unit, q.optimizer, q.tolerance, q.max_evaluations, progress=report
             )
 
-        size = min(together, starts)
+        size = min(q.together, q.starts)
         if size > 1:
             runs = in_lockstep(from_start, units, kernel.many, size)
         else:
             runs = [from_start(kernel, unit) for unit in units]
-    best = min(runs, key=lambda run: (not run.answered, run.violation > 2 * tolerance and run.violation, run.objective))
-    found = _found(best, runs, problem, scaling, of_answers, at_start[0], tolerance)
-    if throw and found.result is not RESULTS.successful:
-        raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
-    return found
+    limit = 2 * q.tolerance
+    best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
+    found = _found(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
+    curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
+    return dataclasses.replace(found, curves=curves), ignored, at_start[0]
 
 
 class _Kernel:
@@ -311,16 +300,18 @@ def _first(array: Any) -> Any:
 def _check_start(of_answers: Layout, at_start: Any) -> None:
     values, slopes, code = at_start
     if code != RESULTS.successful:
-        raise ValueError(f"The start has no answer ({RESULTS(code).name}): {RESULTS(code).message}")
+        raise _StartError(f"The start has no answer ({RESULTS(code).name}): {RESULTS(code).message}", RESULTS(code))
     for name, value, row in zip(of_answers.labels, values, slopes, strict=True):
         if not np.isfinite(value):
-            raise ValueError(f"Answer '{name}' is {value} at the start. Start elsewhere, or ask for something finite.")
+            text = f"Answer '{name}' is {value} at the start. Start elsewhere, or ask for something finite."
+            raise _StartError(text, RESULTS.not_finite)
         if not np.all(np.isfinite(row)):
-            raise ValueError(f"Answer '{name}' has no finite derivative at the start. Start elsewhere.")
+            text = f"Answer '{name}' has no finite derivative at the start. Start elsewhere."
+            raise _StartError(text, RESULTS.not_finite)
 
 
-def _check_dependence(problem: Problem, labels: list[str], kernel, unit, slopes: np.ndarray, seed: int) -> None:
-    """Refuse dimensions that nothing depends on; looked at twice, since a symmetric start may be stationary."""
+def _ignored(problem: Problem, kernel, unit, slopes: np.ndarray, seed: int) -> np.ndarray:
+    """Dimensions that nothing depends on, (n,); looked at twice, since a symmetric start may be stationary."""
     asked = np.abs(problem.weights) > 0
     for rows in (problem.targets, problem.equal, problem.limits):
         asked |= np.any(rows.matrix != 0, axis=0)
@@ -328,6 +319,10 @@ def _check_dependence(problem: Problem, labels: list[str], kernel, unit, slopes:
     if np.any(ignored):
         aside = np.clip(unit + 0.05 * np.random.default_rng(seed).uniform(-1, 1, len(unit)), 0.01, 0.99)
         ignored &= ~np.any(kernel(aside)[1][asked] != 0, axis=0)
+    return ignored
+
+
+def _refuse_ignored(labels: list[str], ignored: np.ndarray) -> None:
     if np.any(ignored):
         names = ", ".join(f"'{label}'" for label, i in zip(labels, ignored, strict=True) if i)
         raise ValueError(f"Nothing that is asked depends on dimension {names}. Fix it in `build`, or ask for more.")

@@ -4,19 +4,22 @@ from typing import Any
 
 import numpy as np
 
-from ..design.tune import Tuned
+from ..design.tuned import Tuned
+from .canvas import BLACK, BLUE, GREY
 
 
 def tuning(found: Tuned) -> Any:
-    """Objective, violation, dimensions and answers at every evaluation of a search.
+    """Objective, violation, dimensions and answers at every evaluation of a search, and curves that were targets.
 
     Dimensions and answers are drawn relative to their first value. The vertical line marks the design that is returned.
+    A curve that was a target is drawn over its places: wanted, at the start, and found.
 
     Args:
         found: Of ``fm.tune``.
 
     Returns:
-        matplotlib Figure with four Axes: objective, violation, dimensions, answers.
+        matplotlib Figure with Axes for objective, violation where there was any, dimensions, answers that are no
+        curves, and each curve.
 
     Raises:
         TypeError: ``found`` is not of ``fm.tune``.
@@ -25,26 +28,41 @@ def tuning(found: Tuned) -> Any:
         raise TypeError(f"Argument `found` must be of fm.tune(..), but is a {type(found).__name__}.")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(2, 2, figsize=(9, 6), sharex=True, layout="constrained")
-    objective, violation, dimensions, answers = axes.ravel()
-    count = np.arange(1, found.evaluations + 1)
-    objective.plot(count, found.history["objective"])
-    objective.set_ylabel("objective [-]")
+    others = [name for name in found.answers if name not in found.curves]
     # Nothing violated is no point of a logarithmic axis.
     positive = found.history["violation"] > 0
-    violation.semilogy(count[positive], found.history["violation"][positive], marker=".", linestyle="none")
-    violation.set_ylabel("violation [-]")
-    for ax, names, label in (
-        (dimensions, found.dimensions, "dimension over its start [-]"),
-        (answers, found.answers, "answer over its start [-]"),
-    ):
+    panels = 2 + bool(np.any(positive)) + bool(others)
+    columns = -(-(panels + len(found.curves)) // 2)
+    figure = plt.figure(figsize=(4.5 * columns, 6), layout="constrained")
+    axes: list[Any] = []
+    for i in range(panels + len(found.curves)):
+        axes.append(figure.add_subplot(2, columns, 1 + i, sharex=axes[0] if 0 < i < panels else None))
+    waiting = iter(axes)
+    count, ax = np.arange(1, found.evaluations + 1), next(waiting)
+    ax.plot(count, found.history["objective"])
+    ax.set_ylabel("objective [-]")
+    if np.any(positive):
+        ax = next(waiting)
+        ax.semilogy(count[positive], found.history["violation"][positive], marker=".", linestyle="none")
+        ax.set_ylabel("violation [-]")
+    for names, label in ((list(found.dimensions), "dimension"), (others, "answer")):
+        ax = next(waiting) if names else None
         for name in names:
             _relative(ax, count, name, np.asarray(found.history[name], float))
-        ax.set_ylabel(label)
-        ax.set_xlabel("evaluation")
-        ax.legend(fontsize=8)
-    for ax in axes.ravel():
+        if ax is not None:
+            ax.set_ylabel(f"{label} over its start [-]")
+            ax.legend(fontsize=8)
+    for ax in axes[:panels]:
         ax.axvline(_returned(found), color="#777777", linewidth=1.0, linestyle=":")
+        ax.set_xlabel("evaluation")
+    for ax, (name, curve) in zip(waiting, found.curves.items(), strict=True):
+        ax.plot(curve.over, curve.values, color=BLACK, linestyle="--", label="wanted", zorder=3)
+        ax.plot(curve.over, np.asarray(found.start[name]), color=GREY, marker=".", label="start")
+        ax.plot(curve.over, np.asarray(found.answers[name]), color=BLUE, marker=".", label="found")
+        ax.set_ylabel(name)
+        ax.set_xlabel(curve.label)
+        ax.legend(fontsize=8)
+    for ax in axes:
         ax.grid(visible=True, alpha=0.3)
     figure.suptitle(f"{found.result.name}: {found.reason}", fontsize=10)
     return figure

@@ -487,3 +487,40 @@ def test_a_failed_sweep_is_exit_1(study, monkeypatch):
     assert result.exit_code == 1
     assert json.loads(result.stdout)["status"] == "failed"
     assert result.stderr == "study.toml: failed: 3 designs: not_converged\n"
+
+
+CHOICES = STUDY.replace("w = 0.018\n", "").replace("[answers]", "[choices]\nw = [0.018, 0.009]\n[answers]")
+
+
+def test_choices_of_a_study(study):
+    """The lightest guide of 20 Hz, of two widths."""
+    # E1 for 20 Hz at a width of 18 mm. A leaf spring's mass goes as w t, and t as w^(-1/3): the narrower is lighter.
+    study.write_text(CHOICES.replace('double = "own:double"\n', ""))
+    found = read_study(study).tune()
+    wide, narrow = found.combinations
+    assert (found.choices, wide.labels) == ({"w": 0.009}, {"w": "0.018"})
+    assert wide.tuned.dimensions["t"] == pytest.approx(0.764636213e-3, rel=5e-6)
+    assert narrow.tuned.dimensions["t"] == pytest.approx(0.764636213e-3 * 2 ** (1 / 3), rel=5e-3)
+    data = json.loads(call("tune", study, "--json", "-").stdout)
+    assert data["choices"] == {"w": 0.009}
+    assert [one["status"] for one in data["combinations"]] == ["successful"] * 2
+    with pytest.raises(fm.errors.StudyError, match=r"\[choices\]: a sweep makes none"):
+        read_study(study).sweep()
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("w = 0.018", "must be a list of values"),
+        ("w = []", "must be a list of values"),
+        ("w = ['wide']", "must be a number"),
+        ("t = [1e-3]", "it is a parameter too"),
+        ("'1w' = [1.0]", "letters, digits"),
+        ("w = [0.018]\nv = [1.0]", "has no {v}"),
+        ("w = [" + "0.1, " * 101 + "]", "101 combinations"),
+    ],
+)
+def test_wrong_choices_are_named(study, line, words):
+    study.write_text(CHOICES.replace("w = [0.018, 0.009]", line))
+    with pytest.raises(fm.errors.StudyError, match=words):
+        read_study(study).tune()

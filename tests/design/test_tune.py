@@ -9,6 +9,9 @@ import pytest
 from cases import design_cases
 
 import flexmb as fm
+from flexmb import planar
+from flexmb.design.evaluate import Layout
+from flexmb.design.problem import make_problem
 
 BOUNDS = {"thickness": (0.1e-3, 2e-3)}
 # E1, printed to nine digits [Hz, m], and where the search starts: far away at an end of the bounds, or near the middle.
@@ -255,3 +258,133 @@ def test_the_best_of_several_starts_is_returned():
         np.testing.assert_allclose(np.unique(np.round(ends, 5)), [valleys(low), valleys(high)], atol=1e-5)
         assert found.dimensions["a"] == pytest.approx(low, abs=1e-3)
         assert found.answers["f"] == pytest.approx(valleys(low), abs=1e-6)
+
+
+def flat_truss(bars, height):
+    """A7 with a spring of 100 N/m on its apex, whose other end is pushed down by 1 m for each unit of the increment."""
+    b = fm.Builder()
+    for name, place in {"left": (-10, 0), "right": (10, 0), "apex": (0, height), "drive": (0, height + 2)}.items():
+        b.node(name, place)
+    for foot in ("left", "right"):
+        b.add(planar.truss, foot, "apex", section=fm.Rigidity(EA=bars, mass=1.0))
+        b.fix(foot)
+    b.add(planar.truss, "drive", "apex", section=fm.Rigidity(EA=200.0, mass=1.0))
+    b.fix("apex", "x")
+    b.fix("drive", "x")
+    b.prescribe("drive", "y", -1.0, increment=True)
+    return b.build()
+
+
+def test_a_force_curve_gives_the_truss_that_has_it():
+    """The closed form of A7 past both limit points is the curve: of EA = 1e4 and a height of 1."""
+    heights = np.array([0.8, 0.5, 0.0, -0.4, -1.1])
+    forces = 2e4 * (1 / np.hypot(10, heights) - 1 / np.hypot(10, 1)) * heights
+    strokes = 1 - heights + forces / 100
+
+    def force(model):
+        along = fm.equilibria(model, increment=strokes)
+        return -along.reactions[:, along.labels.known("drive")[1]]
+
+    curve = fm.design.Curve(strokes, forces)
+    found = fm.tune(
+        flat_truss,
+        force,
+        {"bars": 0.7e4, "height": 1.2},
+        {"bars": (5e3, 2e4), "height": (0.8, 1.3)},
+        targets={"force": curve},
+    )
+    # A square that is met to 1e-10 of its start knows its root to half as many digits; beyond that Newton squares it.
+    np.testing.assert_allclose(found.answers["force"], forces, atol=1e-7 * np.max(np.abs(forces)))
+    assert found.dimensions["bars"] == pytest.approx(1e4, rel=1e-5)
+    assert found.dimensions["height"] == pytest.approx(1.0, rel=1e-6)
+    # Differences count relative to the largest force, also where the curve crosses zero.
+    off = (found.start["force"] - forces) / np.max(np.abs(forces))
+    assert found.history["objective"][0] == pytest.approx(off @ off / 2, rel=1e-12)
+    assert found.curves == {"force": curve}
+
+
+def test_curves_that_cannot_be():
+    for over, values, words in (([1, 2], [1], "2,.* places"), ([1, np.inf], [1, 2], "finite"), ([], [], "one value")):
+        with pytest.raises(ValueError, match=words):
+            fm.design.Curve(over, values)
+    curve = fm.design.Curve([1.0, 2.0], 5.0)
+    asked = {"minimize": None, "maximize": None, "targets": {}, "equal": {}, "limits": {}, "margin": 0.0}
+    for shape, words, wanted in (((3,), "2 places", "targets"), ((2,), "a target", "equal")):
+        layout = Layout(("f", "g"), (shape, ()))
+        with pytest.raises(ValueError, match=words):
+            make_problem(layout, np.ones(shape[0] + 1), **{**asked, "maximize": "g", wanted: {"f": curve}})
+
+
+STEEL, TITANIUM = {"E": 210.0, "rho": 7850.0}, {"E": 110.0, "rho": 4430.0}
+
+
+def springs(count, material, t, gap=0.3):
+    """Leaf springs side by side: stiffness E t^3 and mass rho t of each, and between them the best gap is 0.3."""
+    if count == 5:
+        raise fm.ModelError("five do not fit")
+    stiffness = sum(material["E"] * t**3 for _ in range(count))
+    return {"k": stiffness, "mass": count * material["rho"] * t + 100 * (count > 1) * (gap - 0.3) ** 2}
+
+
+def of(name):
+    return lambda made: made[name]
+
+
+def test_the_best_of_every_combination_of_choices():
+    found = fm.tune(
+        springs,
+        {"k": of("k"), "mass": of("mass")},
+        {"t": 1.0, "gap": 0.2},
+        {"t": (0.1, 10.0), "gap": (0.1, 1.0)},
+        minimize="mass",
+        limits={"k": (500.0, None)},
+        choices={"count": [5, 1, 2], "material": {"steel": STEEL, "titanium": TITANIUM}},
+    )
+    assert found.choices == {"count": 1, "material": TITANIUM}
+    # Closed form: t^3 = 500/(n E), from inside by the tolerance. A single one has no gap, which is no fault.
+    assert found.dimensions["t"] == pytest.approx((500 / 110) ** (1 / 3), rel=2e-6)
+    assert [one.labels["count"] for one in found.combinations] == ["5", "5", "1", "1", "2", "2"]
+    assert {one.result for one in found.combinations[:2]} == {fm.RESULTS.impossible_design}
+    for one in found.combinations[2:]:
+        n, material = one.choices.values()
+        least = n * material["rho"] * (500 / n / material["E"]) ** (1 / 3)
+        # All over the mass of the first that could be built, one of steel 1 thick, whatever its own start is.
+        assert one.tuned.objective == pytest.approx(least / 7850, rel=1e-5)
+    table = str(found).splitlines()[-7:]
+    assert table[0].split() == ["count", "material", "objective", "violation", "result"]
+    assert table[1].endswith("impossible_design: five do not fit")
+    assert table[4].split()[:4] == ["*", "1", "titanium", "0.9348"]
+
+
+def test_choices_alone():
+    """Nothing else varies; what breaks a limit is not chosen, however light."""
+    found = fm.tune(
+        lambda count, material: springs(count, material, 1.0),
+        {"k": of("k"), "mass": of("mass")},
+        {},
+        {},
+        minimize="mass",
+        limits={"k": (200.0, None)},
+        choices={"count": range(1, 4), "material": [STEEL, TITANIUM]},
+    )
+    assert found.choices == {"count": 1, "material": STEEL}
+    assert [one.result.name for one in found.combinations[:2]] == ["successful", "infeasible"]
+    assert found.combinations[1].labels["material"] == "material[1]"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"count": range(60), "material": [STEEL, TITANIUM]}, "120 combinations of choices .count 60, material 2."),
+        ({"count": [], "material": [STEEL]}, "'count' has no value"),
+        ({"count": 2, "material": [STEEL]}, "'count' must be a list of values"),
+        ({"count": [1], "material": [STEEL], "t": [1.0]}, "'t' is a choice and a dimension"),
+        ({"count": [1], "materials": [STEEL]}, "'materials' is not one of springs"),
+        ({"count": [5], "material": [STEEL]}, "five do not fit"),
+        ({"count": [1], "material": [STEEL, TITANIUM]}, "depends on dimension 'gap'"),
+    ],
+)
+def test_choices_that_cannot_be(changes, words):
+    dimensions, bounds = {"t": 1.0, "gap": 0.2}, {"t": (0.1, 10.0), "gap": (0.1, 1.0)}
+    with pytest.raises(ValueError, match=words):
+        fm.tune(springs, {"mass": of("mass")}, dimensions, bounds, minimize="mass", choices=changes)

@@ -7,7 +7,7 @@ import pytest
 import flexmb as fm
 from flexmb import plot
 from flexmb.design.sensitivities import Sensitivities, Tolerances
-from flexmb.design.tune import Tuned
+from flexmb.design.tuned import Tuned
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -121,6 +121,19 @@ def test_the_run_of_a_search():
     np.testing.assert_allclose(answers.lines[0].get_ydata(), [1, 3, 2])
     # The second evaluation is the one returned.
     np.testing.assert_allclose(objective.lines[1].get_xdata(), [2, 2])
+
+
+def test_a_curve_that_was_a_target():
+    history = {"a": np.ones(2), "f": np.array([[1.0, 2.0], [3.0, 5.0]]), "objective": np.ones(2)}
+    ended = (fm.RESULTS.successful, "the end", (), 0.5, 0.0, {**history, "violation": np.zeros(2)}, np.zeros((1, 2)))
+    curve = fm.design.Curve([0.0, 0.1], [3.0, 4.0], "stroke [m]")
+    found = Tuned({"a": 1.0}, {"f": history["f"][1]}, {"f": history["f"][0]}, *ended, {"f": curve})
+    # Nothing was violated, and no answer is anything else than a curve: no panel for either.
+    objective, dimensions, drawn = plot.tuning(found).axes
+    assert (objective.get_ylabel(), dimensions.get_ylabel()) == ("objective [-]", "dimension over its start [-]")
+    assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("stroke [m]", "f")
+    lines = {line.get_label(): line.get_ydata().tolist() for line in drawn.lines}
+    assert lines == {"wanted": [3, 4], "start": [1, 2], "found": [3, 5]}
 
 
 def bars(ax):
