@@ -378,8 +378,8 @@ FAULTS = [
     ),
     Fault(
         "control/state_space.py",
-        "through = through + jnp.array",
-        "through = through - jnp.array",
+        "append(through + _passed",
+        "append(through - _passed",
         "control/test_state_space.py",
     ),
     Fault(
@@ -395,6 +395,12 @@ FAULTS = [
         "control/test_signals.py -k steady_motion",
     ),
     Fault("control/state_space.py", "damping = m.C0 + m.D0", "damping = m.C0", "control/test_state_space.py"),
+    Fault("control/truncation.py", "inertia @ (keep.T @ forces))", "0)", "control/test_truncation.py -k rigid"),
+    Fault("control/truncation.py", "share[:, None])", "-share[:, None])", "control/test_truncation.py -k rigid"),
+    Fault("control/truncation.py", "hertz <= bandwidth", "hertz >= bandwidth", "control/test_truncation.py -k margins"),
+    Fault("control/truncation.py", "IDLE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
+    Fault("control/truncation.py", "s**2 * m.M0", "s * m.M0", "control/test_truncation.py -k error"),
+    Fault("control/truncation.py", "np.abs(own - full)", "np.abs(own)", "control/test_truncation.py -k error"),
     Fault(
         "control/nonlinear_system.py",
         "state[:n] / form.sizes, state[n:] / form.sizes",
