@@ -1181,9 +1181,9 @@ FAULTS = [
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"
     ),
-    Fault(
-        "plot/bode.py", "2 * np.pi * np.asarray(hertz, float)", "np.asarray(hertz, float)", "plot/test_plot.py -k bode"
-    ),
+    Fault("plot/bode.py", "DECAY) * 2 * np.pi * hertz", "DECAY) * hertz", "plot/test_plot.py -k bode"),
+    Fault("plot/bode.py", "(1j + DECAY)", "(1j - DECAY)", "plot/test_plot.py -k bode"),
+    Fault("plot/bode.py", "np.unwrap(np.angle(response))", "np.angle(response)", "plot/test_plot.py -k bode"),
     Fault("linear/modes.py", "if hertz >= 0 else", "if True else", "plot/test_plot.py -k say_so"),
     Fault("viewer/page.py", '.replace("<", "\\\\u003c")', "", "viewer/test_view.py -k names_cannot"),
     Fault("viewer/scene.py", "rate = 1 / (2 * step)", "rate = 1 / step", "viewer/test_view.py -k modes_move"),
