@@ -526,7 +526,7 @@ def test_coordinates_and_times_that_are_not_there(snapping, swinging):
         ("pf3dover", 0, "svg", "self-stress 1 of 1"),
         ("pf1dtrx", 7, "svg", "mode 1: 10.658 Hz"),
         ("pf1dtrx", 9, "png", None),
-        ("pf1dtrx", 9, "svg", "Magnitude"),
+        ("pf1dtrx", 9, "svg", "magnitude"),
     ],
 )
 def test_plot_on_the_command_line(tmp_path, name, mode, suffix, words):
