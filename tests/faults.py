@@ -394,8 +394,8 @@ FAULTS = [
     ),
     Fault(
         "control/state_space.py",
-        "through = through + jnp.array",
-        "through = through - jnp.array",
+        "append(through + _passed",
+        "append(through - _passed",
         "control/test_state_space.py",
     ),
     Fault(
@@ -411,6 +411,12 @@ FAULTS = [
         "control/test_signals.py -k steady_motion",
     ),
     Fault("control/state_space.py", "damping = m.C0 + m.D0", "damping = m.C0", "control/test_state_space.py"),
+    Fault("control/truncation.py", "inertia @ (keep.T @ forces))", "0)", "control/test_truncation.py -k rigid"),
+    Fault("control/truncation.py", "share[:, None])", "-share[:, None])", "control/test_truncation.py -k rigid"),
+    Fault("control/truncation.py", "hertz <= bandwidth", "hertz >= bandwidth", "control/test_truncation.py -k margins"),
+    Fault("control/truncation.py", "IDLE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
+    Fault("control/truncation.py", "s**2 * m.M0", "s * m.M0", "control/test_truncation.py -k error"),
+    Fault("control/truncation.py", "np.abs(own - full)", "np.abs(own)", "control/test_truncation.py -k error"),
     Fault(
         "control/nonlinear_system.py",
         "state[:n] / form.sizes, state[n:] / form.sizes",
@@ -1359,9 +1365,9 @@ FAULTS = [
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"
     ),
-    Fault(
-        "plot/bode.py", "2 * np.pi * np.asarray(hertz, float)", "np.asarray(hertz, float)", "plot/test_plot.py -k bode"
-    ),
+    Fault("plot/bode.py", "DECAY) * 2 * np.pi * hertz", "DECAY) * hertz", "plot/test_plot.py -k bode"),
+    Fault("plot/bode.py", "(1j + DECAY)", "(1j - DECAY)", "plot/test_plot.py -k bode"),
+    Fault("plot/bode.py", "np.unwrap(np.angle(response))", "np.angle(response)", "plot/test_plot.py -k bode"),
     Fault("linear/modes.py", "if hertz >= 0 else", "if True else", "plot/test_plot.py -k say_so"),
     Fault("viewer/page.py", '.replace("<", "\\\\u003c")', "", "viewer/test_view.py -k names_cannot"),
     Fault("viewer/scene.py", "rate = 1 / (2 * step)", "rate = 1 / step", "viewer/test_view.py -k modes_move"),

@@ -1,5 +1,6 @@
 """The linearised mechanism as a state-space model of python-control."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import jax
@@ -19,6 +20,7 @@ from ..mechanics.signals import along_coordinates, input_row, rotation_row
 from ..model.model import Model, Signal
 from ..model.roles import Role
 from ..results import RESULTS
+from .truncation import chosen_modes, error_of, truncated
 
 if TYPE_CHECKING:
     import control
@@ -48,29 +50,48 @@ class StateMatrices(NamedTuple):
 
 @jit
 def _state_matrices(
-    m: Matrices, inputs: tuple[Signal, ...], outputs: tuple[Signal, ...], condensed: tuple[int, ...]
+    m: Matrices,
+    inputs: tuple[Signal, ...],
+    outputs: tuple[Signal, ...],
+    condensed: tuple[int, ...],
+    modes: tuple[int, ...] = (),
 ) -> StateMatrices:
-    """Second-order system with massless motions condensed statically, then in first-order form; along a motion each."""
+    """Second-order system with massless motions condensed statically, then in first-order form; along a motion each.
+
+    Where modes are given, all others are condensed.
+    """
 
     def one(m: Matrices) -> StateMatrices:
-        return _state_matrices_at(m, inputs, outputs, condensed)
+        return _state_matrices_at(m, inputs, outputs, condensed, modes)
 
     return one(m) if m.M0.ndim == 2 else jax.vmap(one)(m)
 
 
-def _state_matrices_at(m: Matrices, inputs, outputs, condensed) -> StateMatrices:
+def _forces(m: Matrices, inputs) -> Float[Array, "n_q n_u"]:
+    """What inputs do to the degrees of freedom, one a column."""
+    forces = [input_row(s, m.x, m.DFx, m.DFe) for s in inputs]
+    return jnp.stack(forces, axis=1) if forces else jnp.zeros((m.M0.shape[0], 0))
+
+
+def _passed(s: Signal, inputs) -> Float[Array, "n_u"]:
+    """What an output takes of the inputs themselves: a stress input adds to the stress."""
+    return jnp.array([float(s.quantity == u.quantity == "stress" and u.index == s.index) for u in inputs])
+
+
+def _state_matrices_at(m: Matrices, inputs, outputs, condensed, modes) -> StateMatrices:
     n_q = m.M0.shape[0]
     kept = np.array([i for i in range(n_q) if i not in condensed], int)
-    forces = [input_row(s, m.x, m.DFx, m.DFe) for s in inputs]
-    b = jnp.stack(forces, axis=1) if forces else jnp.zeros((n_q, 0))
+    b = _forces(m, inputs)
     damping = m.C0 + m.D0
     keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, b.shape[1]))
-    if condensed:
+    if modes:
+        keep, direct = truncated(m, b, modes)
+    elif condensed:
         moved = response_without_mass(m.M0, m.K, condensed, jnp.concatenate([b, m.K @ keep], axis=1))
         direct, keep = moved[:, : b.shape[1]], keep - moved[:, b.shape[1] :]
     mass, stiffness = keep.T @ m.M0 @ keep, keep.T @ m.K @ keep
     inverse = factorise(mass)
-    n = len(kept)
+    n = keep.shape[1]
     lower = jnp.concatenate([-inverse.solve(stiffness), -inverse.solve(keep.T @ damping @ keep)], axis=1)
     upper = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n)], axis=1)
     drive = inverse.solve(keep.T @ (b - m.K @ direct))
@@ -85,10 +106,8 @@ def _state_matrices_at(m: Matrices, inputs, outputs, condensed) -> StateMatrices
             sum(part @ matrix for part, matrix in zip(parts, of, strict=True) if part is not None)
             for of in (by_state, by_input)
         )
-        if s.quantity == "stress":
-            through = through + jnp.array([float(u.quantity == "stress" and u.index == s.index) for u in inputs])
         rows.append(row)
-        feedthrough.append(through)
+        feedthrough.append(through + _passed(s, inputs))
     c = jnp.stack(rows) if rows else jnp.zeros((0, 2 * n))
     d = jnp.stack(feedthrough) if feedthrough else jnp.zeros((0, b.shape[1]))
     drive = jnp.concatenate([jnp.zeros((n, b.shape[1])), drive])
@@ -125,7 +144,9 @@ def _output_rows(s: Signal, m: Matrices) -> tuple[Any, ...]:
     return row @ second[own] - turning, 2 * row @ first[own], along
 
 
-def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[str]]:
+def state_matrices(
+    model: Model | Linearization, *, modes: int | Sequence[int] | None = None, bandwidth: float | None = None
+) -> tuple[StateMatrices, list[str]]:
     """State-space matrices about the static equilibrium, for the model's named inputs and outputs.
 
     Motions without mass are condensed statically (their damping is left out), so that the states are those of the
@@ -135,6 +156,14 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
         model: Mechanism, or its linearisation, also that along a motion: then the matrices have the times in front.
             Differentiable in its parameters for named inputs and outputs. Which motions carry no mass is decided on
             concrete numbers; under a trace all are taken to carry mass.
+        modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes
+            [m sqrt(kg)] and rates. All others follow inputs at once, as they do at rest: the response at rest of
+            positions, deformations and stresses is right, and that in the band nearly so. Velocities and accelerations
+            of what follows would take rates of the inputs and are left out, so that these outputs are off by the share
+            of the flexibility at rest that is not that of the modes kept. Left out, too, is damping between modes
+            that are kept and others. Differentiable where the frequencies of modes that are kept differ from all
+            others.
+        bandwidth: Keep all modes up to this frequency [Hz]; not under a trace.
 
     Returns:
         A, B, C, D (shapes in StateMatrices) [SI], and the names of the states.
@@ -143,12 +172,25 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
         ModelError: An output is the stress of a FIXED deformation, or an input moves nothing.
         AnalysisError: singular_mass where nothing carries mass, or some motion a negative one; what the linearisation
             failed by.
+        ValueError: Both ``modes`` and ``bandwidth`` are given, there are no such modes, no mode is below the bandwidth,
+            or a motion would be left out that does not vibrate.
+        NotImplementedError: Modes are to be kept, and an unsymmetric stiffness gives none.
+
+    Warns:
+        FlexmbWarning: What is kept is off by more than 1 % in its band, up to ``bandwidth`` or else the highest mode
+            that is kept, measured as :func:`to_statespace` says.
 
     Source:
-        THEORY.md 7, eq. (7.7); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I],
+        THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I],
         [-M0^-1 K, -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T.
     """
     lin = model if _is_along_motion(model) else linearized(model, "state_matrices")
+    found, names, _ = _matrices_of(lin, modes, bandwidth)
+    return found, names
+
+
+def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
+    """State-space matrices, names of the states, and of some modes the error in their band, unless under a trace."""
     labels, m = lin.labels, lin.matrices
     traced = not is_concrete(m)
     condensed: tuple[int, ...] = ()
@@ -158,11 +200,26 @@ def state_matrices(model: Model | Linearization) -> tuple[StateMatrices, list[st
         refuse_negative_mass(lin)
         condensed = _all_massless(lin)
         _refuse_idle_inputs(lin, condensed)
+    if modes is not None or bandwidth is not None:
+        return _truncated(lin, condensed, modes, bandwidth)
     names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed] if not traced else []
     if not traced and not names:
         raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
     found = _state_matrices(m, inputs=labels.inputs, outputs=labels.outputs, condensed=condensed)
-    return found, names + [f"d {name}" for name in names]
+    return found, names + [f"d {name}" for name in names], None
+
+
+def _truncated(lin: Linearization, condensed: tuple[int, ...], modes: Any, bandwidth: Any):
+    """As :func:`_matrices_of`, of some modes."""
+    labels, m = lin.labels, lin.matrices
+    kept = chosen_modes(lin, modes, bandwidth)
+    found = _state_matrices(m, inputs=labels.inputs, outputs=labels.outputs, condensed=condensed, modes=kept)
+    names, error = [f"mode {i + 1}" for i in kept], None
+    if is_concrete(m):
+        rows = [jax.tree.map(np.asarray, (*_output_rows(s, m), _passed(s, labels.inputs))) for s in labels.outputs]
+        forces = np.asarray(_forces(m, labels.inputs))
+        error = error_of(lin, kept, bandwidth, forces, rows, found)
+    return found, names + [f"d {name}" for name in names], error
 
 
 def _is_along_motion(model: Model | Linearization) -> TypeGuard[Linearization]:
@@ -253,23 +310,37 @@ def to_statespace(
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
+    modes: int | Sequence[int] | None = None,
+    bandwidth: float | None = None,
 ) -> "control.StateSpace":
     """The linearised mechanism as a ``control.StateSpace`` with names for states, inputs and outputs.
 
     Args:
-        model: Mechanism, or its linearisation; of a motion that at one time, ``lin.at_time(0)``.
+        model: Mechanism, or its linearisation; of a motion that at one time, ``lin.at_time(0)``. Damping is that of its
+            elements, unless it is a linearisation by :func:`flexmb.damped`.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        modes: How many of the lowest modes to keep, or which, numbered from 0; see :func:`state_matrices`. A controller
+            is designed on few states, and margins of many stiff ones are beyond python-control.
+        bandwidth: Keep all modes up to this frequency [Hz].
 
     Returns:
-        control.StateSpace; matrices as :func:`state_matrices`.
+        control.StateSpace; matrices as :func:`state_matrices`. Where modes are kept it has an attribute
+        ``truncation_error``, (n_y, n_u) [-]: by how much the response of each output to each input is off at most, up
+        to ``bandwidth`` or else the highest mode that is kept, measured against all modes at 120 frequencies over two
+        decades and beside each mode. It is the difference over the larger of the full response there and its median
+        within half an octave to both sides, which keeps an antiresonance from counting.
 
     Raises:
         ModelError: The model names no inputs or no outputs, or an output that cannot be given, or an input that moves
             nothing; the linearisation is that at many times.
         AnalysisError: singular_mass.
+        ValueError: As :func:`state_matrices`.
+
+    Warns:
+        FlexmbWarning: ``truncation_error`` has an entry above 0.01.
 
     Source:
         See :func:`state_matrices`.
@@ -285,7 +356,11 @@ def to_statespace(
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
         raise ModelError("A state-space model needs an input and an output: name them with input() and output().")
-    found, states = state_matrices(lin)
+    found, states, error = _matrices_of(lin, modes, bandwidth)
     # control refuses a dot in a name.
     clean = [[name.replace(".", " ") for name in names] for names in (states, inputs, outputs)]
-    return control.StateSpace(*(np.asarray(m) for m in found), states=clean[0], inputs=clean[1], outputs=clean[2])
+    parts = [np.asarray(m) for m in found]
+    system: Any = control.StateSpace(*parts, states=clean[0], inputs=clean[1], outputs=clean[2])
+    if error is not None:
+        system.truncation_error = error
+    return system

@@ -150,7 +150,7 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Float[Array, "n"], Float[Ar
         _check_positive("ratio", ratio)
         if sizes == ():
             return jnp.broadcast_to(jnp.asarray(ratio, float), (n,)), jnp.zeros(n)
-    hertz = jax.lax.stop_gradient(modal_frequencies(lin))
+    hertz = jax.lax.stop_gradient(modal_frequencies(lin)[0])
     count = int(np.sum(np.isfinite(np.asarray(hertz)))) if is_concrete(hertz) else n
     if len(sizes) == 1:
         if sizes[0] > count:

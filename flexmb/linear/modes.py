@@ -3,7 +3,7 @@
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Complex, Float, Int
 
 from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
@@ -182,9 +182,9 @@ def frequencies(
     return values
 
 
-def modal_frequencies(lin: Linearization) -> Float[Array, "n"]:
-    """Frequencies of a linearisation as of :func:`frequencies`, unchecked, (n_q,) [Hz]."""
-    return _frequencies_at(lin.matrices, count=None)[0]
+def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array, ""]]:
+    """Frequencies of a linearisation as of :func:`frequencies`, (n_q,) [Hz], and a code of RESULTS, unchecked."""
+    return _frequencies_at(lin.matrices, count=None)
 
 
 def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:

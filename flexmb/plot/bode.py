@@ -1,5 +1,6 @@
-"""Frequency response, by python-control."""
+"""Frequency response: magnitude and phase of each output by each input, with their names."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -8,6 +9,21 @@ import numpy as np
 from ..control.state_space import to_statespace
 from ..linear.linearize import Linearization
 from ..model.model import Model
+from .canvas import BLUE
+
+# An output responds that moves by more than this share of the largest response to the same input.
+RESPONDS = 1e-9
+# Responses are those at s = (i + this) omega: so phases of an undamped mechanism turn as those of a damped one.
+DECAY = 1e-6
+# Where a phase turns by more than this between two frequencies, one is put between them, so many times.
+TURN = np.radians(20.0)
+ROUNDS = 6
+# Ticks of the phase are multiples of one of these [degrees], at most so many.
+PHASES = (15, 30, 45, 90, 180, 360, 720)
+TICKS = 6
+WIDTH, HEIGHT = 4.3, 3.5
+# A longer title is two lines.
+LONGEST = 44
 
 
 def bode(
@@ -17,24 +33,29 @@ def bode(
     *,
     hertz: Any = None,
 ) -> Any:
-    """Bode plot of the linearised mechanism.
+    """Bode plot of the linearised mechanism, each pair of panels titled by its input and output.
+
+    Phases begin between -180 and 180 degrees at the lowest frequency and have no jumps of 360 degrees from there; those
+    of an undamped mechanism turn as with very little damping. What does not respond is said in words.
 
     Args:
-        found: Model or Linearization with inputs and outputs, or a control.StateSpace.
+        found: Model or Linearization with inputs and outputs, such as ``fm.damped(model, ratio=0.01)``, or a
+            control.StateSpace.
         outputs: Names of outputs as the state-space model has them; those that respond unless given.
-        inputs: Names of inputs likewise; all unless given.
-        hertz: Frequencies, (n,) [Hz]; from a tenth of the lowest pole to ten times the highest unless given.
+        inputs: Names of inputs likewise; those that something responds to unless given.
+        hertz: Frequencies, (n,) [Hz], between which others are put where a phase turns quickly; from a tenth of the
+            lowest pole to ten times the highest unless given.
 
     Returns:
         matplotlib Figure: magnitude and phase over frequency in hertz.
 
     Raises:
         TypeError: ``found`` is none of these.
-        ValueError: No such output or input, or no output responds.
+        ValueError: No such output or input, no output responds, or frequencies that are not positive.
         ModelError: The model names no inputs or no outputs.
 
     Source:
-        C (i omega - A)^-1 B + D, by control.bode_plot.
+        C (i omega - A)^-1 B + D, by python-control.
     """
     import control
 
@@ -47,27 +68,118 @@ def bode(
         )
     rows = _chosen("output", found.output_labels, outputs)
     columns = _chosen("input", found.input_labels, inputs)
-    if outputs is None:
-        rows = [row for row in rows if _responds(found, row, columns)]
-    if not rows:
+    frequencies = _around_poles(found) if hertz is None else np.unique(np.asarray(hertz, float))
+    if not len(frequencies) or not np.all(np.isfinite(frequencies) & (frequencies > 0)):
+        raise ValueError("Argument `hertz` must be frequencies above zero.")
+    frequencies, responses, moved = _responses(found[rows, columns], frequencies)
+    if not np.any(moved):
         raise ValueError("No output responds to the inputs: there is nothing to draw.")
+    # What was not asked for by name takes no place where it is not moved, or moves nothing.
+    ys = [i for i in range(len(rows)) if outputs is not None or np.any(moved[i])]
+    us = [j for j in range(len(columns)) if inputs is not None or np.any(moved[:, j])]
+    names = [[found.output_labels[i] for i in rows], [found.input_labels[j] for j in columns]]
+    figure = _drawn(frequencies, responses, moved, ys, us, *names)
+    said = [
+        f"{what}: {', '.join(name for i, name in enumerate(every) if i not in own)}"
+        for what, own, every in zip(("no response", "without effect"), (ys, us), names, strict=True)
+        if len(own) < len(every)
+    ]
+    if said:
+        figure.supxlabel(textwrap.fill("; ".join(said), int(13 * figure.get_figwidth())), fontsize=8)
+    return figure
+
+
+def _responses(system: Any, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies, with some between, responses at them, (n, outputs, inputs), and which of these are not round-off."""
+
+    def at(hertz: np.ndarray) -> np.ndarray:
+        return np.moveaxis(np.asarray(system((1j + DECAY) * 2 * np.pi * hertz, squeeze=False)), -1, 0)
+
+    found = at(frequencies)
+    largest = np.max(np.abs(found), axis=0)
+    moved = largest > RESPONDS * np.max(largest, axis=0)
+    for _ in range(ROUNDS):
+        turns = np.abs(np.angle(found[1:] * np.conj(found[:-1]))) * moved
+        gaps = np.flatnonzero(np.max(turns, axis=(1, 2), initial=0.0) > TURN)
+        if not len(gaps):
+            break
+        more = np.sqrt(frequencies[gaps] * frequencies[gaps + 1])
+        frequencies, found = np.insert(frequencies, gaps + 1, more), np.insert(found, gaps + 1, at(more), axis=0)
+    return frequencies, found, moved
+
+
+def _drawn(
+    frequencies: np.ndarray,
+    responses: np.ndarray,
+    moved: np.ndarray,
+    ys: list[int],
+    us: list[int],
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+) -> Any:
     import matplotlib.pyplot as plt
 
-    omega = _around_poles(found) if hertz is None else 2 * np.pi * np.asarray(hertz, float)
-    # python-control draws in the current figure where that is empty.
-    plt.figure(figsize=(4.8 * len(columns), 3.0 * len(rows) + 1.5))
-    return control.bode_plot(found[rows, columns], omega, Hz=True, title="Frequency response").figure
+    size = max(WIDTH * len(us), 1.3 * WIDTH), HEIGHT * len(ys)
+    figure = plt.figure(figsize=size, layout="constrained")
+    places = figure.add_gridspec(len(ys), len(us))
+    for row, i in enumerate(ys):
+        for column, j in enumerate(us):
+            place, title = places[row, column], f"{inputs[j]} → {outputs[i]}"
+            if len(title) > LONGEST:
+                title = title.replace(" → ", " →\n")
+            if not moved[i, j]:
+                ax = figure.add_subplot(place)
+                ax.axis("off")
+                text = textwrap.fill(f"{outputs[i]} does not respond to {inputs[j]}", 30)
+                ax.text(0.5, 0.5, text, ha="center", va="center", transform=ax.transAxes)
+                continue
+            # Titles and labels that a panel's neighbours have, too, stand once.
+            upper, lower = (figure.add_subplot(part) for part in place.subgridspec(2, 1, height_ratios=(3, 2)))
+            _panels(upper, lower, frequencies, responses[:, i, j])
+            upper.set_title(title, fontsize=10)
+            if not np.any(moved[i, us[:column]]):
+                upper.set_ylabel("magnitude")
+                lower.set_ylabel("phase [°]")
+            if not np.any(moved[ys[row + 1 :], j]):
+                lower.set_xlabel("frequency [Hz]")
+    return figure
+
+
+def _panels(upper: Any, lower: Any, frequencies: np.ndarray, response: np.ndarray) -> None:
+    from matplotlib.ticker import LogLocator, MultipleLocator, NullFormatter
+
+    phase = np.degrees(np.unwrap(np.angle(response)))
+    # Of a mass without support the phase is -180 rather than 180 degrees.
+    if phase[0] > 180 - 1e-3:
+        phase = phase - 360
+    upper.loglog(frequencies, np.abs(response), color=BLUE)
+    lower.semilogx(frequencies, phase, color=BLUE)
+    upper.sharex(lower)
+    upper.tick_params(labelbottom=False)
+    for axis in (upper.yaxis, lower.xaxis, upper.xaxis):
+        axis.set_major_locator(LogLocator(numticks=TICKS))
+        axis.set_minor_formatter(NullFormatter())
+    low, high = np.min(phase), np.max(phase)
+    step = next((step for step in PHASES if high - low <= step * (TICKS - 2)), PHASES[-1])
+    lower.yaxis.set_major_locator(MultipleLocator(step))
+    margin = max(0.08 * (high - low), step / 3)
+    lower.set_ylim(low - margin, high + margin)
+    for ax in (upper, lower):
+        ax.grid(visible=True, which="major", alpha=0.3)
+        ax.set_xlim(frequencies[0], frequencies[-1])
 
 
 def _around_poles(system: Any) -> np.ndarray:
-    """Frequencies around the poles, closer beside each of them, [rad/s].
+    """Frequencies around the poles, closer beside each of them, [Hz].
 
     python-control asks for the zeros too, which it does not know of several outputs.
     """
-    poles = np.abs(np.linalg.eigvals(system.A))
-    poles = poles[poles > 1e-9 * np.max(poles, initial=0.0)] if poles.size else np.ones(1)
+    poles = np.linalg.eigvals(system.A)
+    poles = np.abs(poles[poles.imag >= 0]) / (2 * np.pi)
+    poles = poles[poles > 1e-9 * np.max(poles, initial=0.0)]
+    poles = poles if poles.size else np.ones(1)
     ends = np.log10(np.min(poles)) - 1, np.log10(np.max(poles)) + 1
-    beside = 10 ** np.concatenate([-np.logspace(-5, -1, 40), np.logspace(-5, -1, 40)])
+    beside = 10 ** np.concatenate([-np.logspace(-5, -1, 20), np.logspace(-5, -1, 20)])
     return np.unique(np.concatenate([np.logspace(*ends, 400), np.outer(poles, beside).ravel()]))
 
 
@@ -79,10 +191,3 @@ def _chosen(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None)
     if wrong := [name for name in names if name not in known]:
         raise ValueError(f"There is no {kind} '{wrong[0]}'. There is: {', '.join(known)}.")
     return [list(known).index(name) for name in names]
-
-
-def _responds(system: Any, row: int, columns: list[int]) -> bool:
-    """Whether an output is moved by an input, beyond round-off."""
-    probe = 1.7j * max(1.0, float(np.max(np.abs(np.linalg.eigvals(system.A)), initial=1.0)))
-    size = np.abs(np.atleast_2d(system(probe)))[:, columns]
-    return bool(np.max(size[row]) > 1e-9 * np.max(size))

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import control
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -482,6 +483,25 @@ def test_bode_plot_has_its_resonance_and_only_outputs_that_respond():
     hertz, size = (np.asarray(values) for values in magnitudes[0].lines[0].get_data())
     assert hertz[np.argmax(size)] == pytest.approx(float(fm.frequencies(fm.linearize(model))[0]), rel=1e-3)
     assert size[0] == pytest.approx(1 / 945, rel=0.02)
+    assert [ax.get_title() for ax in magnitudes] == [
+        f"force right1 x → position {end} x" for end in ("left1", "right1")
+    ]
+    # What has no panel is told.
+    assert "no response: position left1 y, position right1 y" in figure.get_supxlabel()
+
+
+def test_bode_plot_of_several_inputs_says_what_does_not_respond():
+    """1/s^3 begins at +90 degrees (-270); 1/(s (s^2 + 1)), without damping, turns from -90 to -270 at 1 rad/s."""
+    system = control.append(*(control.tf2ss(control.tf(*of)) for of in (([1], [1, 0, 0, 0]), ([1], [1, 0, 1, 0]))))
+    system = control.ss(system, inputs=["force", "moment"], outputs=["position", "angle"])
+    figure = plot.bode(system, hertz=np.logspace(-2, 1, 61))
+    assert len(figure.axes) == 6
+    assert [ax.get_title() for ax in figure.axes if ax.get_title()] == ["force → position", "moment → angle"]
+    said = {text.replace("\n", " ") for ax in figure.axes for text in texts_of(ax)}
+    assert said == {"position does not respond to moment", "angle does not respond to force"}
+    phases = [np.asarray(ax.lines[0].get_ydata()) for ax in figure.axes if ax.get_ylabel().startswith("phase")]
+    np.testing.assert_allclose(phases[0], 90, atol=1e-3)
+    np.testing.assert_allclose(phases[1][[0, -1]], [-90, -270], atol=1e-3)
 
 
 # Refusals.
@@ -505,6 +525,7 @@ def test_bode_plot_has_its_resonance_and_only_outputs_that_respond():
         (lambda m: plot.history(m), TypeError, "fm.simulate"),
         (lambda m: plot.frequencies(m), TypeError, "Path or a Motion"),
         (lambda m: plot.bode(m, "nothing"), ValueError, "no output 'nothing'"),
+        (lambda m: plot.bode(m, hertz=[0.0, 1.0]), ValueError, "frequencies above zero"),
         (lambda m: plot.bode(3), TypeError, "StateSpace"),
     ],
 )
@@ -533,7 +554,7 @@ def test_coordinates_and_times_that_are_not_there(snapping, swinging):
         ("pf3dover", 0, "svg", "self-stress 1 of 1"),
         ("pf1dtrx", 7, "svg", "mode 1: 10.658 Hz"),
         ("pf1dtrx", 9, "png", None),
-        ("pf1dtrx", 9, "svg", "Magnitude"),
+        ("pf1dtrx", 9, "svg", "magnitude"),
     ],
 )
 def test_plot_on_the_command_line(tmp_path, name, mode, suffix, words):
