@@ -9,6 +9,7 @@ from . import plot as plot
 from . import spacar as spacar
 from .answers.motion_file import save_motion as save_motion
 from .build.builder import Builder as Builder
+from .build.check_element import check_element as check_element
 from .checks.mobility import mobility as mobility
 from .compilation.compile import jit as jit
 from .control.state_space import to_statespace as to_statespace
@@ -51,6 +52,7 @@ from .linear.modes import frequencies as frequencies
 from .linear.modes import modes as modes
 from .linear.modes import poles as poles
 from .linear.stress import stress as stress
+from .math import rotations as rotations
 from .model.model import Model as Model
 from .motion.simulate import simulate as simulate
 from .paths.critical import limit_load as limit_load

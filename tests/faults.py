@@ -1052,6 +1052,24 @@ FAULTS = [
         "return sorted(vars(sys.modules[package]))",
         "elements/test_told.py",
     ),
+    Fault("build/check_element.py", "yield ZERO, self._zero()", 'yield ZERO, (0.0, "")', "build/test_check_element.py"),
+    Fault(
+        "build/check_element.py", "yield RIGID, self._rigid()", 'yield RIGID, (0.0, "")', "build/test_check_element.py"
+    ),
+    Fault(
+        "build/check_element.py",
+        "yield KINETIC, self._kinetic()",
+        'yield KINETIC, (0.0, "")',
+        "build/test_check_element.py",
+    ),
+    Fault("build/tried.py", "float(name not in KINKED)", "1.0", "build/test_check_element.py -k how_nearly"),
+    Fault("math/rotations.py", "1 - square / 8", "1 - square / 4", "math/test_rotations.py"),
+    Fault(
+        "math/rotations.py",
+        "jnp.cross(second[1:], first[1:])",
+        "jnp.cross(first[1:], second[1:])",
+        "math/test_rotations.py",
+    ),
     Fault("elements/told.py", "element.usual\n", "element\n", "elements/test_told.py -k of_ones_own"),
     Fault(
         "elements/spatial.py",

@@ -1,0 +1,283 @@
+"""Tries an element type of one's own: the laws that every element obeys, on states drawn about several references."""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import jax
+import numpy as np
+from jax.flatten_util import ravel_pytree
+
+from ..arguments import check_number
+from ..display import Result, Summary, counted
+from ..elements.element import Element
+from ..errors import ModelError
+from .assemble import is_option
+from .properties import complete, element_type, number_of_deformations, with_options
+from .tried import KINKED, STEP, State, abs_or_one, compiled, drawn, moved, rigidly, sizes, weights
+
+REFERENCES = 3
+# How far states are from their reference: in it, near it, away from it; of the distance of nodes, and radians.
+AWAY = (0.0, 1e-3, 0.3)
+# Deviations of at most so much, relative to the largest number of the same kind. Round-off leaves 1e-10 of differences
+# and 1e-14 of the rest. The stress of a potential may have a corner within a step, as that of contact has.
+ROUND_OFF, DIFFERENCE, CORNER = 1e-9, 1e-5, 1e-2
+TINY = float(np.finfo(float).tiny)
+ZERO, RIGID = "zero in the undeformed mechanism", "unchanged by rigid motion"
+SMOOTH, TWICE = "first derivatives, against differences", "second derivatives, against differences"
+SLOPES = {"energy": "stress is the slope of the energy", "dissipation": "and of the dissipation, by rates"}
+SYMMETRIC = "stiffness and damping are symmetric"
+MASS, KINETIC = "mass is symmetric and positive semidefinite", "kinetic energy is unchanged by rigid motion"
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class ElementCheck(Result):
+    """What an element type that obeys all laws was seen to do.
+
+    Attributes:
+        element: Name of the element type.
+        deformations: Their number.
+        deviations: Largest deviation from each law, relative to the largest number of the same kind [-].
+    """
+
+    element: str
+    deformations: int
+    deviations: dict[str, float]
+
+    def summary(self) -> Summary:
+        """The laws, and how nearly each holds."""
+        rows = {law: f"within {value:.1e}" for law, value in self.deviations.items()}
+        return Summary(f"ElementCheck: {self.element} with {counted(self.deformations, 'deformation')} passes", rows)
+
+
+def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> ElementCheck:
+    """Try an element type: whether its functions are what the analyses take them for.
+
+    Deformations are zero in the undeformed mechanism and do not change when the whole moves as a rigid body; they have
+    derivatives of first and second order there, near it and away from it, by the coordinates, the undeformed ones and
+    the properties; stress is the slope of the energy, stiffness and damping are symmetric, and mass is symmetric and
+    positive semidefinite, with the same kinetic energy whichever way the whole is turned.
+
+    Args:
+        element: Element type, or a bare deformation function.
+        apart: How far the nodes are from each other in the states that are tried, about, () [m].
+        properties: Properties and options, as ``Builder.add`` takes them.
+
+    Returns:
+        The laws that were tried, and how nearly each holds; its text is a short report.
+
+    Raises:
+        ModelError: What fails, by name: every law that does not hold; a property that is missing, unknown or of the
+            wrong kind; functions that do not fit together.
+
+    Source:
+        Definition of an element; central differences with a step of eps^(1/3).
+    """
+    check_number("apart", apart, above=0)
+    element = element_type(element)
+    name = element.name
+    element, given = with_options(element, name, properties)
+    own = complete(element, name, given)
+    count = number_of_deformations(element, name, own)
+    tried = _Tried(element, own, count, apart)
+    found = dict(tried.laws())
+    if faults := [fault for _, fault in found.values() if fault]:
+        raise ModelError("\n".join(f"Element type '{name}': {fault}." for fault in faults))
+    return ElementCheck(name, count, {law: value for law, (value, _) in found.items()})
+
+
+class _Tried:
+    """States of an element, and what its functions answer there."""
+
+    def __init__(self, element: Element, properties: dict[str, Any], count: int, apart: float):
+        self.element, self.count = element, count
+        options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
+        numbers = {k: v for k, v in properties.items() if not is_option(v)}
+        self.numbers = jax.tree.map(lambda leaf: np.asarray(leaf, float), numbers)
+        self.kinds = list(element.nodes.values())
+        random = np.random.default_rng(0)
+        pairs = [(drawn(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
+        self.states = [State(moved(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
+        self.references = [i for i, (_, away) in enumerate(pairs) if not away]
+        for i in self.references:
+            self._check_reference(self.states[i], properties)
+        turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
+        rigid = [State(rigidly(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)]
+        self.turns = [turn for turn, _ in turns]
+        points = [self._flat(state) for state in self.states]
+        # Each number by its own size; coordinates, and numbers that are zero, by what is usual.
+        self.sizes = self._flat(State(*(sizes(self.kinds, apart) for _ in range(2))), abs_or_one)
+        ways = random.standard_normal((len(points), len(points[0]))) * self.sizes
+        batch = [*points, *map(self._flat, rigid)]
+        steps = [p + sign * STEP * way for sign in (1, -1) for p, way in zip(points, ways, strict=True)]
+        along = np.concatenate([ways, np.zeros((len(rigid), ways.shape[1])), ways, ways])
+        shapes = tuple(np.shape(leaf) for leaf in jax.tree.leaves(self._tree(self.states[0])))
+        structure = jax.tree.structure(self._tree(self.states[0]))
+        run, self.shapes = compiled(element, count, options, structure, shapes)
+        answers = jax.tree.map(np.asarray, run(np.stack([*batch, *steps]), along))
+        self.along = ways
+        n = len(points)
+        self.here, self.rigid, self.plus, self.minus = (
+            jax.tree.map(lambda leaf, i=i: leaf[i * n : (i + 1) * n], answers) for i in range(4)
+        )
+
+    def _tree(self, state: State, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> Any:
+        return [np.asarray(v, float) for v in state.x], list(state.ref), jax.tree.map(change, self.numbers)
+
+    def _flat(self, state: State, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> np.ndarray:
+        return np.asarray(ravel_pytree(self._tree(state, change))[0])
+
+    def _check_reference(self, state: State, properties: dict[str, Any]) -> None:
+        check = self.element.check
+        if check is not None:
+            own = self.element.arguments(check, properties) or {}
+            for fault in check(ref=self.element.reference(state.ref), **own):
+                raise ModelError(f"Element type '{self.element.name}' {fault}.")
+
+    # -- the laws -------------------------------------------------------------------------------------------------
+
+    def laws(self) -> Iterator[tuple[str, tuple[float, str]]]:
+        """Each law that concerns the element, its largest deviation, and what to say where that is too large."""
+        if fault := self._not_finite():
+            # Nothing else can be looked at.
+            yield "finite", (np.inf, fault)
+            return
+        if self.count:
+            yield ZERO, self._zero()
+            yield RIGID, self._rigid()
+        yield SMOOTH, self._first()
+        yield TWICE, self._second()
+        for kind in SLOPES:
+            if kind in self.shapes:
+                yield SLOPES[kind], self._slope(kind)
+        if named := [n for n in ("stiffness", "damping") if n in self.shapes]:
+            yield SYMMETRIC, self._symmetric(named)
+        if "mass" in self.here:
+            yield MASS, self._semidefinite()
+            yield KINETIC, self._kinetic()
+
+    def _answer(self, found: dict[str, Any], name: str, kind: str = "value") -> np.ndarray:
+        """Numbers of one answer in all states, (states, n)."""
+        return found[kind][:, self.shapes[name]]
+
+    def _where(self, state: int) -> str:
+        return ("in the undeformed mechanism", "near the undeformed mechanism", "away from it")[state % len(AWAY)]
+
+    def _not_finite(self) -> str:
+        for kind, what in (("value", "number"), ("forward", "first derivative"), ("second", "second derivative")):
+            slices = self.shapes if kind != "second" else {"functions": slice(None)}
+            for i in range(len(self.states)):
+                for name, own in slices.items():
+                    if not np.all(np.isfinite(self.here[kind][i, own])):
+                        return f"a {what} of its {name} is not finite {self._where(i)}. Write it so that it is"
+        if not np.all(np.isfinite(self.here["reverse"])):
+            return (
+                "a derivative is not finite in reverse mode, though forward it is: a square root of zero, or a division"
+            )
+        return ""
+
+    def _zero(self) -> tuple[float, str]:
+        e = self._answer(self.here, "deformations")
+        largest = np.max(np.abs(e), axis=0)
+        if still := [str(i + 1) for i in np.flatnonzero(largest == 0)]:
+            return np.inf, f"deformation {', '.join(still)} is zero whatever the coordinates are"
+        found = np.abs(e[self.references]) / largest
+        value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
+        number = float(np.max(np.abs(e[self.references][:, worst])))
+        fault = (
+            f"deformation {worst + 1} is {number:.3g} in the undeformed mechanism, which it is told as `ref`: it must"
+            " be zero there"
+        )
+        return value, fault if value > ROUND_OFF else ""
+
+    def _rigid(self) -> tuple[float, str]:
+        e, there = (self._answer(found, "deformations") for found in (self.here, self.rigid))
+        found = np.abs(there - e) / (np.max(np.abs(e), axis=0) + TINY)
+        value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
+        number = float(np.max(np.abs(there - e)[:, worst]))
+        fault = (
+            f"deformation {worst + 1} changes by {number:.3g} when the whole moves as a rigid body, where it must not:"
+            " tell vectors in axes that turn along, and rotations relative to each other"
+        )
+        return value, fault if value > ROUND_OFF else ""
+
+    def _scales(self) -> np.ndarray:
+        """Largest number of the same answer, with its derivatives, for each number."""
+        scales = np.zeros(self.here["value"].shape[1])
+        for own in self.shapes.values():
+            scales[own] = max(np.max(np.abs(self.here[k][:, own]), initial=0.0) for k in ("value", "forward"))
+        return np.where(scales > 0, scales, 1.0)
+
+    def _first(self) -> tuple[float, str]:
+        scales, forward = self._scales(), self.here["forward"]
+        central = (self.plus["value"] - self.minus["value"]) / (2 * STEP)
+        found = np.abs(central - forward) / scales
+        own_weights = weights(forward.shape[1])
+        for name in self.shapes.keys() & {*KINKED}:
+            found[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
+        reverse = np.sum(self.here["reverse"] * self.along, axis=1)
+        both = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
+        fault = self._named(found, DIFFERENCE, "the derivative of {} is not that of its differences {}")
+        if not fault and np.max(both) > ROUND_OFF:
+            fault = "its derivatives in reverse mode are not those in forward mode"
+        return float(max(found.max(initial=0.0), both.max(initial=0.0))), fault
+
+    def _second(self) -> tuple[float, str]:
+        second = self.here["second"]
+        central = (self.plus["reverse"] - self.minus["reverse"]) / (2 * STEP)
+        scale = max(np.max(np.abs(found * self.sizes)) for found in (second, self.here["reverse"])) or 1.0
+        found = np.abs(central - second) * self.sizes / scale
+        value = float(found.max())
+        where = self._where(int(np.argmax(found.max(axis=1))))
+        return value, f"its second derivatives are not those of differences {where}: it may have a kink" * (
+            value > DIFFERENCE
+        )
+
+    def _named(self, found: np.ndarray, most: float, text: str) -> str:
+        """What to say of the answer that deviates most, empty where none does too much."""
+        if not found.size or found.max() <= most:
+            return ""
+        state, column = np.unravel_index(int(np.argmax(found)), found.shape)
+        name, own = next((n, s) for n, s in self.shapes.items() if s.start <= column < s.stop)
+        about = f"deformation {column - own.start + 1}" if name == "deformations" else f"its {name}"
+        return text.format(about, self._where(int(state)))
+
+    def _slope(self, kind: str) -> tuple[float, str]:
+        slope, differences = self.here[f"{kind} slope"], self.here[f"{kind} differences"]
+        scale = max(np.max(np.abs(slope)), np.max(np.abs(differences))) or 1.0
+        value = float(np.max(np.abs(slope - differences)) / scale)
+        return value, f"the derivative of its {kind} is not that of its differences" if value > CORNER else ""
+
+    def _symmetric(self, named: list[str]) -> tuple[float, str]:
+        value, fault = 0.0, ""
+        for name in named:
+            matrices = self._answer(self.here, name).reshape(-1, self.count, self.count)
+            scale = np.max(np.abs(matrices)) or 1.0
+            own = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
+            value, fault = max(value, own), fault or (f"its {name} is not symmetric" if own > ROUND_OFF else "")
+        return value, fault
+
+    def _semidefinite(self) -> tuple[float, str]:
+        mass, h = self.here["mass"], self._answer(self.here, "H")
+        scale = np.max(np.abs(mass)) or 1.0
+        size = int(np.sqrt(h.shape[1]))
+        h = h.reshape(-1, size, size)
+        skew = float(np.max(np.abs(h - h.transpose(0, 2, 1))) / (np.max(np.abs(h)) or 1.0))
+        lowest = float(np.min(np.linalg.eigvalsh(mass)) / scale)
+        fault = "the matrix H of its inertia is not symmetric" if skew > ROUND_OFF else ""
+        if lowest < -ROUND_OFF:
+            fault = fault or "its mass matrix is not positive semidefinite: a motion has a negative kinetic energy"
+        return max(skew, -min(lowest, 0.0)), fault
+
+    def _kinetic(self) -> tuple[float, str]:
+        mass, value = self.here["mass"], 0.0
+        for i, turn in enumerate(self.turns):
+            ends = np.cumsum([kind.size for kind in self.kinds])[:-1]
+            unmoved = np.eye(mass.shape[1])
+            zero = np.zeros(3)
+            columns = [np.concatenate(rigidly(self.kinds, np.split(c, ends), turn, zero, rates=True)) for c in unmoved]
+            turned = np.stack(columns, axis=1)
+            deviation = turned.T @ self.rigid["mass"][i] @ turned - mass[i]
+            value = max(value, float(np.max(np.abs(deviation)) / (np.max(np.abs(mass)) or 1.0)))
+        fault = "its kinetic energy changes when the whole is turned or moved" if value > ROUND_OFF else ""
+        return value, fault

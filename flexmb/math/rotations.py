@@ -1,0 +1,138 @@
+"""Rotations in space by Euler parameters, to write elements with and to read results: ``fm.rotations``.
+
+Euler parameters (scalar first, unit norm) say how a node is turned: cos(a/2), then sin(a/2) along the axis, for a turn
+by the angle a, counter-clockwise seen against the axis. All axes are global and vectors are turned actively. Every
+function is differentiable everywhere, at zero rotation too.
+"""
+
+import jax.numpy as jnp
+from jax.typing import ArrayLike
+from jaxtyping import Array, Float
+
+from ..lazy import only
+from .rotation import rotation_matrix, rotation_vector
+
+# Square of an angle below which its sine and cosine are taken from their series, to round-off [rad^2].
+SMALL = 1e-4
+
+
+def from_vector(vector: Float[ArrayLike, "3"]) -> Float[Array, "4"]:
+    """Euler parameters of a rotation vector.
+
+    Args:
+        vector: Axis times angle, (3,) [rad].
+
+    Returns:
+        (4,) [-], scalar first.
+
+    Source:
+        Definition; near zero by the series of sine and cosine.
+    """
+    vector = jnp.asarray(vector, float)
+    square = vector @ vector
+    is_small = square < SMALL
+    half = jnp.sqrt(jnp.where(is_small, 1.0, square)) / 2
+    scalar = jnp.where(is_small, 1 - square / 8 + square**2 / 384, jnp.cos(half))
+    along = jnp.where(is_small, 0.5 - square / 48 + square**2 / 3840, jnp.sin(half) / (2 * half))
+    return jnp.concatenate([scalar[None], along * vector])
+
+
+def from_axis_angle(axis: Float[ArrayLike, "3"], angle: Float[ArrayLike, ""]) -> Float[Array, "4"]:
+    """Euler parameters of a turn about an axis.
+
+    Args:
+        axis: Of any length but zero, (3,).
+        angle: Counter-clockwise seen against the axis, () [rad].
+
+    Returns:
+        (4,) [-], scalar first.
+
+    Source:
+        Definition.
+    """
+    axis, half = jnp.asarray(axis, float), jnp.asarray(angle, float) / 2
+    return jnp.concatenate([jnp.cos(half)[None], jnp.sin(half) * axis / jnp.sqrt(axis @ axis)])
+
+
+def to_vector(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3"]:
+    """Rotation vector of Euler parameters: axis times angle.
+
+    Args:
+        rotation: Euler parameters, (4,) [-].
+
+    Returns:
+        (3,) [rad], within a full turn to either side.
+
+    Source:
+        Definition.
+    """
+    return rotation_vector(jnp.asarray(rotation, float))
+
+
+def to_matrix(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3 3"]:
+    """Rotation matrix of Euler parameters.
+
+    Args:
+        rotation: Euler parameters, (4,) [-].
+
+    Returns:
+        (3, 3) [-], whose columns are the turned axes.
+
+    Source:
+        Quaternion products; see :func:`flexmb.math.rotation.rotation_matrix`.
+    """
+    return rotation_matrix(jnp.asarray(rotation, float))
+
+
+def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Float[Array, "3"]:
+    """A vector, turned.
+
+    Args:
+        rotation: Euler parameters, (4,) [-].
+        vector: (3,), of any unit.
+
+    Returns:
+        (3,), of the unit of the vector.
+
+    Source:
+        Its rotation matrix times the vector.
+    """
+    return to_matrix(rotation) @ jnp.asarray(vector, float)
+
+
+def product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
+    """Euler parameters of two rotations one after the other, both about global axes: ``first``, then ``second``.
+
+    Args:
+        second: Euler parameters, (4,) [-].
+        first: Euler parameters, (4,) [-].
+
+    Returns:
+        (4,) [-], scalar first. The rotation of a body since its start is ``product(now, inverse(start))``.
+
+    Source:
+        Quaternion product second * first.
+    """
+    second, first = jnp.asarray(second, float), jnp.asarray(first, float)
+    scalar = second[0] * first[0] - second[1:] @ first[1:]
+    return jnp.concatenate(
+        [scalar[None], second[0] * first[1:] + first[0] * second[1:] + jnp.cross(second[1:], first[1:])]
+    )
+
+
+def inverse(rotation: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
+    """Euler parameters of the rotation back.
+
+    Args:
+        rotation: Euler parameters, (4,) [-].
+
+    Returns:
+        (4,) [-], scalar first.
+
+    Source:
+        Conjugate quaternion.
+    """
+    return jnp.asarray(rotation, float) * jnp.array([1.0, -1.0, -1.0, -1.0])
+
+
+__all__, __dir__ = only(globals(), lambda value: getattr(value, "__module__", "") == __name__)
