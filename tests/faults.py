@@ -1091,6 +1091,23 @@ FAULTS = [
         "(-1 if minimize else 1)",
         "design/test_tune.py -k several_starts",
     ),
+    Fault(
+        "design/stroke.py", "at.sigma[index] - held", "held.sigma[index] - at", "design/test_verdict.py -k deformation"
+    ),
+    Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling"),
+    Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
+    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k shooting"),
+    Fault("design/over_stroke.py", "now - before)", "now)", "design/test_verdict.py -k closed_form"),
+    Fault(
+        "design/judgement.py", "1 if first.upper is None", "-1 if first.upper is None", "design/test_verdict.py -k says"
+    ),
+    Fault(
+        "design/verdict.py",
+        "return min(found, key=abs",
+        "return max(found, key=abs",
+        "design/test_verdict.py -k earlier",
+    ),
+    Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k shooting"),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
     # Input files, SPACAR Light.
     Fault(

@@ -11,3 +11,4 @@ from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import Tolerances as Tolerances
 from .sweep import Sweep as Sweep
 from .tune import Tuned as Tuned
+from .verdict import Verdict as Verdict

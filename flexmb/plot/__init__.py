@@ -14,3 +14,4 @@ from .sensitivities import sensitivities as sensitivities
 from .stress import stress as stress
 from .sweep import sweep as sweep
 from .tuning import tuning as tuning
+from .verdict import verdict as verdict
