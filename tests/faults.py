@@ -200,6 +200,7 @@ FAULTS = [
         '    if True:\n        _study("sweep"',
         "test_cli.py -k every_command",
     ),
+    Fault("cli.py", "{of.strip(): length} if equals", "{of.strip(): -length} if equals", "test_cli.py -k verdict"),
     Fault("cli.py", 'if data["status"] != "ok":', "if False:", "design/test_study.py -k exit_1"),
     Fault("cli.py", "code = EXIT_WRONG_CALL", "code = 0", "test_cli.py -k wrong_call"),
     Fault("cli.py", "return names[text]", "return 7", "test_cli.py -k by_number_and_by_name"),
@@ -1098,13 +1099,11 @@ FAULTS = [
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
     Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k shooting"),
     Fault("design/over_stroke.py", "now - before)", "now)", "design/test_verdict.py -k closed_form"),
-    Fault(
-        "design/judgement.py", "1 if first.upper is None", "-1 if first.upper is None", "design/test_verdict.py -k says"
-    ),
+    Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k says"),
     Fault(
         "design/verdict.py",
-        "return min(found, key=abs",
-        "return max(found, key=abs",
+        "return min(found",
+        "return max(found",
         "design/test_verdict.py -k earlier",
     ),
     Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k shooting"),

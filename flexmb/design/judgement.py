@@ -14,6 +14,8 @@ from .stroke import measured
 
 # Parasitic motion below this share of the stroke is none.
 STRAIGHT = 1e-9
+# Numbers closer than this share are equal but for round-off.
+ALIKE = 1e-9
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,10 +162,10 @@ def rows_of(page: Verdict) -> dict[str, str]:
     """What the page says, a row a subject."""
     curves, rest = page.curves, int(np.flatnonzero(page.stroke == 0)[0])
     force = curves["force"]
-    least, most = (page.measured("force", i) for i in (np.nanargmin(force), np.nanargmax(force)))
-    rows = {"drive force": f"{least} to {most}, stiffness {page.measured('drive stiffness', rest)} at rest"}
+    low, high = (page.measured("force", i) for i in (most(-force), most(force)))
+    rows = {"drive force": f"{low} to {high}, stiffness {page.measured('drive stiffness', rest)} at rest"}
     if "stress" in curves:
-        i = _largest(curves["stress"])
+        i = most(curves["stress"])
         place = page.places[i]
         rows["stress"] = f"{page.measured('stress', i)} in '{place.element}' at {place.place:g}, {page.where(i)}"
         for name, of in (("yield", "the strength"), ("fatigue", "the fatigue limit")):
@@ -175,7 +177,7 @@ def rows_of(page: Verdict) -> dict[str, str]:
         rows[subject] = "; ".join(text for name in own if (text := told(page, name, rest))) or ("none" if own else "")
     if hertz := [name for name in curves if name.startswith("frequency")]:
         at_rest = listed([page.measured(name, rest) for name in hertz])
-        i = int(np.nanargmin(curves["frequency 1"]))
+        i = most(-curves["frequency 1"])
         rows["frequencies"] = f"{at_rest} at rest; least {page.measured('frequency 1', i)} {page.where(i)}"
     titles = page.mobility.states().titles
     rows["over-constraints"] = "; ".join(titles) or "none"
@@ -184,13 +186,16 @@ def rows_of(page: Verdict) -> dict[str, str]:
     return rows
 
 
-def _largest(values: np.ndarray) -> int:
-    return int(np.nanargmax(np.abs(values)))
+def most(values: np.ndarray) -> int:
+    """Place of the largest number, (n,); of those that only round-off tells apart the last, which is at most stroke."""
+    known = np.where(np.isnan(values), -np.inf, values)
+    top = np.max(known)
+    return int(np.flatnonzero(known >= top * (1 - np.sign(top) * ALIKE))[-1])
 
 
 def _parasitic(page: Verdict, name: str, rest: int) -> str:
     """How far the node moves along or about one axis; nothing where it does not."""
-    i = _largest(page.curves[name])
+    i = most(np.abs(page.curves[name]))
     if abs(page.curves[name][i]) <= STRAIGHT * np.max(np.abs(page.stroke)):
         return ""
     return f"{name.split()[-1]} {page.measured(name, i)} {page.where(i)}"
@@ -201,7 +206,7 @@ def _stiffness(page: Verdict, name: str, rest: int) -> str:
     values, axis = page.curves[name], name.split()[-1]
     if np.all(np.isinf(values)):
         return f"{axis} rigid in this model"
-    i = int(np.nanargmin(values))
+    i = most(-values)
     if not np.isfinite(values[rest]):
         return f"{axis} rigid at rest, {page.measured(name, i)} {page.where(i)}"
     lost = f"{short(100 * (1 - values[i] / values[rest]))} % lost {page.where(i)}"
@@ -222,7 +227,7 @@ def _stability(page: Verdict) -> str:
     values = page.curves["buckling"]
     if not np.any(np.isfinite(values)):
         return f"{text}; no constant loads that buckle it"
-    i = int(np.nanargmin(values))
+    i = most(-values)
     return f"{text}; buckles at {short(values[i])} times the constant loads, {page.where(i)}"
 
 
@@ -234,7 +239,7 @@ def _first(page: Verdict) -> str:
     if not page.limits:
         return "no limit is known: give limits={..}, or a material that states its strength"
     first = page.limits[0]
-    i = int(np.nanargmax(first.used))
+    i = most(first.used)
     return f"none within the stroke; {first.name} comes nearest, {short(first.used[i])} of it {page.where(i)}"
 
 

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..build.dofs import CANNOT_MOVE
 from ..build.restrict import with_dofs
 from ..checks.mobility import motions_of
 from ..compilation.compile import jit
@@ -221,7 +222,8 @@ def _of_model(model: Model) -> tuple[str, int]:
 
 def _what_moves(model: Model) -> str:
     """A sentence with names of what can be driven."""
-    moving = [name_of(model.labels.x[i]) for i in np.asarray(model.topology.x.free).tolist()]
+    motions, _ = motions_of(model)
+    moving = [name_of(e) for e, row in zip(model.labels.x, motions, strict=True) if np.linalg.norm(row) > CANNOT_MOVE]
     return f"What moves is such as {listed(moving)}." if moving else "Nothing of it moves."
 
 

@@ -14,7 +14,7 @@ from ..errors import heard
 from ..model.model import Model, as_determined
 from .designs import numbers
 from .evaluate import Build, check_dimensions
-from .judgement import Limit, Verdict
+from .judgement import Limit, Verdict, most
 from .over_stroke import Asked, unit_of_curve
 from .sensitivities import Sensitivities, sensitivities
 from .stroke import driven
@@ -160,7 +160,8 @@ def _reached(asked: Asked, limit: Limit, strokes: np.ndarray) -> float | None:
             if excess(b) >= 0:
                 found.append(brentq(excess, a, b, xtol=CLOSE * abs(b - a)))
                 break
-    return min(found, key=abs, default=None)
+    # Of two that are equal but for how well they are known, the one along the stroke.
+    return min(found, key=lambda s: abs(s) * (1 + 10 * CLOSE * (s < 0)), default=None)
 
 
 def _sensitivities(
@@ -170,7 +171,7 @@ def _sensitivities(
     stroke = float(max(strokes, key=abs))
     if limits:
         first = limits[0]
-        stroke = float(strokes[np.nanargmax(first.used)]) if first.stroke is None else first.stroke
+        stroke = float(strokes[most(first.used)]) if first.stroke is None else first.stroke
     names = list(asked.values[0.0])
     found = sensitivities(build, {"curves": lambda m: asked.numbers_at(m, stroke, names)}, dimensions, throw=False)
     return dataclasses.replace(found, answers=tuple(names))
