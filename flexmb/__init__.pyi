@@ -20,6 +20,7 @@ from .design.sensitivities import sensitivities as sensitivities
 from .design.sensitivities import tolerances as tolerances
 from .design.sweep import sweep as sweep
 from .design.tune import tune as tune
+from .design.verdict import verdict as verdict
 from .elements import materials as materials
 from .elements import planar as planar
 from .elements import sections as sections

@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean
+from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean, heard
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
@@ -91,6 +91,7 @@ Release = Annotated[str, typer.Option("--release", help="auto: release over-cons
 Plot = Annotated[
     Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf, or as .html to turn and play.")
 ]
+PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as .png or .svg.")]
 Numbers = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
 ]
@@ -379,6 +380,88 @@ def check(
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
     with _foreseen(debug):
         _run(model, 0, json_path, save, log, "none", 200, plot, numbers)
+
+
+@app.command(cls=Once)
+def verdict(
+    model: ModelFile,
+    stroke: Annotated[
+        str, typer.Option("--stroke", metavar="[NAME=]NUMBER", help="To both sides; of what, such as 3.x=5e-3.")
+    ],
+    limit: Annotated[
+        list[str] | None, typer.Option("--limit", metavar="NAME=NUMBER", help="Such as 'frequency 1=50'.")
+    ] = None,
+    numbers: Numbers = None,
+    json_path: Json = None,
+    plot: PagePlot = None,
+    debug: Debug = False,
+) -> None:
+    """Tell on one page what a stroke takes and what limits it; with --set also which of these numbers moves that."""
+    with _foreseen(debug):
+        _verdict(model, stroke, limit, numbers, json_path, plot)
+
+
+def _verdict(
+    model: Path,
+    stroke: str,
+    limit: list[str] | None,
+    given: list[str] | None,
+    json_path: str | None,
+    plot: Path | None,
+) -> None:
+    from . import __version__, read_spacar
+    from . import verdict as judge
+    from .answers.files import to_json
+    from .files import write_whole
+
+    if plot is not None and plot.suffix not in (".png", ".svg"):
+        _refuse(f"flexmb verdict: --plot writes .png or .svg, not '{clean(plot)}'.")
+    of, equals, word = stroke.rpartition("=")
+    length = _number("--stroke", "[NAME=]NUMBER, such as 3.x=5e-3", word)
+    limits = {}
+    for text in limit or ():
+        name, _, word = (part.strip() for part in text.rpartition("="))
+        limits[name] = _number("--limit", "NAME=NUMBER, such as force=2", word)
+    _check_call("none", json_path, None, None, plot, model)
+    _prepare_jax()
+    read, dimensions, found = _read(model, given), _numbers(given), None
+    data: dict[str, Any] = {"model": clean(model.name), "flexmb": __version__, "status": "ok", "message": ""}
+
+    def build(**numbers: Any) -> Any:
+        return read_spacar(model, numbers=numbers).builder.build()
+
+    with heard() as said:
+        try:
+            built: Any = build if dimensions else read.builder.build()
+            wanted: Any = {of.strip(): length} if equals else length
+            found = judge(built, wanted, dimensions=dimensions or None, limits=limits)
+            data |= found.to_dict()
+        except (ModelError, AnalysisError) as fault:
+            data |= {"status": getattr(fault, "code", "not_valid"), "message": str(fault)}
+        except ValueError as fault:
+            _refuse(f"flexmb verdict: {' '.join(str(fault).split())}")
+    data["warnings"] = [*read.warnings, *dict.fromkeys(said)]
+    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
+    if plot is not None and found is not None:
+        from .plot.answer import image_of
+
+        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:], "verdict")))
+    if json_path == "-" or found is not None:
+        warnings = "".join(f"warning: {text}\n" for text in data["warnings"])
+        _tell(to_json(data) if json_path == "-" else f"{warnings}{found}")
+    if found is None:
+        _complain(f"{read.name}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
+        raise typer.Exit(EXIT_FAILED)
+
+
+def _number(option: str, form: str, word: str) -> float:
+    """A number of an option."""
+    from .spacar.lines import Fault, parse
+
+    try:
+        return parse(option, "value", (word.strip(),))["value"]
+    except Fault as fault:
+        _refuse(f"flexmb: {option} takes {form}: {str(fault).partition(';')[0]}.")
 
 
 @app.command(cls=Once)

@@ -200,6 +200,7 @@ FAULTS = [
         '    if True:\n        _study("sweep"',
         "test_cli.py -k every_command",
     ),
+    Fault("cli.py", "{of.strip(): length} if equals", "{of.strip(): -length} if equals", "test_cli.py -k verdict"),
     Fault("cli.py", 'if data["status"] != "ok":', "if False:", "design/test_study.py -k exit_1"),
     Fault("cli.py", "        WRITTEN.append(path)\n", "", "test_cli.py -k says_what_it_keeps"),
     Fault(
@@ -1292,6 +1293,21 @@ FAULTS = [
         "design/test_tune.py -k combination",
     ),
     Fault("design/choices.py", "if count > MOST:", "if False:", "design/test_tune.py -k choices_that"),
+    Fault(
+        "design/stroke.py", "at.sigma[index] - held", "held.sigma[index] - at", "design/test_verdict.py -k deformation"
+    ),
+    Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling"),
+    Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
+    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k shooting"),
+    Fault("design/over_stroke.py", "now - before)", "now)", "design/test_verdict.py -k closed_form"),
+    Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k says"),
+    Fault(
+        "design/verdict.py",
+        "return min(found",
+        "return max(found",
+        "design/test_verdict.py -k earlier",
+    ),
+    Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k shooting"),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
     Fault(
         "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"

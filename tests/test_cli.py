@@ -277,6 +277,12 @@ MISUSED = {
     "edit": "flexmb edit (a page to build mechanisms on) is not available yet.",
     "edit guide.dat --port 8000": "flexmb edit (a page to build mechanisms on) is not available yet.",
     "fmu guide.dat --to guide.fmu": "flexmb fmu (mechanisms as units for co-simulation) is not available yet.",
+    "verdict guide.dat": "flexmb verdict: Missing option '--stroke' (flexmb verdict --help).",
+    "verdict guide.dat --stroke wide": "flexmb: --stroke takes [NAME=]NUMBER, such as 3.x=5e-3",
+    "verdict guide.dat --stroke 1e-3 --limit force": "flexmb: --limit takes NAME=NUMBER, such as force=2",
+    "verdict guide.dat --stroke 3.x=-1": "Argument `stroke` must be positive",
+    "verdict guide.dat --stroke 1e-3 --limit farce=1": "Limit of 'farce': there is no such curve. There are: force",
+    "verdict guide.dat --stroke 1e-3 --plot page.gif": "flexmb verdict: --plot writes .png or .svg, not 'page.gif'.",
     "run": "flexmb run: Missing argument 'MODEL.dat' (flexmb run --help).",
     "run guide.dat": "give one of --mode and --analysis",
     "run guide.dat --mode": "Option '--mode' requires an argument",
@@ -370,12 +376,42 @@ def test_a_wrong_call_is_one_line(line, workplace):
     assert {path: path.read_bytes() for path in sorted(workplace.rglob("*")) if path.is_file()} == before
 
 
-@pytest.mark.parametrize("command", ["", "run", "check", "demo", "sweep", "tune"])
+@pytest.mark.parametrize("command", ["", "run", "check", "verdict", "demo", "sweep", "tune"])
 @pytest.mark.parametrize("option", ["-h", "--help"])
 def test_help(command, option):
     result = call(*command.split(), option)
     assert (result.exit_code, result.stderr) == (0, "")
     assert "Usage: flexmb" in result.stdout
+
+
+def test_a_verdict_is_that_of_the_package(tmp_path):
+    text, path = mechanism_path("pf2db").read_text(), tmp_path / "guide.dat"
+    path.write_text(text.replace("0.039375", "{EI}"))
+    more = ("--stroke", "3.x=1e-3", "--limit", "force=0.5", "--set", "EI=0.039375")
+    result = call("verdict", path, *more, "--json", "-", "--plot", tmp_path / "page.svg")
+    assert (result.exit_code, result.stderr) == (0, "")
+    data = json.loads(result.stdout)
+    # 24 EI/L^3 less what the load of 1 N takes, 6/5 of it over the length.
+    stiffness = 24 * 0.039375 / 0.1**3 - 1.2 / 0.1
+    assert data["curves"]["drive stiffness"][4] == pytest.approx(stiffness, rel=1e-6)
+    assert data["limits"][0]["name"] == "force"
+    assert abs(data["limits"][0]["stroke"]) == pytest.approx(0.5 / stiffness, rel=1e-4)
+    assert data["sensitivities"]["force"]["EI"] == pytest.approx(945 / stiffness, rel=1e-4)
+    assert (data["status"], data["good"]) == ("ok", False)
+    assert "stress" in data["unanswered"]
+    assert (tmp_path / "page.svg").read_text().startswith("<?xml")
+    told = call("verdict", path, "--stroke", "1e-3", "--limit", "frequency 1=11", "--set", "EI=0.039375").stdout
+    assert told.startswith("Verdict on 3.x, -1 mm to 1 mm: frequency 1 limits it to 0 m\n")
+    # Half of what the stiffness grows by.
+    assert "larger EI (+0.506): percent of frequency 1 for one percent" in told
+
+
+def test_a_verdict_that_cannot_be_has_a_status():
+    result = call("verdict", mechanism_path("pf3dover"), "--stroke", "1e-3", "--json", "-")
+    assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "overconstrained")
+    result = call("verdict", mechanism_path("pf2db"), "--stroke", "3.y=1e-3")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "no motion of the undeformed mechanism moves it. What moves is such as 3.x, 5.x." in result.stderr
 
 
 def test_version():

@@ -131,7 +131,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     )
     labels = dataclasses.replace(model.labels, e=entries, stressed=tuple(stressed))
     bare = Restriction(Topology(tuple(blocks), x, e, top.axes), labels, jnp.asarray(columns)[None], tuple(places))
-    return dataclasses.replace(bare, topology=_with_dofs(bare.of(model), model))
+    return dataclasses.replace(bare, topology=with_dofs(bare.of(model), model))
 
 
 def released(model: Model, indices: list[int]) -> Model:
@@ -152,11 +152,16 @@ def released(model: Model, indices: list[int]) -> Model:
         topology=dataclasses.replace(top, x=x, e=e),
         parameters=dataclasses.replace(model.parameters, start=None),
     )
-    return dataclasses.replace(bare, topology=_with_dofs(bare, model))
+    return dataclasses.replace(bare, topology=with_dofs(bare, model))
 
 
-def _with_dofs(restricted: Model, model: Model) -> Topology:
-    """Structure with degrees of freedom of the model, and others where they leave motions undetermined."""
+def with_dofs(restricted: Model, model: Model) -> Topology:
+    """Structure with degrees of freedom of the model, and others where they leave motions undetermined.
+
+    Args:
+        restricted: Model with other constraints, of which nothing is a degree of freedom yet.
+        model: Model whose degrees of freedom are preferred.
+    """
     motions, _ = motions_of(restricted)
     top, own = restricted.topology, model.topology
     effects = constraints(restricted).jacobian[np.asarray(own.e.dof)] @ motions

@@ -14,3 +14,4 @@ from .swept import Front as Front
 from .swept import Sweep as Sweep
 from .tuned import Combination as Combination
 from .tuned import Tuned as Tuned
+from .verdict import Verdict as Verdict

@@ -15,5 +15,6 @@ from .sensitivities import sensitivities as sensitivities
 from .stress import stress as stress
 from .sweep import sweep as sweep
 from .tuning import tuning as tuning
+from .verdict import verdict as verdict
 
 __all__, __dir__ = only(globals(), lambda value: callable(value) and value is not only)

@@ -1,0 +1,262 @@
+"""The judgement on a mechanism over its stroke: what limits it, the numbers, and the page that says so."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from ..checks.mobility import Mobility
+from ..display import Result, States, Summary, listed, short
+from ..linear.stress import Location
+from ..model.model import Model
+from .sensitivities import Sensitivities
+from .stroke import measured
+
+# Parasitic motion below this share of the stroke is none.
+STRAIGHT = 1e-9
+# Numbers closer than this share are equal but for round-off.
+ALIKE = 1e-9
+
+
+@dataclasses.dataclass(frozen=True)
+class Limit:
+    """A limit of the stroke.
+
+    Attributes:
+        name: Of the curve that it limits.
+        lower: Least value, or None.
+        upper: Largest size, or None.
+        used: Share of it at each stroke, (states,) [-]; reached at 1.
+        stroke: Where it is reached, nearest to zero [m or rad]; None where it is not.
+    """
+
+    name: str
+    lower: float | None
+    upper: float | None
+    used: np.ndarray
+    stroke: float | None
+
+    def share(self, value: float) -> float:
+        """How much of the limit a value of the curve uses [-]: 1 where it is reached."""
+        over = 0.0 if self.upper is None else abs(value) / self.upper
+        under = 0.0 if self.lower is None else self.lower / value if value > 0 else np.inf
+        return float(max(over, under)) if np.isfinite(value) or value > 0 else float(np.nan)
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Verdict(Result):
+    """What a mechanism does over its stroke, and what limits that first.
+
+    Attributes:
+        driven: Name of the coordinate that is driven.
+        unit: Its unit, "m" or "rad".
+        node: Whose support stiffness and parasitic motion are asked.
+        stroke: From the least to the largest, (states,) [m or rad].
+        curves: By name, (states,) [unit]: "force" of the drive and "drive stiffness"; largest "stress", and its shares
+            "yield" of the strength and "fatigue" of the fatigue limit; "buckling" multiplier of the constant loads;
+            "stiffness y" and so on of the node, the drive holding; "parasitic y" and so on, how the node moves from its
+            place at zero stroke; "frequency 1" and so on, the drive being a dead force.
+        units: Of each curve.
+        limits: Those asked and those usual, first the one that is reached at the smallest stroke, then the most used.
+        mobility: Over-constraints.
+        sensitivities: Of all curves by the dimensions, where the first limit is reached or most used; None without a
+            function of dimensions.
+        unanswered: What could not be answered, and why.
+        places: Where the stress is largest at each stroke, with the element's name; empty without stress.
+        held_stable: Whether it stands at each stroke while the drive holds it, (states,).
+        free_stable: Whether it stands there with the drive a dead force, (states,).
+        x: Nodal coordinates at each stroke, (states, n_x) [m, rad, -].
+        model: The mechanism.
+    """
+
+    driven: str
+    unit: str
+    node: str | None
+    stroke: np.ndarray
+    curves: dict[str, np.ndarray]
+    units: dict[str, str]
+    limits: tuple[Limit, ...]
+    mobility: Mobility
+    sensitivities: Sensitivities | None
+    unanswered: dict[str, str]
+    places: tuple[Location, ...]
+    held_stable: np.ndarray
+    free_stable: np.ndarray
+    x: np.ndarray
+    model: Model
+
+    @property
+    def good(self) -> bool:
+        """Whether the whole stroke is reached and no limit with it."""
+        return "stroke" not in self.unanswered and all(limit.stroke is None for limit in self.limits)
+
+    def measured(self, name: str, state: Any) -> str:
+        """A number of a curve with its unit.
+
+        Args:
+            name: Of the curve.
+            state: Which, from 0.
+        """
+        return measured(float(self.curves[name][state]), self.units[name])
+
+    def where(self, state: Any) -> str:
+        """The stroke of a state, as "at 5 mm".
+
+        Args:
+            state: Which, from 0.
+        """
+        return f"at {measured(float(self.stroke[state]), self.unit)}"
+
+    def states(self) -> States:
+        """The mechanism at each stroke."""
+        return States(self.model, self.x, "path", self.stroke, f"stroke {self.driven} [{self.unit}]")
+
+    def summary(self) -> Summary:
+        """The page: a row a subject."""
+        rows = {subject: text for subject, text in rows_of(self).items() if text}
+        if self.unanswered:
+            rows["not answered"] = "; ".join(f"{what}: {why}" for what, why in self.unanswered.items())
+        ends = " to ".join(measured(s, self.unit) for s in (self.stroke[0], self.stroke[-1]))
+        return Summary(f"Verdict on {self.driven}, {ends}: {self._judgement()}", rows, "verdict")
+
+    def _judgement(self) -> str:
+        reached = [limit for limit in self.limits if limit.stroke is not None]
+        if reached:
+            return f"{reached[0].name} limits it to {measured(reached[0].stroke or 0.0, self.unit)}"
+        if "stroke" in self.unanswered:
+            return f"no more than that, {self.unanswered['stroke']}"
+        return "good enough" if self.limits else "nothing is known that limits it"
+
+    def __str__(self) -> str:
+        title, rows, *_ = self.summary()
+        width = max(len(name) for name in rows) + 2
+        lines = [title, *(f"  {name:<{width}}{text}" for name, text in rows.items()), ""]
+        names = {f"stroke [{self.unit}]": self.stroke, **{f"{n} [{self.units[n]}]": c for n, c in self.curves.items()}}
+        # A stroke a column, so that the page is no wider for more curves.
+        left = max(map(len, names)) + 2
+        return "\n".join(lines + [f"  {n:<{left}}" + "".join(f"{v:>10.3g}" for v in c) for n, c in names.items()])
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as plain keys and values, as the command line writes it."""
+        found = self.sensitivities
+        table = {} if found is None else dict(zip(found.answers, found.table, strict=True))
+        return {
+            "driven": self.driven,
+            "unit": self.unit,
+            "node": self.node,
+            "good": self.good,
+            "stroke": self.stroke,
+            "curves": self.curves,
+            "units": self.units,
+            "limits": [dataclasses.asdict(limit) for limit in self.limits],
+            "overconstraints": self.mobility.overconstraints,
+            "sensitivities": {n: dict(zip(found.dimensions, row, strict=True)) for n, row in table.items()}
+            if found
+            else {},
+            "unanswered": self.unanswered,
+            "rows": self.summary().rows,
+        }
+
+
+def rows_of(page: Verdict) -> dict[str, str]:
+    """What the page says, a row a subject."""
+    curves, rest = page.curves, int(np.flatnonzero(page.stroke == 0)[0])
+    force = curves["force"]
+    low, high = (page.measured("force", i) for i in (most(-force), most(force)))
+    rows = {"drive force": f"{low} to {high}, stiffness {page.measured('drive stiffness', rest)} at rest"}
+    if "stress" in curves:
+        i = most(curves["stress"])
+        place = page.places[i]
+        rows["stress"] = f"{page.measured('stress', i)} in '{place.element}' at {place.place:g}, {page.where(i)}"
+        for name, of in (("yield", "the strength"), ("fatigue", "the fatigue limit")):
+            if name in curves:
+                rows["stress"] += f"; {short(np.nanmax(curves[name]))} of {of}"
+    rows["stability"] = _stability(page)
+    for subject, told in (("support stiffness", _stiffness), ("parasitic motion", _parasitic)):
+        own = [name for name in curves if name.startswith(subject.replace("support ", "").replace("motion", ""))]
+        rows[subject] = "; ".join(text for name in own if (text := told(page, name, rest))) or ("none" if own else "")
+    if hertz := [name for name in curves if name.startswith("frequency")]:
+        at_rest = listed([page.measured(name, rest) for name in hertz])
+        i = most(-curves["frequency 1"])
+        rows["frequencies"] = f"{at_rest} at rest; least {page.measured('frequency 1', i)} {page.where(i)}"
+    titles = page.mobility.states().titles
+    rows["over-constraints"] = "; ".join(titles) or "none"
+    rows["limits first"] = _first(page)
+    rows["by dimension"] = _by_dimension(page)
+    return rows
+
+
+def most(values: np.ndarray) -> int:
+    """Place of the largest number, (n,); of those that only round-off tells apart the last, which is at most stroke."""
+    known = np.where(np.isnan(values), -np.inf, values)
+    top = np.max(known)
+    return int(np.flatnonzero(known >= top * (1 - np.sign(top) * ALIKE))[-1])
+
+
+def _parasitic(page: Verdict, name: str, rest: int) -> str:
+    """How far the node moves along or about one axis; nothing where it does not."""
+    i = most(np.abs(page.curves[name]))
+    if abs(page.curves[name][i]) <= STRAIGHT * np.max(np.abs(page.stroke)):
+        return ""
+    return f"{name.split()[-1]} {page.measured(name, i)} {page.where(i)}"
+
+
+def _stiffness(page: Verdict, name: str, rest: int) -> str:
+    """Stiffness of the node along or about one axis, and what is lost of it."""
+    values, axis = page.curves[name], name.split()[-1]
+    if np.all(np.isinf(values)):
+        return f"{axis} rigid in this model"
+    i = most(-values)
+    if not np.isfinite(values[rest]):
+        return f"{axis} rigid at rest, {page.measured(name, i)} {page.where(i)}"
+    lost = f"{short(100 * (1 - values[i] / values[rest]))} % lost {page.where(i)}"
+    return f"{axis} {page.measured(name, rest)} at rest, {lost if values[i] < values[rest] else 'its least'}"
+
+
+def _stability(page: Verdict) -> str:
+    """At which multiple of the constant loads it buckles, and where it does not stand by itself."""
+    text = "stable"
+    if not np.all(page.held_stable):
+        falls = np.flatnonzero(~page.held_stable)
+        text = f"unstable while the drive holds it {page.where(falls[np.argmin(np.abs(page.stroke[falls]))])}"
+    elif not np.all(page.free_stable):
+        first, last = np.flatnonzero(~page.free_stable)[[0, -1]]
+        text = f"stands by the drive alone, from {page.where(first)[3:]} to {page.where(last)[3:]}"
+    if "buckling" not in page.curves:
+        return text
+    values = page.curves["buckling"]
+    if not np.any(np.isfinite(values)):
+        return f"{text}; no constant loads that buckle it"
+    i = most(-values)
+    return f"{text}; buckles at {short(values[i])} times the constant loads, {page.where(i)}"
+
+
+def _first(page: Verdict) -> str:
+    """Which limits are reached, or how near the nearest comes."""
+    reached = [f"{one.name} at {measured(one.stroke, page.unit)}" for one in page.limits if one.stroke is not None]
+    if reached:
+        return ", then ".join(reached)
+    if not page.limits:
+        return "no limit is known: give limits={..}, or a material that states its strength"
+    first = page.limits[0]
+    i = most(first.used)
+    return f"none within the stroke; {first.name} comes nearest, {short(first.used[i])} of it {page.where(i)}"
+
+
+def _by_dimension(page: Verdict) -> str:
+    """By which dimension to move the first limit, the one that matters most first."""
+    if page.sensitivities is None:
+        return "give a function of them: fm.verdict(build, stroke, dimensions={'t': 0.5e-3, ..})"
+    if not page.limits:
+        return "no limit is known; .sensitivities has every curve by them"
+    found, first = page.sensitivities, page.limits[0]
+    row = found.table[found.answers.index(first.name)]
+    if not np.any(np.isfinite(row)):
+        return f"{first.name} has no derivative by them"
+    # Where both ends of a limit are given, the upper one is meant.
+    wanted = 1 if first.upper is None else -1
+    told = []
+    for i in np.argsort(-np.abs(np.nan_to_num(row))):
+        way = "larger" if row[i] * wanted > 0 else "smaller" if row[i] else "any"
+        told.append(f"{way} {found.dimensions[i]} ({row[i]:+.3g})")
+    return f"{listed(told)}: percent of {first.name} for one percent"

@@ -1,0 +1,213 @@
+"""What is asked of a mechanism at each stroke: force, stress, stiffness, parasitic motion, buckling, frequencies."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..arguments import is_concrete
+from ..display import listed
+from ..elements.nodes import ROTATION3
+from ..errors import AnalysisError, ModelError, heard
+from ..linear.compliance import compliance
+from ..linear.linearize import Linearization
+from ..linear.modes import frequencies
+from ..linear.stress import Location, Stress, stress
+from ..math.linear import factorise, is_positive_definite
+from ..math.rotation import rotation_since
+from ..mechanics.loads import has_loads
+from ..model.model import Model
+from ..results import RESULTS
+from .objectives import AXES
+from .stroke import AtStroke, Driven, measured, unit_of_driven
+
+# A node is rigid along an axis where it gives way less than this share of the node that does so most.
+RIGID = 1e-20
+
+
+class Asked:
+    """The questions about one mechanism, and the states that were looked at.
+
+    A question is a function of a state, and of the coordinates at zero stroke, that gives numbers by name.
+    """
+
+    def __init__(self, model: Model, what: Driven, node: str | None, count: int):
+        self.model, self.driven, self.count = model, what, count
+        own = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
+        if own is None and what.entry.of.startswith("turn of "):
+            # The hinge that Builder.prescribe puts on a node whose rotation it prescribes.
+            own = what.entry.of.removeprefix("turn of ")
+        self.node, self.unit = own if node is None else str(node), unit_of_driven(model, what)
+        self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
+        if node is not None and not self.parts:
+            raise ModelError(f"Argument `node`: there is no node '{node}' in this model.")
+        sizes = {1: 1, 2: 2, 3: 3, 4: 3}
+        total = sum(sizes[len(model.labels.coordinates(p))] for p in self.parts)
+        axes = AXES[model.labels.dimension]
+        self.axes = (
+            axes[:total] if self.parts[:1] == [self.node] and not self._is_turn(self.parts[0]) else axes[-total:]
+        )
+        self.own = what.entry.symbol if self.node == own else None
+        self.at: dict[float, AtStroke] = {}
+        self.values: dict[float, dict[str, float]] = {}
+        self.unanswered: dict[str, str] = {}
+        self.questions: dict[str, Callable[[AtStroke, Any], dict[str, Any]]] = {
+            "drive": lambda at, rest: {"force": at.force, "drive stiffness": at.stiffness},
+            "stress": lambda at, rest: _stresses(_stress(at)),
+            "buckling": _buckling,
+            "support stiffness": self._stiffnesses,
+            "parasitic motion": self._parasitic,
+            "frequencies": self._frequencies,
+        }
+
+    def _is_turn(self, part: str) -> bool:
+        return self.model.labels.x[self.model.labels.coordinates(part)[0]].kind == "rotation"
+
+    def look(self, stroke: float, throw: bool = False) -> bool:
+        """Find the state at a stroke and ask everything; False, with a note, where there is none."""
+        if stroke in self.values:
+            return True
+        at = self.driven.at(self.model, stroke, throw=throw)
+        code = RESULTS(int(at.held.result))
+        if code is not RESULTS.successful:
+            last = max((s for s in self.at if s * stroke >= 0), key=abs)
+            self.unanswered["stroke"] = f"beyond {measured(last, self.unit)} no equilibrium was found ({code.name})"
+            return False
+        self.at[stroke], own = at, {}
+        for subject, ask in list(self.questions.items()):
+            try:
+                with heard():
+                    own |= {name: float(value) for name, value in ask(at, self.at[0.0].held.x).items()}
+            except (ModelError, AnalysisError, NotImplementedError) as fault:
+                # What has no answer at rest is not asked again; at other strokes it is missing there alone.
+                if stroke == 0:
+                    self.unanswered[subject] = " ".join(str(fault).split()).rstrip(".")
+                    del self.questions[subject]
+        self.values[stroke] = own
+        return True
+
+    def _stiffnesses(self, at: AtStroke, rest: Any) -> dict[str, Any]:
+        """Of the node along every axis but the driven one, infinite where this model is rigid."""
+        if self.node is None:
+            raise ModelError("a deformation belongs to no one node: give `node`")
+        m, own = at.held.matrices, jnp.diagonal(compliance(at.held, self.node))
+        every = jnp.einsum("ij,ji->i", m.DFx, factorise(m.K).solve(m.DFx.T))
+        positions = np.isin(np.arange(len(m.x)), np.asarray(at.held.model.topology.axes))
+        found = {}
+        for i, axis in enumerate(self.axes):
+            alike = every[positions == (axis in "xyz")]
+            gives = own[i] > RIGID * jnp.max(alike, initial=0.0)
+            if axis != self.own:
+                found[f"stiffness {axis}"] = jnp.where(gives, 1 / jnp.where(gives, own[i], 1.0), jnp.inf)
+        return found
+
+    def _parasitic(self, at: AtStroke, rest: Any) -> dict[str, Any]:
+        """How the node moves besides, from its place at zero stroke."""
+        if not self.parts:
+            raise ModelError("a deformation belongs to no one node: give `node`")
+        moved = []
+        for part in self.parts:
+            own = self.model.labels.known(part)
+            before, now = rest[own], at.held.x[own]
+            moved.append(rotation_since(before, now) if len(own) == ROTATION3.size else now - before)
+        by_axis = dict(zip(self.axes, jnp.concatenate(moved), strict=True))
+        return {f"parasitic {axis}": value for axis, value in by_axis.items() if axis != self.own}
+
+    def _frequencies(self, at: AtStroke, rest: Any) -> dict[str, Any]:
+        found = frequencies(at.free, count=self.count)
+        if is_concrete(found) and 0.0 not in self.values:
+            self.count = int(np.sum(np.isfinite(found)))
+        if not self.count:
+            raise ModelError("no motion of this model moves a mass")
+        return {f"frequency {i + 1}": found[i] for i in range(self.count)}
+
+    def say_what_is_missing(self) -> None:
+        """What materials do not state, and loads that have no place here."""
+        if "stress" in self.questions:
+            at_rest = _stress(self.at[0.0])
+            for what, quantity in (("yield", "strength"), ("fatigue", "fatigue")):
+                borne = getattr(at_rest, quantity)
+                silent = np.ones(len(at_rest.names), bool) if borne is None else np.all(np.isinf(borne), axis=1)
+                if np.any(silent):
+                    of = listed([repr(name) for name, one in zip(at_rest.names, silent, strict=True) if one])
+                    limit = "strength" if what == "yield" else "fatigue limit"
+                    self.unanswered[what] = f"the material of {of} states no {limit}"
+        increment = self.model.parameters.increment
+        others = () if increment is None else ("force", "gravity", "prestress", "temperature", "x", "e")
+        if any(getattr(increment, n) is not None for n in others if not (self.driven.given and n == self.driven.kind)):
+            self.unanswered["incremental loads"] = "left out, the stroke takes their place"
+
+    def curves(self) -> dict[str, np.ndarray]:
+        """Numbers at all strokes that were looked at, ascending, by name; NaN where there is none."""
+        return {
+            name: np.array([self.values[s].get(name, np.nan) for s in sorted(self.values)]) for name in self.values[0.0]
+        }
+
+    def places(self) -> tuple[Location, ...]:
+        """Where the stress is largest at each stroke."""
+        return tuple(_stress(self.at[s]).where for s in sorted(self.at)) if "stress" in self.questions else ()
+
+    def stable(self, how: str) -> np.ndarray:
+        """Whether it stands at each stroke, "held" or "free", (states,)."""
+        return np.array([bool(_stands(getattr(self.at[s], how))) for s in sorted(self.at)])
+
+    def numbers_at(self, model: Model, stroke: float, names: list[str]) -> Any:
+        """Numbers of a model whose own may be traced, at a stroke, (names,)."""
+        at, rest = self.driven.at(model, stroke), model.parameters.reference
+        if has_loads(self.driven.free, dataclasses.replace(model.parameters, increment=None)):
+            rest = self.driven.at(model, 0.0).held.x
+        found: dict[str, Any] = {}
+        for ask in self.questions.values():
+            found |= ask(at, rest)
+        return jnp.stack([jnp.asarray(found[name], float) for name in names])
+
+
+def _stress(at: AtStroke) -> Stress:
+    with heard():
+        return stress(at.held.model, at=at.held)
+
+
+def _stresses(found: Stress) -> dict[str, Any]:
+    """The largest, and its largest share of what materials bear."""
+    numbers_of = {"stress": found.maximum}
+    if found.strength is not None:
+        numbers_of["yield"] = jnp.max(found.utilisation)
+    if found.fatigue is not None:
+        numbers_of["fatigue"] = jnp.max(found.fatigue_utilisation)
+    return numbers_of
+
+
+def _stands(lin: Linearization) -> Any:
+    """Whether the stiffness is positive definite."""
+    k = lin.matrices.K
+    return is_positive_definite((k + k.T) / 2)
+
+
+def _buckling(at: AtStroke, rest: Any) -> dict[str, Any]:
+    """Multiplier of the constant loads; zero where the mechanism does not stand though the drive holds it."""
+    if any(block.element.force is not None for block in at.free.model.topology.blocks):
+        raise ModelError("loads that turn with the mechanism are not scaled here: follow them by fm.path")
+    least = jnp.array(jnp.inf) if at.margins is None else at.margins[0]
+    return {"buckling": jnp.where(_stands(at.held), least, 0.0)}
+
+
+def unit_of_curve(name: str, of_stroke: str) -> str:
+    """Unit of a curve.
+
+    Args:
+        name: Its name.
+        of_stroke: "m" or "rad".
+    """
+    force = "N" if of_stroke == "m" else "N m"
+    if name in ("force", "drive stiffness"):
+        return force if name == "force" else f"{force}/{of_stroke}"
+    if name == "stress":
+        return "Pa"
+    if name.startswith("frequency"):
+        return "Hz"
+    kind, _, axis = name.partition(" ")
+    along = axis in ("x", "y", "z")
+    by_kind = {"stiffness": "N/m" if along else "N m/rad", "parasitic": "m" if along else "rad"}
+    return by_kind.get(kind, "-")

@@ -1,0 +1,272 @@
+"""A mechanism that a drive moves along one coordinate: held at a stroke, and let go there under the drive's force."""
+
+import dataclasses
+import difflib
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..build.dofs import CANNOT_MOVE
+from ..build.restrict import with_dofs
+from ..checks.mobility import motions_of
+from ..compilation.compile import jit
+from ..display import listed, short, unit_of
+from ..errors import ModelError
+from ..linear.buckling import multipliers_of, scaled_stiffness
+from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
+from ..math.linear import factorise
+from ..mechanics.deformation import undeformed
+from ..mechanics.loads import load_factors
+from ..mechanics.residual import state
+from ..model.model import Entry, Model
+from ..model.parameters import Loads, Parameters
+from ..model.topology import RoleIndices, Topology
+
+
+class AtStroke(NamedTuple):
+    """A mechanism at a stroke.
+
+    Attributes:
+        held: Linearised with the drive holding the coordinate.
+        free: Linearised with the drive as a dead force, the coordinate one of the degrees of freedom.
+        force: What the drive does along the coordinate, () [N or N m].
+        stiffness: Its change with the stroke, () [N/m or N m/rad].
+        margins: By what the constant loads may be multiplied until the mechanism that is let go buckles, ascending,
+            infinite where they do not act, (n_q,) [-]; None without constant loads.
+    """
+
+    held: Linearization
+    free: Linearization
+    force: Float[Array, ""]
+    stiffness: Float[Array, ""]
+    margins: Float[Array, "n_q"] | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Driven:
+    """What is driven in a model, for models of the same structure.
+
+    Attributes:
+        entry: Name of the coordinate or deformation.
+        kind: "x" or "e".
+        index: Its index there.
+        given: Whether it is PRESCRIBED in the model already.
+        held: Structure in which it is PRESCRIBED.
+        free: Structure in which it is a degree of freedom.
+    """
+
+    entry: Entry
+    kind: str
+    index: int
+    given: bool
+    held: Topology
+    free: Topology
+
+    @property
+    def name(self) -> str:
+        """As in "top.x", "stage.phi", "hinge.e1"."""
+        return name_of(self.entry)
+
+    def at(self, model: Model, stroke: float, *, throw: bool = True) -> AtStroke:
+        """The equilibrium at a stroke under the constant loads; differentiable in model and stroke.
+
+        Args:
+            model: Mechanism of the structure that this was made of; its numbers may be traced.
+            stroke: From where the coordinate is without a drive or loads, or from where it is prescribed, () [m, rad].
+            throw: Raise where there is no equilibrium.
+
+        Returns:
+            AtStroke.
+
+        Raises:
+            AnalysisError: As for ``flexmb.linearize``.
+
+        Source:
+            THEORY.md 5 and 6, eq. (6.3): with the force of the drive among the loads the same state is an equilibrium
+            of the mechanism that is let go, and a dead force adds nothing to its stiffness.
+        """
+        place = int(np.searchsorted(np.asarray(getattr(self.held, self.kind).prescribed), self.index))
+        own, values = model.parameters, getattr(model.parameters.loads, self.kind)
+        with_it, without = values, values
+        if values is not None and self.given:
+            without = jnp.concatenate([values[:place], values[place + 1 :]])
+        elif values is not None:
+            with_it = jnp.concatenate([values[:place], jnp.zeros(1), values[place:]])
+        unit = np.zeros(getattr(self.held, self.kind).prescribed.shape[0])
+        unit[place] = 1.0
+
+        def with_values(topology: Topology, values: Any, increment: Loads | None) -> Model:
+            loads = dataclasses.replace(own.loads, **{self.kind: values})
+            parameters = dataclasses.replace(own, loads=loads, increment=increment, start=None)
+            return Model(topology, parameters, model.labels)
+
+        step: Any = {self.kind: jnp.asarray(unit)}
+        held = linearize(with_values(self.held, with_it, Loads(**step)), increment=stroke, throw=throw)
+        free = with_values(self.free, without, None)
+        found = _let_go(self.free, free.parameters, held.matrices, jnp.asarray(self.index), of=self.kind)
+        return AtStroke(held, Linearization(found.matrices, free), found.force, found.stiffness, found.margins)
+
+
+class _LetGo(NamedTuple):
+    matrices: Matrices
+    force: Float[Array, ""]
+    stiffness: Float[Array, ""]
+    margins: Float[Array, "n_q"] | None
+
+
+@jit
+def _let_go(topology: Topology, parameters: Parameters, held: Matrices, index, *, of: str) -> _LetGo:
+    """The held state in the structure in which the driven coordinate is a degree of freedom."""
+    factors, near, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
+    at, force = state(topology, parameters, factors, held.x, near), held.reactions[index]
+    if of == "e":
+        # A drive that lengthens something pushes: what it adds to the stress resultant is negative.
+        force = at.sigma[index] - held.sigma[index]
+        prestress = jnp.zeros(topology.n_e) if loads.prestress is None else loads.prestress
+        driven = dataclasses.replace(loads, prestress=prestress.at[index].add(-force))
+        parameters = dataclasses.replace(parameters, loads=driven)
+        at = state(topology, parameters, factors, held.x, near)
+    found = matrices_at(topology, parameters, factors, at, held.iterations, held.result)
+    row = (found.DFe if of == "e" else found.DFx)[index]
+    stiffness = 1 / (row @ factorise(found.K).solve(row))
+    more = Loads(loads.force, loads.gravity, loads.prestress, temperature=loads.temperature)
+    if not jax.tree.leaves(more):
+        return _LetGo(found, force, stiffness, None)
+    again = dataclasses.replace(parameters, increment=more)
+    margins = 1 + multipliers_of(*scaled_stiffness(topology, again, at, near))
+    return _LetGo(found, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
+
+
+def name_of(entry: Entry) -> str:
+    """Node and component, of a rotation that of the node it belongs to: "top.x", "stage.phi", "hinge.e1"."""
+    return f"{entry.of.removesuffix('.rotation')}.{entry.symbol}"
+
+
+def driven(model: Model, name: str | None) -> Driven:
+    """What is driven in a model, with the structures in which it is held and let go.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+        name: Such as "top.x" or "hinge.e1"; None where the model says it: what is PRESCRIBED as an increment, else what
+            its one input acts on, else its one degree of freedom.
+
+    Raises:
+        ModelError: No such coordinate or deformation, or one that nothing can drive.
+    """
+    kind, index = _of_model(model) if name is None else _named(model, name)
+    entry, own = getattr(model.labels, kind)[index], getattr(model.topology, kind)
+    called = f"Stroke '{name_of(entry)}'"
+    if entry.kind == "rotation" and entry.symbol != "phi":
+        node = entry.of.removesuffix(".rotation")
+        raise ModelError(
+            f"{called}: an Euler parameter is no angle. Drive a hinge of the model, or 'turn of {node}.e1' of one built"
+            f" with b.prescribe('{node}', 'rotation', axis=..)."
+        )
+    if index in np.asarray(own.fixed):
+        raise ModelError(f"{called} is fixed in this model. {_what_moves(model)}")
+    given = np.asarray(own.prescribed)
+    free = _without_dofs(model, kind, np.setdiff1d(given, index))
+    held = _without_dofs(model, kind, np.union1d(given, index))
+    if motions_of(held)[0].shape[1] != motions_of(free)[0].shape[1] - 1:
+        raise ModelError(f"{called}: no motion of the undeformed mechanism moves it. {_what_moves(model)}")
+    structure = with_dofs(held, model)
+    dofs = {k: [*np.asarray(getattr(structure, k).dof).tolist(), *([index] if k == kind else [])] for k in "xe"}
+    roles = {}
+    for k, chosen in dofs.items():
+        rest: RoleIndices = getattr(free.topology, k)
+        dependent = np.setdiff1d(np.asarray(rest.dependent), chosen)
+        roles[k] = dataclasses.replace(rest, dependent=jnp.asarray(dependent, int), dof=jnp.asarray(chosen, int))
+    return Driven(entry, kind, index, index in given, structure, dataclasses.replace(free.topology, **roles))
+
+
+def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
+    """A model that has no degrees of freedom yet, and other PRESCRIBED entries of one kind."""
+    roles = {}
+    for k in "xe":
+        own: RoleIndices = getattr(model.topology, k)
+        given = prescribed if k == kind else np.asarray(own.prescribed)
+        rest = np.setdiff1d(np.arange(own.size), np.concatenate([np.asarray(own.fixed), given]))
+        roles[k] = RoleIndices(own.fixed, jnp.asarray(rest, int), jnp.zeros(0, int), jnp.asarray(given, int))
+    return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
+
+
+def _named(model: Model, name: str) -> tuple[str, int]:
+    places = {}
+    for kind in "ex":
+        for i, entry in enumerate(getattr(model.labels, kind)):
+            if entry.kind not in ("norm", "internal"):
+                places[str(entry)] = places[name_of(entry)] = (kind, i)
+    if name not in places:
+        near = difflib.get_close_matches(str(name), places, 1)
+        hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model)
+        raise ModelError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
+    return places[name]
+
+
+def _of_model(model: Model) -> tuple[str, int]:
+    """What the model itself says is driven."""
+    top, more = model.topology, model.parameters.increment
+    found = [("e" if s.quantity == "stress" else "x", s.index) for s in model.labels.inputs if s.axis is None]
+    for kind in "xe" if more is not None else "":
+        values = getattr(more, kind)
+        moved = [] if values is None else np.asarray(getattr(top, kind).prescribed)[np.flatnonzero(values)].tolist()
+        found = [(kind, i) for i in moved] or found
+    found = found or [(kind, i) for kind in "xe" for i in np.asarray(getattr(top, kind).dof).tolist()]
+    if len(found) != 1:
+        raise ModelError(f"Say of what the stroke is, such as stroke={{'top.x': 1e-3}}. {_what_moves(model)}")
+    return found[0]
+
+
+def _what_moves(model: Model) -> str:
+    """A sentence with names of what can be driven."""
+    motions, _ = motions_of(model)
+    moving = [name_of(e) for e, row in zip(model.labels.x, motions, strict=True) if np.linalg.norm(row) > CANNOT_MOVE]
+    return f"What moves is such as {listed(moving)}." if moving else "Nothing of it moves."
+
+
+def unit_of_driven(model: Model, what: Driven) -> str:
+    """Unit of a stroke, "m" or "rad": a mechanism of twice the size has the same derivatives of its angles by angles.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+        what: What is driven.
+    """
+    if what.kind == "x":
+        return unit_of(what.entry)
+    top, reference = model.topology, np.array(model.parameters.reference)
+    twice = reference.copy()
+    positions = np.asarray(top.axes).ravel()
+    twice[positions] *= 2
+    rows = [
+        undeformed(top, dataclasses.replace(model.parameters, reference=x))[1][what.index] for x in (reference, twice)
+    ]
+    turns = np.setdiff1d(np.arange(top.n_x), positions)
+    if np.any(rows[0][turns]):
+        return "m" if np.linalg.norm(rows[1][turns]) > 1.5 * np.linalg.norm(rows[0][turns]) else "rad"
+    return "m" if np.linalg.norm(rows[1]) > 0.75 * np.linalg.norm(rows[0]) else "rad"
+
+
+def prefix_of(value: float) -> tuple[float, str]:
+    """The prefix of a unit that keeps a number short: what to divide by, and its letter.
+
+    Args:
+        value: The number.
+    """
+    size = abs(value) if np.isfinite(value) and value else 1.0
+    # Powers of ten themselves are not to lie below their prefix by round-off.
+    thousands = int(np.clip(np.floor(np.log10(size) / 3 + 1e-9), -5, 4))
+    return 1000.0**thousands, "fpnµm kMGT"[thousands + 5].strip()
+
+
+def measured(value: float, unit: str) -> str:
+    """A number with its unit and a prefix that keeps it short, as "3.2 mm" or "210 MPa".
+
+    Args:
+        value: The number.
+        unit: Its unit, SI without a prefix.
+    """
+    by, prefix = prefix_of(float(value))
+    return f"{short(value / by)} {prefix}{unit}"

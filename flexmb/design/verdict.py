@@ -1,0 +1,191 @@
+"""Is it good enough: what a mechanism does over its stroke, and what limits that first, on one page."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..arguments import check_number, check_numbers, check_whole, shown
+from ..arguments import numbers as as_numbers
+from ..checks.mobility import mobility
+from ..errors import heard
+from ..model.model import Model, as_determined
+from .designs import numbers
+from .evaluate import Build, check_dimensions
+from .judgement import Limit, Verdict, most
+from .over_stroke import Asked, unit_of_curve
+from .sensitivities import Sensitivities, sensitivities
+from .stroke import driven
+
+# What is a limit without being asked for: strength and fatigue limit of the material, the constant loads.
+USUAL = {"yield": 1.0, "fatigue": 1.0, "buckling": 1.0}
+# What must not be too small; of all else it is too much that limits.
+LEAST = ("buckling", "frequency", "stiffness")
+# A limit is located to this share of the way between two strokes.
+CLOSE = 1e-6
+
+
+def verdict(
+    model: Model | Build,
+    stroke: float | tuple[float, float] | Mapping[str, Any],
+    *,
+    dimensions: Mapping[str, Any] | None = None,
+    limits: Mapping[str, Any] | None = None,
+    node: str | None = None,
+    steps: int = 4,
+    count: int = 3,
+) -> Verdict:
+    """Whether a mechanism is good enough over its stroke, what limits it first, and which dimension moves that.
+
+    A drive holds the coordinate at each stroke, under the constant loads. Frequencies and buckling are those of the
+    mechanism that is let go there, the force of the drive remaining.
+
+    Args:
+        model: Mechanism; or a function of ``dimensions`` that returns one.
+        stroke: To both sides, or its two ends about zero, [m or rad]; by the name of what is driven where the model
+            does not say it: {"top.x": 5e-3}. What is prescribed with an increment, the one input, or the one degree of
+            freedom need no name.
+        dimensions: Numbers by name, as ``flexmb.sensitivities`` takes them [SI].
+        limits: By the name of a curve, in its unit: the least of "frequency 1", "stiffness y" and "buckling", the
+            largest size of any other; or both, as (lower, upper) with None for none. They stand beside the usual ones,
+            1 for "yield", "fatigue" and "buckling".
+        node: Whose support stiffness and parasitic motion are asked; the driven one unless given.
+        steps: Strokes to each side.
+        count: How many frequencies.
+
+    Returns:
+        Verdict with stroke (states,) [m or rad] and curves by name, (states,) [their units].
+
+    Raises:
+        ModelError: What is to be driven is not there, is not said, or cannot move.
+        ValueError: A stroke or a limit that is none, or a limit of no curve.
+        AnalysisError: There is no equilibrium at zero stroke.
+
+    Source:
+        Composition of linearize, stress, compliance, frequencies and sensitivities; buckling of THEORY.md 7, eq. (7.4)
+        with the constant loads as increment. A limit is located between strokes by Brent's method. Fatigue is that of
+        a motion which reverses fully between a stroke and its opposite.
+    """
+    steps, count = check_whole("steps", steps, 1), check_whole("count", count, 1)
+    build = None
+    if callable(model) and not isinstance(model, Model):
+        if not dimensions:
+            raise TypeError("fm.verdict of a function takes dimensions={'t': 0.5e-3, ..}, as fm.sensitivities does.")
+        dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
+        check_dimensions(model, tuple(dimensions))
+        build, model = model, model(**dimensions)
+    elif dimensions is not None:
+        raise TypeError("Argument `dimensions` goes with a function of them: give it in place of the model.")
+    model = as_determined(model, "verdict")
+    name, (low, high) = _ends(stroke)
+    asked = Asked(model, driven(model, name), node, count)
+    asked.look(0.0, throw=True)
+    for end in (low, high):
+        for s in np.linspace(0, end, steps + 1)[1:].tolist() if end else ():
+            if not asked.look(s):
+                break
+    asked.say_what_is_missing()
+    curves, strokes = asked.curves(), np.array(sorted(asked.values))
+    states = (
+        asked.places(),
+        asked.stable("held"),
+        asked.stable("free"),
+        np.array([asked.at[s].held.x for s in strokes.tolist()]),
+    )
+    found = _limits(asked, strokes, curves, limits or {})
+    table = None if build is None else _sensitivities(asked, build, dimensions or {}, found, strokes)
+    with heard():
+        redundant = mobility(model)
+    units = {name: unit_of_curve(name, asked.unit) for name in curves}
+    of = asked.driven.name, asked.unit, asked.node
+    return Verdict(*of, strokes, curves, units, found, redundant, table, asked.unanswered, *states, model)
+
+
+def _ends(stroke: Any) -> tuple[str | None, tuple[float, float]]:
+    """Name of what is driven, or None, and the two ends of its stroke."""
+    name = None
+    if isinstance(stroke, Mapping):
+        if len(stroke) != 1:
+            raise ValueError(f"Argument `stroke` takes one coordinate, not {len(stroke)}: {shown(dict(stroke))}.")
+        ((name, stroke),) = stroke.items()
+    if np.ndim(stroke) == 1 and len(stroke) == 2:
+        low, high = stroke
+        check_numbers("Argument `stroke`", (low, high))
+        if not low <= 0 <= high or low == high:
+            raise ValueError(f"Argument `stroke` has ends about zero, where it begins; they are {shown(stroke)}.")
+        return name, (float(low), float(high))
+    check_number("stroke", stroke, above=0)
+    return name, (-float(stroke), float(stroke))
+
+
+def _limits(
+    asked: Asked, strokes: np.ndarray, curves: dict[str, np.ndarray], given: Mapping[str, Any]
+) -> tuple[Limit, ...]:
+    """Limits with where they are reached, the first of them first."""
+    wanted = {name: value for name, value in USUAL.items() if np.any(np.isfinite(curves.get(name, np.nan)))}
+    for name, value in given.items():
+        name = "frequency 1" if name == "frequency" else name
+        if name not in curves:
+            why = "".join(f" Not answered is {what}: {why}." for what, why in asked.unanswered.items())
+            raise ValueError(f"Limit of {shown(name)}: there is no such curve. There are: {', '.join(curves)}.{why}")
+        wanted[name] = value
+    found = []
+    for name, value in wanted.items():
+        limit = _limit(name, value)
+        used = np.array([limit.share(v) for v in curves[name].tolist()])
+        found.append(dataclasses.replace(limit, used=used, stroke=_reached(asked, limit, strokes)))
+    return tuple(sorted(found, key=_order))
+
+
+def _order(limit: Limit) -> tuple[float, float]:
+    """Reached at a small stroke before reached at a large one, before much used and little used."""
+    return np.inf if limit.stroke is None else abs(limit.stroke), -float(np.nanmax(limit.used))
+
+
+def _reached(asked: Asked, limit: Limit, strokes: np.ndarray) -> float | None:
+    """The stroke nearest to zero at which a limit is reached."""
+
+    def excess(stroke: float) -> float:
+        known = asked.look(stroke) and limit.name in asked.values[stroke]
+        share = limit.share(asked.values[stroke][limit.name]) if known else np.nan
+        return -1.0 if np.isnan(share) else float(np.clip(share - 1, -1.0, 1.0))
+
+    if excess(0.0) >= 0:
+        return 0.0
+    found = []
+    for side in (strokes[strokes >= 0], strokes[strokes <= 0][::-1]):
+        for a, b in zip(side[:-1].tolist(), side[1:].tolist(), strict=True):
+            if excess(b) >= 0:
+                found.append(brentq(excess, a, b, xtol=CLOSE * abs(b - a)))
+                break
+    # Of two that are equal but for how well they are known, the one along the stroke.
+    return min(found, key=lambda s: abs(s) * (1 + 10 * CLOSE * (s < 0)), default=None)
+
+
+def _sensitivities(
+    asked: Asked, build: Build, dimensions: Mapping[str, Any], limits: tuple[Limit, ...], strokes: np.ndarray
+) -> Sensitivities:
+    """Of all curves by the dimensions, at the stroke where the first limit is reached, or most used, or at the end."""
+    stroke = float(max(strokes, key=abs))
+    if limits:
+        first = limits[0]
+        stroke = float(strokes[most(first.used)]) if first.stroke is None else first.stroke
+    names = list(asked.values[0.0])
+    found = sensitivities(build, {"curves": lambda m: asked.numbers_at(m, stroke, names)}, dimensions, throw=False)
+    return dataclasses.replace(found, answers=tuple(names))
+
+
+def _limit(name: str, value: Any) -> Limit:
+    """A limit from a number, which the curve is to stay above or below by its nature, or from both ends."""
+    pair: tuple[Any, ...] = (value, None) if name.startswith(LEAST) else (None, value)
+    if np.ndim(value) == 1 and len(value) == 2:
+        pair = tuple(value)
+    for one in pair:
+        if one is not None and not (as_numbers(one) is not None and np.ndim(one) == 0 and 0 < one < np.inf):
+            raise ValueError(f"Limit of '{name}' must be positive, or (lower, upper) of such, but is {shown(value)}.")
+    lower, upper = (None if one is None else float(one) for one in pair)
+    if lower is None and upper is None:
+        raise ValueError(f"Limit of '{name}' is none at all: leave it out.")
+    return Limit(name, lower, upper, np.zeros(0), None)

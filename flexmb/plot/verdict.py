@@ -1,0 +1,112 @@
+"""A mechanism over its stroke, on one page."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..design.judgement import STRAIGHT, Verdict
+from ..design.stroke import prefix_of
+from .canvas import BLACK, GREY, RED
+
+PANEL = 3.7, 2.9
+# What is drawn together: title, beginnings of the names of curves, and whether as a share of what it is at rest.
+PANELS = (
+    ("force of the drive", ("force",), False),
+    ("support stiffness, share of that at rest", ("stiffness",), True),
+    ("natural frequencies, let go", ("frequency",), False),
+    ("parasitic displacement", ("parasitic x", "parasitic y", "parasitic z"), False),
+    ("parasitic rotation", ("parasitic phi", "parasitic rx", "parasitic ry", "parasitic rz"), False),
+)
+
+
+def verdict(found: Verdict) -> Any:
+    """Force, shares of the limits, support stiffness, frequencies and parasitic motion over the stroke.
+
+    A panel stands only where there is something to draw. A red line is where the first limit is reached.
+
+    Args:
+        found: Of ``fm.verdict``.
+
+    Returns:
+        matplotlib Figure.
+
+    Raises:
+        TypeError: ``found`` is no Verdict.
+    """
+    if not isinstance(found, Verdict):
+        raise TypeError(f"Argument `found` must be of fm.verdict(..), but is a {type(found).__name__}.")
+    import matplotlib.pyplot as plt
+
+    by, prefix = prefix_of(float(np.max(np.abs(found.stroke))))
+    drawn: list[tuple[str, Callable[[Any], None]]] = []
+    for title, names, as_share in PANELS:
+        if own := _curves(found, names, as_share):
+            drawn.append((title, lambda ax, own=own, as_share=as_share: _lines(ax, found, by, own, as_share)))
+    if any(np.any(np.isfinite(limit.used)) and np.nanmax(limit.used) > 0 for limit in found.limits):
+        drawn.insert(1, ("share of each limit", lambda ax: _shares(ax, found, by)))
+    elif "stress" in found.curves:
+        drawn.insert(1, ("largest stress", lambda ax: _lines(ax, found, by, {"stress": found.curves["stress"]}, False)))
+    columns = min(3, len(drawn))
+    rows = -(-len(drawn) // columns)
+    figure = plt.figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.3), layout="constrained")
+    for i, (title, draw) in enumerate(drawn):
+        ax = figure.add_subplot(rows, columns, i + 1)
+        draw(ax)
+        if found.limits and (stroke := found.limits[0].stroke) is not None:
+            ax.axvline(stroke / by, color=RED, linewidth=1.0, linestyle="--")
+        ax.set_title(title, fontsize=10)
+        ax.set_xlabel(f"stroke {found.driven} [{prefix}{found.unit}]")
+        ax.grid(visible=True, alpha=0.3)
+        ax.tick_params(labelsize=8)
+    figure.suptitle(found.summary().title, fontsize=10)
+    return figure
+
+
+def _curves(found: Verdict, names: tuple[str, ...], as_share: bool) -> dict[str, np.ndarray]:
+    """Those of the named curves in which there is something to see."""
+    rest, kept = found.stroke == 0, {}
+    for name, values in found.curves.items():
+        finite = np.where(np.isfinite(values), values, np.nan)
+        if not name.startswith(names) or np.sum(np.isfinite(finite)) < 2:
+            continue
+        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= STRAIGHT * np.max(np.abs(found.stroke)):
+            continue
+        if not as_share:
+            kept[name] = finite
+        elif np.isfinite(finite[rest][0]):
+            kept[name] = finite / finite[rest]
+    return kept
+
+
+def _lines(ax: Any, found: Verdict, by: float, curves: dict[str, np.ndarray], as_share: bool) -> None:
+    """Curves over the stroke, and of the force the slope that it begins with."""
+    from matplotlib.ticker import EngFormatter, PercentFormatter
+
+    for name, values in curves.items():
+        label = name.replace("frequency ", "f").split()[-1]
+        ax.plot(found.stroke / by, values, ".-", label=label if label != name else None)
+    if "force" in curves:
+        rest = np.flatnonzero(found.stroke == 0)[0]
+        slope = curves["force"][rest] + found.curves["drive stiffness"][rest] * found.stroke
+        seen = ax.get_ylim()
+        ax.plot(found.stroke / by, slope, color=GREY, linewidth=1.0, zorder=1, label="slope at rest")
+        ax.set_ylim(seen)
+    if as_share:
+        ax.yaxis.set_major_formatter(PercentFormatter(1.0))
+        ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
+    else:
+        ax.yaxis.set_major_formatter(EngFormatter(unit=found.units[next(iter(curves))], sep=" "))
+    if len(ax.lines) > 1 or not {"force", "stress"} & curves.keys():
+        ax.legend(fontsize=8)
+
+
+def _shares(ax: Any, found: Verdict, by: float) -> None:
+    """How much of each limit is used; the limit itself as a line."""
+    for limit in found.limits:
+        used = np.where(np.isfinite(limit.used), limit.used, np.nan)
+        if np.any(np.isfinite(used)):
+            ax.plot(found.stroke / by, used, ".-", label=limit.name)
+    ax.axhline(1.0, color=BLACK, linewidth=1.0)
+    ax.set_ylim(0, max(1.1, min(2.0, ax.get_ylim()[1])))
+    ax.legend(fontsize=8)

@@ -1,0 +1,299 @@
+"""One page on a mechanism over its stroke, against closed forms, shooting (B1) and printed numbers (T3)."""
+
+import dataclasses
+import json
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.answers.answers import plain
+from flexmb.design.stroke import driven, measured
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+# Of a material that states what it bears.
+STRENGTH, FATIGUE = 1000e6, 500e6
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0, strength=STRENGTH, fatigue=FATIGUE)
+LENGTH, WIDTH, T, DISTANCE = 0.1, 0.018, 0.5e-3, 0.1
+DELTA = 1e-3 * LENGTH
+
+
+def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=False):
+    """T2 driven at half the height, P, where the force tilts nothing; its leaf springs do not stretch."""
+    leaf = fm.Rectangle(WIDTH, t, material)
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, length), "C": (DISTANCE, length), "D": (DISTANCE, 0)}.items():
+        b.node(name, place)
+    b.node("P", (DISTANCE / 2, length / 2))
+    b.add(planar.beam, "A", "B", name="left", section=leaf, released=(2, 3))
+    b.add(planar.beam, "D", "C", name="right", section=leaf, released=(2, 3))
+    b.add(planar.beam, "B", "C", name="stage")
+    b.add(planar.beam, "B", "P", name="arm")
+    for foot in "AD":
+        b.fix(foot)
+    for node in "BC":
+        b.mass(node, 0.1)
+    b.force("B", (0, -load))
+    b.force("P", (push, 0))
+    if prescribed:
+        b.prescribe("P", "x", 1e-3, increment=True)
+    else:
+        b.dof("B", "x")
+    return b.build()
+
+
+def of_dimensions(t, length):
+    return guide(t, length)
+
+
+EI = STEEL.E * WIDTH * T**3 / 12
+
+
+@pytest.fixture(scope="module")
+def page():
+    return fm.verdict(of_dimensions, {"P.x": DELTA}, dimensions={"t": T, "length": LENGTH}, steps=1)
+
+
+def test_guide_is_the_closed_form(page):
+    # What is left out is of the order of the square of the stroke over the length, 1e-6.
+    close = {"rtol": 1e-5}
+    stiffness = 24 * EI / LENGTH**3
+    np.testing.assert_allclose(page.stroke, [-DELTA, 0, DELTA])
+    np.testing.assert_allclose(page.curves["drive stiffness"], stiffness, **close)
+    np.testing.assert_allclose(page.curves["force"], stiffness * page.stroke, **close, atol=1e-12)
+    stress = 3 * STEEL.E * T * DELTA / LENGTH**2
+    np.testing.assert_allclose(page.curves["stress"], [stress, 0, stress], **close, atol=1e-3)
+    np.testing.assert_allclose(page.curves["yield"][2], stress / STRENGTH, **close)
+    np.testing.assert_allclose(page.curves["fatigue"][2], stress / FATIGUE, **close)
+    np.testing.assert_allclose(page.curves["parasitic y"][2], -0.6 * DELTA**2 / LENGTH, **close)
+    # The mass of cubic beams in sway, 13/35 of each, and of the stage.
+    mass = 0.2 + 26 / 35 * STEEL.rho * WIDTH * T * LENGTH
+    np.testing.assert_allclose(page.curves["frequency 1"], np.sqrt(stiffness / mass) / (2 * np.pi), **close)
+    # Nothing stretches, so that the drive holds everything.
+    assert np.all(np.isinf(page.curves["stiffness y"]))
+    assert page.places[2].place in (0.0, 1.0)
+    assert (page.driven, page.node, page.unit) == ("P.x", "P", "m")
+    assert page.good
+
+
+def test_the_page_says_what_limits_and_what_moves_it(page):
+    first = page.limits[0]
+    stress = 3 * STEEL.E * T * DELTA / LENGTH**2
+    assert (first.name, first.stroke) == ("fatigue", None)
+    assert max(first.used) == pytest.approx(stress / FATIGUE, rel=1e-5)
+    found = page.sensitivities
+    table = {
+        name: dict(zip(found.dimensions, row, strict=True))
+        for name, row in zip(found.answers, found.table, strict=True)
+    }
+    # Closed forms: powers of thickness and length; left out is the square of the stroke over the length.
+    for name, t, length in (("stress", 1, -2), ("fatigue", 1, -2), ("drive stiffness", 3, -3), ("force", 3, -3)):
+        assert table[name]["t"] == pytest.approx(t, rel=1e-5)
+        assert table[name]["length"] == pytest.approx(length, rel=1e-5)
+    assert table["parasitic y"]["length"] == pytest.approx(-1, rel=1e-5)
+    rows = page.summary().rows
+    assert rows["by dimension"] == "larger length (-2), smaller t (+1): percent of fatigue for one percent"
+    assert rows["limits first"].startswith("none within the stroke; fatigue comes nearest, 0.0063 of it")
+    assert rows["over-constraints"] == "none"
+    assert "y rigid in this model" in rows["support stiffness"]
+    assert "no constant loads" in rows["stability"]
+    assert "good enough" in repr(page)
+    assert "parasitic y [m]" in str(page)
+
+
+def test_slopes_are_central_differences(page):
+    h, found = 1e-4, page.sensitivities
+    # Of the two where a limit is used most, that along the stroke.
+    state = 2
+    up, down = (fm.verdict(guide(T * (1 + s * h)), {"P.x": DELTA}, steps=1).curves for s in (1, -1))
+    for name in ("frequency 1", "stress", "force"):
+        difference = (up[name][state] - down[name][state]) / (2 * h * page.curves[name][state])
+        # Truncation h^2 = 1e-8, round-off 1e-16/h times the condition of the state.
+        assert found.table[found.answers.index(name), 0] == pytest.approx(difference, rel=1e-6)
+
+
+def test_limits_are_where_they_are_reached():
+    wide = fm.verdict(guide(), {"P.x": (0, 10 * DELTA)}, steps=2, limits={"force": 0.9, "parasitic y": 1e-6})
+    reached = {limit.name: limit.stroke for limit in wide.limits}
+    # Closed forms; the square of the stroke over the length is 1e-4.
+    assert reached["force"] == pytest.approx(0.9 * LENGTH**3 / (24 * EI), rel=1e-3)
+    assert reached["parasitic y"] == pytest.approx(np.sqrt(1e-6 * LENGTH / 0.6), rel=1e-3)
+    assert [limit.name for limit in wide.limits[:2]] == ["parasitic y", "force"]
+    assert not wide.good
+    assert "parasitic y limits it to 408.2" in wide.summary().title
+    assert json.loads(json.dumps(plain(wide.to_dict())))["limits"][0]["name"] == "parasitic y"
+
+
+def test_of_both_sides_the_earlier_counts():
+    # A force that pushes along the stroke, 0.2 N, is taken off the drive.
+    found = fm.verdict(guide(push=0.2), {"P.x": 10 * DELTA}, steps=1, limits={"force": 0.5})
+    assert found.limits[0].stroke == pytest.approx(-0.3 * LENGTH**3 / (24 * EI), rel=1e-3)
+
+
+def test_buckling_under_the_constant_loads():
+    silent = fm.Material(E=210e9, G=80e9, rho=7850.0)
+    model = guide(load=1.0, material=silent, prescribed=True)
+    # What is prescribed with an increment is what is driven.
+    found = fm.verdict(model, (0, 5e-3), steps=1)
+    assert found.driven == "P.x"
+    assert found.curves["buckling"][0] == pytest.approx(78.75, rel=1e-9)  # printed in T3
+    at_stroke = found.curves["buckling"][1]
+    assert at_stroke < 78.75
+    # There, and only under that many times the load, the drive meets no stiffness: one degree of freedom.
+    what = driven(model, "P.x")
+    stiffness = [
+        float(what.at(guide(load=f, material=silent, prescribed=True), 5e-3).stiffness) for f in (0.0, at_stroke)
+    ]
+    assert abs(stiffness[1]) < 1e-9 * stiffness[0]
+    assert "states no strength" in found.unanswered["yield"]
+    assert "states no fatigue limit" in found.summary().rows["not answered"]
+    assert [limit.name for limit in found.limits] == ["buckling"]
+
+
+def test_support_stiffness_is_that_of_shooting():
+    b = fm.Builder()
+    leaf = fm.Rectangle(WIDTH, T, fm.Material(E=210e9, G=80e9, rho=7850))
+    b.node("S", (DISTANCE / 2, LENGTH))
+    for side, x in (("left", 0.0), ("right", DISTANCE)):
+        b.node(f"{side}0", (x, 0))
+        b.node(f"{side}1", (x, LENGTH))
+        b.add(planar.spectral_beam(5), f"{side}0", f"{side}1", name=side, section=leaf)
+        b.fix(f"{side}0")
+        b.add(planar.beam, "S", f"{side}1", name=f"stage {side}")
+    b.mass("S", 0.2, inertia=2e-4)
+    found = fm.verdict(b.build(), {"S.x": (0, 0.05 * LENGTH)}, steps=5, count=1)
+    # B1: two extensible elasticas between ground and a rigid body, solved by shooting; order 5 as in notebook 04.
+    forces, stiffnesses = [0.240017862, 0.480178956, 1.202960515], [898286.668, 752989.682, 352530.027]
+    states = [1, 2, 5]
+    np.testing.assert_allclose(found.curves["force"][states] * LENGTH**2 / EI, forces, rtol=1e-6)
+    np.testing.assert_allclose(found.curves["stiffness y"][states] * LENGTH**3 / EI, stiffnesses, rtol=1e-4)
+    assert "% lost at 5 mm" in found.summary().rows["support stiffness"]
+    panels = {ax.get_title(): ax for ax in fm.plot.verdict(found).axes}
+    drawn = panels["support stiffness, share of that at rest"].lines[0].get_ydata()
+    # At rest 2 EA/L.
+    assert drawn[5] == pytest.approx(352530.027 * (T / LENGTH) ** 2 / 24, rel=1e-4)
+    plt.close("all")
+
+
+def arch():
+    """Two bars that snap through."""
+    b = fm.Builder()
+    for name, place in {"l": (-1, 0), "r": (1, 0), "t": (0, 0.2)}.items():
+        b.node(name, place)
+    for side in "lr":
+        b.add(planar.truss, side, "t", name=f"bar {side}", section=fm.Rigidity(EA=1e4))
+        b.fix(side)
+    b.fix("t", "x")
+    b.mass("t", 1.0)
+    return b.build()
+
+
+def test_a_drive_holds_what_snaps_through():
+    found = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=8, limits={"force": 25.0})
+    y, first = 0.2 + found.stroke, np.sqrt(1 + 0.2**2)
+    now = np.sqrt(1 + y**2)
+    # Two bars of stiffness EA/l; round-off of a force that is a difference of lengths.
+    pull = 2 * 1e4 / first * (now - first)
+    np.testing.assert_allclose(found.curves["force"], pull * y / now, atol=1e-9)
+    stiffness = 2 * 1e4 / first * (y / now) ** 2 + pull / now**3
+    np.testing.assert_allclose(found.curves["drive stiffness"], stiffness, rtol=1e-9)
+    np.testing.assert_array_equal(found.free_stable, stiffness > 0)
+    assert np.all(found.held_stable)
+    hertz = np.sign(stiffness) * np.sqrt(np.abs(stiffness)) / (2 * np.pi)
+    np.testing.assert_allclose(found.curves["frequency 1"], hertz, rtol=1e-9)
+    assert "stands by the drive alone, from" in found.summary().rows["stability"]
+    assert "given by its rigidities" in found.unanswered["stress"]
+    limit = found.limits[0]
+    assert limit.stroke is not None
+    y = 0.2 + limit.stroke
+    assert abs(2 * 1e4 / first * (np.sqrt(1 + y**2) - first) * y / np.sqrt(1 + y**2)) == pytest.approx(25, rel=1e-5)
+
+
+def test_a_deformation_is_driven_and_let_go():
+    b = fm.Builder()
+    b.node("l", (0, 0))
+    b.node("r", (1, 0))
+    b.fix("l")
+    b.fix("r", "y")
+    b.mass("r", 2.0)
+    b.force("r", (3.0, 0))
+    b.add(planar.truss, "l", "r", name="spring", section=fm.Rigidity(EA=100.0))
+    found = fm.verdict(b.build(), {"spring.e1": 0.1}, steps=1)
+    np.testing.assert_allclose(found.curves["force"], 100 * found.stroke - 3, rtol=1e-12)
+    np.testing.assert_allclose(found.curves["frequency 1"], np.sqrt(100 / 2) / (2 * np.pi), rtol=1e-12)
+    assert found.unit == "m"
+    assert "give `node`" in found.unanswered["support stiffness"]
+
+
+@pytest.mark.parametrize(
+    ("stroke", "more", "expected", "said"),
+    [
+        ({"P.y": 1e-3}, {}, ValueError, "no motion of the undeformed mechanism moves it"),
+        ({"A.x": 1e-3}, {}, ValueError, "'A.x' is fixed"),
+        ({"P.z": 1e-3}, {}, ValueError, "Did you mean 'P.y'"),
+        ({"B.x": 1e-3, "C.x": 1e-3}, {}, ValueError, "one coordinate, not 2"),
+        ((1e-3, 2e-3), {}, ValueError, "ends about zero"),
+        (-1e-3, {}, ValueError, "positive"),
+        (DELTA, {"limits": {"stif": 1.0}}, ValueError, "There are: force, drive stiffness"),
+        (DELTA, {"limits": {"force": -1.0}}, ValueError, "must be positive"),
+        (DELTA, {"limits": {"force": (None, None)}}, ValueError, "none at all"),
+        (DELTA, {"dimensions": {"t": T}}, TypeError, "goes with a function"),
+        (DELTA, {"node": "Z"}, ValueError, "no node 'Z'"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(stroke, more, expected, said):
+    with pytest.raises(expected, match=said):
+        fm.verdict(guide(), stroke, **{"steps": 1, **more})
+
+
+def test_a_function_needs_its_dimensions():
+    with pytest.raises(TypeError, match="dimensions="):
+        fm.verdict(of_dimensions, DELTA)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (3.2e-3, "m", "3.2 mm"),
+        (-150.11e-6, "m", "-150.11 µm"),
+        (2.1e8, "Pa", "210 MPa"),
+        (1e3, "N", "1 kN"),
+        (0.0, "m", "0 m"),
+    ],
+)
+def test_numbers_have_prefixes(value, unit, text):
+    assert measured(value, unit) == text
+
+
+def test_no_equilibrium_ends_the_stroke():
+    found = fm.verdict(guide(), {"P.x": 1.5 * LENGTH}, steps=2)
+    # The sides do not stretch.
+    assert not found.good
+    assert "no equilibrium was found" in found.unanswered["stroke"]
+    assert dataclasses.asdict(found.limits[0])["name"] == "fatigue"
+
+
+def test_the_page_is_drawn(page):
+    figure = fm.plot.verdict(page)
+    panels = {ax.get_title(): ax for ax in figure.axes}
+    # Nothing is drawn of what is rigid or stands still.
+    assert list(panels) == [
+        "force of the drive",
+        "share of each limit",
+        "natural frequencies, let go",
+        "parasitic displacement",
+    ]
+    force, slope = panels["force of the drive"].lines
+    np.testing.assert_allclose(force.get_xydata(), np.stack([[-100, 0, 100], page.curves["force"]], axis=1))
+    np.testing.assert_allclose(slope.get_ydata(), force.get_ydata(), rtol=1e-5, atol=1e-12)
+    shares = {line.get_label(): line.get_ydata() for line in panels["share of each limit"].lines}
+    np.testing.assert_allclose(shares["fatigue"], page.curves["fatigue"])
+    assert panels["force of the drive"].get_xlabel() == "stroke P.x [µm]"
+    plt.close(figure)
+    with pytest.raises(TypeError, match="verdict"):
+        fm.plot.verdict(3)
+    assert "by dimension" in page._repr_html_()
