@@ -923,6 +923,12 @@ FAULTS = [
         "paths/test_stops.py -k any_bifurcation",
     ),
     Fault("paths/path.py", "        with heard():\n", "        if True:\n", "paths/test_stops.py -k stress_is_met"),
+    Fault(
+        "viewer/notebook.py",
+        '{"font.size": 9}',
+        '{"backend": "agg", "font.size": 9}',
+        "viewer/test_notebook.py -k card_leaves",
+    ),
     Fault("paths/stops.py", "above=0 if name == STRESS else None", "above=None", "paths/test_stops.py -k not_met"),
     Fault(
         "paths/imperfection.py",

@@ -41,9 +41,7 @@ def _picture(found: Result, name: str, small: Mapping[str, Any]) -> str:
     import matplotlib
     import matplotlib.pyplot as plt
 
-    if not plt.get_fignums():
-        # A backend is loaded with the first figure, and set up by a notebook as it is loaded: it is to be the user's.
-        plt.switch_backend(matplotlib.get_backend())
+    # A backend is loaded with the first figure and stays, whatever a context says: it is to be the user's.
     with matplotlib.rc_context({"font.size": 9}):
         figure = getattr(plot, name)(found, **small).figure
         buffer = io.BytesIO()
