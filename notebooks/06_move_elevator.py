@@ -35,14 +35,13 @@ print(read.settings["TIMESTEP"], read.settings["ERROR"])
 # ## The motion
 #
 # The pulley is released with a turn of 1 rad, as the line `STARTDE 1 1 1` in the file says. `fm.simulate` gives
-# coordinates, velocities and deformations at the times asked for; stresses, reactions and energies would follow from
-# them by `motion.observe()`.
+# coordinates, velocities and deformations at the times asked for; `motion.reaction` and its
+# kin answer by name, and energies follow by `motion.observe()`.
 
 # %%
 times = np.linspace(0, 2.5, 251)
 motion = fm.simulate(model, times, rtol=1e-7)
-rows = {str(entry): i for i, entry in enumerate(model.labels.e)}
-turn, left, right = (np.asarray(motion.near[:, rows[name]]) for name in ("1.e1", "2.e1", "3.e1"))
+turn, left, right = (np.asarray(motion.deformation(element, 1)) for element in "123")
 
 # %% [markdown]
 # ## Natural frequencies along the motion

@@ -83,7 +83,7 @@ def support(lin):
 
 
 def drive(lin):
-    return jnp.abs(lin.reactions[lin.labels.known("S")[0]]) / stroke
+    return jnp.abs(lin.reaction("S", "x")) / stroke
 
 
 def fatigue(lin):

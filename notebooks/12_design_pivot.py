@@ -71,8 +71,7 @@ def turned_beams(ratio, half):
 
 
 def shift(lin):
-    at = lin.labels.known("pivot")
-    return jnp.linalg.norm(lin.x[at])
+    return jnp.linalg.norm(lin.position("pivot"))
 
 
 def fatigue(lin):
@@ -182,7 +181,7 @@ ax = fm.plot.stress(fm.stress(lin.model, at=lin, points=25), lin, ax=axes[0])
 
 # %%
 def moment(lin):
-    return float(lin.reactions[lin.labels.known("pivot.rotation")[0]])
+    return float(lin.reaction("pivot", "phi"))
 
 
 steel = fm.Rectangle(0.018, 0.5e-3, fm.Material(E=210e9, G=210e9 / 2.6, rho=7850))

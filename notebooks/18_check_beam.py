@@ -106,13 +106,12 @@ def guide(kind, width):
 # %%
 def at_strokes(kind, width):
     model, found = guide(kind, width), []
-    drive = model.labels.known("stage")[axes.index("z")]
     for stroke in strokes:
         at = fm.linearize(model, increment=stroke / strokes[-1])
         compliance = np.diag(fm.compliance(at, "stage"))
         small = 1e-5
         pulled = at if stroke else fm.linearize(model, increment=small / strokes[-1])
-        force = float(pulled.reactions[drive]) / (1.0 if stroke else small)
+        force = float(pulled.force_needed("stage", "z")) / (1.0 if stroke else small)
         found.append([force if a == "z" else 1 / c for a, c in zip(axes, compliance, strict=True)])
     return found
 

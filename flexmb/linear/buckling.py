@@ -88,7 +88,7 @@ class Buckling(ByName, AboutState, Result, Record):
     def summary(self) -> Summary:
         """Load multipliers."""
         told = [f"load multiplier {own:.5g}" for own in np.asarray(self.multipliers).tolist()]
-        return modal_summary("Buckling", self.states(), told, {})
+        return modal_summary("Buckling", self.states(), told, {} if told else {"load multipliers": "none"})
 
 
 def geometric_stiffness_of_increment(

@@ -102,6 +102,10 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     if quantity not in known:
         raise ValueError(f"Argument `quantity` must be one of {', '.join(known)}, but is '{quantity}'.")
     values, unit = known[quantity]
+    if values.ndim > 2:
+        raise ValueError(
+            f"This stress is of {len(values)} states: draw that of one, of fm.stress(model, at=.., step=-1)."
+        )
     return (values / 1e6, SURFACE[quantity]) if quantity in SURFACE else (values, f"{quantity} [{unit}]")
 
 

@@ -86,6 +86,8 @@ def test_stress_of_all_states_is_one_call(bent):
     np.testing.assert_allclose(found.smooth_maximum()[1], alone.smooth_maximum(), rtol=1e-12)
     assert alone.where.state is None
     assert "of state 2" in repr(found)
+    with pytest.raises(ValueError, match="of 3 states: draw that of one"):
+        fm.plot.stress(found, path)
 
 
 def test_states_of_a_motion(bent):
