@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Tune a leaf spring
 #
-# **Question.** How thick must the leaf springs of a guide be for 20 Hz, and which guide has the least mass if its
-# frequencies are limited?
+# **Question.** How thick must the leaf springs of a guide be for 20 Hz, which guide has the least mass if its
+# frequencies are limited, how many leaf springs of what should it have, and which mechanism has a wanted force?
 #
 # Both are questions for `fm.tune`: a function from named dimensions to a model, answers as functions of the model, and
 # what is wanted of the answers. Derivatives come from the model itself, so that a search takes few evaluations.
@@ -128,6 +128,103 @@ used = float(fm.stress(real(clamped.dimensions["thickness"], stroke=5e-3)).utili
 print(f"a stroke of 5 mm uses {used:.1%} of the strength")
 
 # %% [markdown]
+# ## How many, and of what
+#
+# Numbers of leaf springs and materials have no derivative. As `choices` every combination is searched, and the best is
+# returned with a table of all. Here a guide shall have 8 Hz, and no more than a third of the strength may be used where
+# it moves by 5 mm; sheets have at least 0.15 mm. Which leaf springs are the lightest? The stress of a beam in sway is
+# $3Etd/l^2$.
+
+# %%
+reach, share, thinnest_sheet = 5e-3, 1 / 3, 0.15e-3
+materials = {"steel": (210e9, 7850.0, 1200e6), "titanium": (114e9, 4430.0, 880e6), "bronze": (120e9, 8800.0, 700e6)}
+
+
+def several(thickness, length, count, material):
+    modulus, density, strength = material
+    leaf = fm.Rectangle(0.01, thickness, fm.Material(E=modulus, G=modulus / 2.6, rho=density), rotary=False)
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (0, length))
+    for i in range(count):
+        b.add(planar.beam, "A", "B", name=f"leaf {i}", section=leaf, released=(1, 2, 3) if i else (2, 3))
+    b.fix("A")
+    b.fix("B", "rotation")
+    b.mass("B", mass)
+    return b.build(), 3 * modulus * thickness * reach / length**2 / strength
+
+
+chosen = fm.tune(
+    several,
+    {
+        "frequency": lambda made: fm.frequencies(made[0])[0],
+        "used": lambda made: made[1],
+        "mass": lambda made: fm.mass(made[0]) - mass,
+    },
+    {"thickness": 0.4e-3, "length": 0.08},
+    bounds={"thickness": (thinnest_sheet, 1e-3), "length": (0.02, 0.15)},
+    minimize="mass",
+    equal={"frequency": 8.0},
+    limits={"used": (None, share)},
+    choices={"count": [2, 4], "material": materials},
+)
+print(chosen)
+
+# %% [markdown]
+# ## A whole curve as target
+#
+# Two bars that stand against each other snap through when they are pushed down: first the force rises, then it falls,
+# and it turns over where the bars lie flat. Which stiffness and which height have a given force along the stroke?
+#
+# The drive is prescribed with `increment=True`, as 1 m for each unit of the increment, so that increments are strokes
+# in metres. `fm.equilibria` has the states at all strokes in one compiled program, each begun from the one before it.
+
+# %%
+spring = 100.0  # N/m, between the drive and the bars
+
+
+def flat_truss(stiffness, height):
+    b = fm.Builder()
+    for name, place in {"left": (-10, 0), "right": (10, 0), "apex": (0, height), "drive": (0, height + 2)}.items():
+        b.node(name, place)
+    for foot in ("left", "right"):
+        b.add(planar.truss, foot, "apex", section=fm.Rigidity(EA=stiffness, mass=1.0))
+        b.fix(foot)
+    b.add(planar.truss, "drive", "apex", section=fm.Rigidity(EA=2 * spring, mass=1.0))
+    b.fix("apex", "x")
+    b.fix("drive", "x")
+    b.prescribe("drive", "y", -1.0, increment=True)
+    return b.build()
+
+
+def force_at(height):
+    """Force down that holds bars of 10 kN and 1 m of height with their apex at a height, in closed form."""
+    return 2e4 * (1 / np.hypot(10, height) - 1 / np.hypot(10, 1)) * height
+
+
+heights = np.linspace(0.9, -1.1, 9)
+wanted = fm.design.Curve(1 - heights + force_at(heights) / spring, force_at(heights), "stroke [m]")
+
+
+def force(model):
+    along = fm.equilibria(model, increment=wanted.over)
+    return -along.reactions[:, along.labels.known("drive")[1]]
+
+
+snapping = fm.tune(
+    flat_truss,
+    force,
+    {"stiffness": 7e3, "height": 1.2},
+    bounds={"stiffness": (5e3, 2e4), "height": (0.8, 1.3)},
+    targets={"force": wanted},
+)
+print(snapping)
+
+# %%
+figure = fm.plot.tuning(snapping)
+plt.show()
+
+# %% [markdown]
 # ## What the numbers are compared with
 #
 # *The thickness for 20 Hz* is the root of the closed form $\frac{1}{2\pi}\sqrt{2Ewt^3/(l^3M)} = 20$ Hz with the moving
@@ -141,6 +238,13 @@ print(f"a stroke of 5 mm uses {used:.1%} of the strength")
 #
 # $$\frac tl = \frac{\omega_1}{\omega_2}, \qquad
 # w = \frac{m\,\omega_2^2}{2E\,t/l - \tfrac{26}{35}\rho\,t\,l\,\omega_2^2} .$$
+
+#
+# *How many, and of what.* With $n$ leaf springs $\omega^2 = nEwt^3/(l^3M)$, $M = m + \tfrac{13}{35}\mu$. With the
+# stress at its limit $t = s\,l^2$, $s = \sigma/(3Ed)$, so that $l^3 = \omega^2M/(nEws^3)$. Then
+# $\mu = n\rho wtl = \rho\omega^2M/(Es^2)$ whatever their number is, but for sheets that would be too thin.
+#
+# *The force along the stroke* is that of bars of $EA = 10$ kN that are 1 m high.
 
 # %%
 length, width = 0.1, 0.018
@@ -180,3 +284,18 @@ assert abs(tuned / leaves - 1) < 1e-3
 assert 0.005 < 1 - tuned / beams < 0.015
 # The stress of a beam in sway, 3 E t d/l^2, and up to a sixth more at clamps.
 assert 1 < used * spring_steel.strength / (3 * spring_steel.E * tuned * 5e-3 / length**2) < 7 / 6
+
+for one in chosen.combinations:
+    count, (modulus, density, strength) = one.choices.values()
+    slope, moving = share * strength / (3 * modulus * reach), mass
+    for _ in range(20):
+        # As thin as stress allows, or as sheets are.
+        span = np.cbrt((16 * np.pi) ** 2 * moving / (count * modulus * 0.01 * slope**3))
+        thin = max(slope * span**2, thinnest_sheet)
+        span = thin * np.cbrt(count * modulus * 0.01 / ((16 * np.pi) ** 2 * moving))
+        light = count * density * 0.01 * thin * span
+        moving = mass + 13 / 35 * light
+    assert abs(one.tuned.answers["mass"] / light - 1) < 1e-4
+assert (chosen.choices["count"], chosen.choices["material"]) == (2, materials["titanium"])
+assert abs(snapping.dimensions["stiffness"] / 1e4 - 1) < 1e-5
+assert abs(snapping.dimensions["height"] - 1) < 1e-6

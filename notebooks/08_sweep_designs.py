@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Sweep, sensitivities and tolerances
 #
-# **Question.** Which dimension of a guide matters most, how well must it be made, and what do a thousand designs look
-# like?
+# **Question.** Which dimension of a guide matters most, how well must it be made, what do twenty thousand designs look
+# like, and which of them are best?
 
 # %%
 import matplotlib.pyplot as plt
@@ -120,6 +120,51 @@ plt.show()
 # %% [markdown]
 # Where a solid and a dashed line cross there is a guide with that frequency and that buckling load.
 #
+# ## Twenty thousand designs, and the best of them
+#
+# A Latin hypercube covers all dimensions at once. Sorting out by hand would be tedious: a guide should be fast and its
+# leaf springs light, and buckle late. A design is on the *Pareto front* where no other one is better in all that.
+# `checkpoint="guides"` would keep every chunk of designs as it is computed, so that the sweep goes on after a kill, and
+# `fm.design.Sweep.load("guides")` would read it.
+
+# %%
+bounds = {"thickness": (0.2e-3, 1e-3), "length": (0.05, 0.15), "width": (0.005, 0.03)}
+
+
+def free(thickness, length, width):
+    return guide(thickness, length, width, design["mass"])
+
+
+def leaf_mass(model):
+    return fm.mass(model) - design["mass"]
+
+
+twenty = fm.design.latin_hypercube(20_000, bounds)
+many = fm.sweep(
+    free,
+    {**answers, "leaf_mass": leaf_mass},
+    twenty,
+    units={"frequency": "Hz", "buckling": "N", "leaf_mass": "kg", "thickness": "m", "length": "m"},
+)
+front = many.pareto(minimize="leaf_mass", maximize="frequency")
+print(front)
+
+# %% [markdown]
+# The front among all designs. So many are drawn as hexagons, dark where there are many.
+
+# %%
+ax = fm.plot.sweep(front)
+plt.show()
+
+# %% [markdown]
+# All of the front are short; the light ones are narrow, and the heavy ones thick. Where they lie in a map of the mean
+# frequency over two dimensions:
+
+# %%
+ax = fm.plot.sweep(front, "frequency", over=["thickness", "length"])
+plt.show()
+
+# %% [markdown]
 # ## Leaf springs as they are
 #
 # So far a leaf spring was a cubic beam, which has closed forms. As `planar.leaf_spring`, right beside solid elements,
@@ -164,6 +209,19 @@ closed = np.sqrt(2 * E * w * tt**3 / ll**3 / (m + 26 / 35 * rho * w * tt * ll)) 
 assert not sweep.failures()
 assert np.allclose(frequency, closed, rtol=1e-9)
 assert np.allclose(buckling, 10 * E * w * tt**3 / 12 / ll**2, rtol=1e-9)
+
+# Leaf springs of a mass mu have a stiffness E mu t^2/(rho l^4): the fastest are short, and as thick as their mass lets
+# them be at the least width. No design is faster, and of so many some come near to it.
+added, shortest = front["leaf_mass"], bounds["length"][0]
+thickest = np.minimum(bounds["thickness"][1], added / (2 * rho * bounds["width"][0] * shortest))
+fastest = np.sqrt(E * added * thickest**2 / (rho * shortest**4) / (m + 13 / 35 * added)) / (2 * np.pi)
+print(
+    f"the front has {front['frequency'].min():.1f} to {front['frequency'].max():.1f} Hz, "
+    f"{np.min(front['frequency'] / fastest):.0%} to {np.max(front['frequency'] / fastest):.0%} of what is possible"
+)
+assert not many.failures()
+assert np.all(front["frequency"] < fastest)
+assert np.median(front["frequency"] / fastest) > 0.9
 
 # Stretch of the leaf springs is of the order of (t/l)^2; their mass counts a little else than that of cubic beams.
 nu, a = 210 / 160 - 1, 0.4 * w / length

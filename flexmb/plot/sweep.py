@@ -180,7 +180,8 @@ def _hexagons(values: np.ndarray) -> int:
 
 
 def _title(ax: Any, titles: list[str], failed: np.ndarray) -> None:
-    """What is held, and how many designs failed."""
+    """What is held, and how many designs failed; few numbers along the axis, since those of small lengths are long."""
+    ax.locator_params(axis="x", nbins=6)
     told = [f"{np.sum(failed)} of {len(failed)} designs failed"] if np.any(failed) else []
     ax.set_title(", ".join([*titles, *told]), fontsize=9)
 
