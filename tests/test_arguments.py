@@ -54,6 +54,7 @@ ASKS = {
     "frequency_like": lambda m: fm.linear.frequency_like(m, np.ones(2)),
     "state_matrices": fm.control.state_matrices,
     "to_statespace": fm.to_statespace,
+    "damped": lambda m: fm.damped(m, ratio=0.01),
     "to_nonlinear_system": fm.control.to_nonlinear_system,
     "mass": fm.mass,
     "stiffness": lambda m: fm.stiffness(m, "1", "x"),
@@ -111,7 +112,7 @@ def test_results_are_not_taken_for_models():
     [
         *("equilibrium", "linearize", "frequencies", "modes", "poles", "stress", "section_resultants", "compliance"),
         *("directional_compliance", "frequency_like", "state_matrices", "to_statespace", "stiffness", "simulate"),
-        "to_nonlinear_system",
+        *("to_nonlinear_system", "damped"),
     ],
 )
 def test_an_answer_without_the_incremental_loads_says_so(name):
