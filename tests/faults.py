@@ -1077,6 +1077,20 @@ FAULTS = [
         "jnp.cross(first[1:], second[1:])",
         "math/test_rotations.py",
     ),
+    Fault("spacar/outlines.py", "(outer - inner) / 2", "outer - inner", "spacar/test_outlines.py -k beam_theory"),
+    Fault(
+        "spacar/outlines.py",
+        "Rectangle(width, thickness, NONE)",
+        "Rectangle(thickness, width, NONE)",
+        "spacar/test_outlines.py -k beam_theory",
+    ),
+    Fault("spacar/outlines.py", "ALIKE = 0.02", "ALIKE = 1e6", "spacar/test_outlines.py -k do_not_go"),
+    Fault(
+        "plot/answer.py",
+        "            _add_stress(figure, stressed)",
+        "            pass",
+        "spacar/test_outlines.py -k draws_it",
+    ),
     Fault("elements/told.py", "element.usual\n", "element\n", "elements/test_told.py -k of_ones_own"),
     Fault(
         "elements/spatial.py",

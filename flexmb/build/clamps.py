@@ -227,6 +227,7 @@ def _alike(one: Section, other: Section) -> bool:
 def _thickness(builder: Description, member: Member, end: int) -> Any:
     """Smallest side of a section at an end of an element."""
     section: Section = member.properties["section"].at(float(end), _length(builder, member))
+    section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
     if not sides:
         raise _Unknown("its section is given by numbers and has no thickness")

@@ -236,13 +236,15 @@ def _check_fields(of: str, record: Any) -> None:
         wanted = _alternatives(hint)
         inner = [h for h in wanted if inspect.isclass(h) and issubclass(h, Record)]
         right = ""
+        if value is None and type(None) in typing.get_args(hint):
+            continue
         if inner:
             right = "" if isinstance(value, tuple(inner)) else " or ".join(map(_kind, inner))
             if not right:
                 _check_fields(of, value)
         elif field.metadata.get("static"):
             right = wanted_option(value, hint)
-        elif float in wanted and not (value is None and type(None) in typing.get_args(hint)):
+        elif float in wanted:
             right = "" if _is_scalar(value) else "a number"
         if right:
             raise ModelError(f"The {of} has {field.name} = {shown(value)}, but it must be {right}.")

@@ -150,6 +150,8 @@ class Section(Record):
 class Rigidity(Section):
     """A section given by its numbers. What is not given is zero, a shear compliance of zero means rigid in shear.
 
+    How stiff and heavy it is these say alone. Where its stress is asked for too, an outline says how large it is.
+
     Attributes:
         EA: Axial rigidity [N].
         EIy: Bending rigidity about local y [N m^2]; the bending rigidity of a planar beam.
@@ -162,6 +164,8 @@ class Rigidity(Section):
         alpha: Coefficient of thermal expansion [1/K]; None where it is not stated.
         EIw: Warping rigidity, of a beam whose warping is a coordinate (``spatial.warping_beam``) [N m^4].
         Jw: Its inertia against warping per length [kg m^3].
+        outline: Section whose sizes the stress is computed by, and whose material states the strength; None: the
+            section has no shape, and so no stress.
     """
 
     EA: Scalar = 0.0
@@ -178,10 +182,34 @@ class Rigidity(Section):
     alpha: Scalar | None = None
     EIw: Scalar = 0.0
     Jw: Scalar = 0.0
+    outline: Section | None = None
 
     def rigidity(self) -> "Rigidity":
-        """The numbers themselves."""
-        return self
+        """The numbers themselves, without an outline."""
+        return self if self.outline is None else dataclasses.replace(self, outline=None)
+
+    def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
+        """That of the outline.
+
+        Args:
+            resultants: (6,) [N, N m].
+        """
+        return super().stress(resultants) if self.outline is None else self.outline.stress(resultants)
+
+    @property
+    def has_shape(self) -> bool:
+        """Whether there is an outline."""
+        return self.outline is not None
+
+    def stated(self, quantity: str) -> Any:
+        """Strengths that the material of the outline states.
+
+        Args:
+            quantity: Attribute of :class:`Material`.
+        """
+        if self.outline is None or quantity not in ("strength", "fatigue"):
+            return None
+        return self.outline.stated(quantity)
 
     @property
     def expands(self) -> bool:
@@ -190,7 +218,9 @@ class Rigidity(Section):
 
     def faults(self) -> list[str]:
         """A rigidity or mass below zero; the product of inertia and the thermal expansion have either sign."""
-        return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz"))
+        numbers = tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz")
+        found = faults_of(self.rigidity(), at_least_zero=numbers)
+        return found + [f"outline: {fault}" for fault in (self.outline.faults() if self.outline is not None else [])]
 
 
 def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:

@@ -7,6 +7,8 @@ import numpy as np
 
 from .. import plot
 from ..display import Result
+from ..linear.linearize import Linearization
+from ..linear.stress import stress
 
 # The same file for the same answer: no date in it, no random names.
 CONSTANT: Any = {"backend": "agg", "svg.hashsalt": "flexmb"}
@@ -14,7 +16,7 @@ DATES = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def image(answer: Any, format: str) -> bytes:
-    """Draw an answer: by the picture that its mode names, or by that of its result.
+    """Draw an answer: by the picture that its mode names, or by that of its result; where there is stress, it too.
 
     Args:
         answer: Answer of :func:`flexmb.answers.answers.answer`.
@@ -23,17 +25,27 @@ def image(answer: Any, format: str) -> bytes:
     Returns:
         Content of the file.
     """
-    return image_of(answer.lin if answer.picture else answer.shown, format, answer.picture)
+    stressed = answer.lin if answer.data.get("stress", {}).get("maximum") and not answer.picture else None
+    return image_of(answer.lin if answer.picture else answer.shown, format, answer.picture, stressed)
 
 
-def image_of(found: Result, format: str, picture: str = "") -> bytes:
-    """Content of a file with the picture of a result: its own, or that which is named."""
+def image_of(found: Result, format: str, picture: str = "", stressed: Linearization | None = None) -> bytes:
+    """Content of a file with the picture of a result: its own, or that which is named.
+
+    Args:
+        found: The result.
+        format: "png", "svg" or "pdf".
+        picture: Name of a function of :mod:`flexmb.plot`, in place of its own.
+        stressed: Linearisation whose von Mises stress is drawn beside.
+    """
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):
         import matplotlib.pyplot as plt
 
         figure = getattr(plot, picture)(found) if picture else _figure(found)
+        if stressed is not None:
+            _add_stress(figure, stressed)
         buffer = io.BytesIO()
         figure.savefig(buffer, format=format, dpi=150, metadata=DATES.get(format))
         plt.close(figure)
@@ -52,3 +64,17 @@ def _figure(found: Result) -> Any:
     space = {"projection": "3d"} if states.model.labels.dimension == 3 else {}
     plot.mechanism(found, ax=figure.add_subplot(1, 2, 2, **space))
     return figure
+
+
+def _add_stress(figure: Any, lin: Linearization) -> None:
+    """Draw von Mises stress beside what a figure shows, as wide as two columns of it."""
+    from matplotlib.gridspec import GridSpec
+
+    placed = [(ax, own) for ax in figure.axes if (own := ax.get_subplotspec()) is not None]
+    rows, columns = placed[0][1].get_gridspec().get_geometry()
+    grid, width = GridSpec(rows, columns + max(1, columns // 2), figure=figure), figure.get_figwidth()
+    for ax, own in placed:
+        ax.set_subplotspec(grid[own.rowspan.start : own.rowspan.stop, own.colspan.start : own.colspan.stop])
+    figure.set_figwidth(width * grid.ncols / columns)
+    space = {"projection": "3d"} if lin.labels.dimension == 3 else {}
+    plot.stress(stress(lin.model, at=lin), lin, ax=figure.add_subplot(grid[:, columns:], **space))

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
-from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
+from ..elements.sections import Circle, HollowRectangle, Rectangle, Rigidity, Section, Tube
 from ..math.rotation import initial_frame
 from ..mechanics.centreline import parts_of, turns_of
 from ..model.model import Model
@@ -49,6 +49,8 @@ def shapes_of(model: Model) -> dict[str, Shape]:
 
 def _outlines(stack: Section) -> list[Shape | None]:
     """Outlines of stacked sections of one kind."""
+    if isinstance(stack, Rigidity) and stack.outline is not None:
+        return _outlines(stack.outline)
     if isinstance(stack, Rectangle | HollowRectangle):
         sides = zip(np.asarray(stack.width).tolist(), np.asarray(stack.thickness).tolist(), strict=True)
         return [Shape(width, thickness, False) for width, thickness in sides]

@@ -115,7 +115,8 @@ class ElementKind:
                 *zip(self.mass, lines.get("EM", []), strict=False),
             ]
             alpha = None if rigid else lines.get("ALPHA", [None])[0]
-            found["section"] = Rigidity(**{name: value for name, value in named if name != NOTHING}, alpha=alpha)
+            own: dict[str, Any] = {name: value for name, value in named if name != NOTHING}
+            found["section"] = Rigidity(**own, alpha=alpha)
         if "EDAMP" in lines:
             found["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
         return found

@@ -19,6 +19,7 @@ from ..elements import spatial
 from ..errors import ModelError, SpacarError, clean, heard
 from ..model.roles import Role
 from . import actions as act
+from . import outlines
 from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
 from .kinds import KINDS
@@ -163,6 +164,7 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     placed = list(_Blocks(r, faults).rows(found))
     for stage in (DECLARE, DESCRIBE):
         _run(r, placed, stage, faults)
+    outlines.take(r, lambda s, text: faults.blame(s, text, "element"))
     _build(r, faults)
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
@@ -322,6 +324,10 @@ def _build(r: Reading, faults: _Faults) -> None:
                 )
             element = kind.element_of(declared.order, lines.get("ESTIFF", []))
             properties = kind.properties(lines, declared.vector, declared.numbers)
+            if number in r.outlines:
+                properties["section"] = dataclasses.replace(properties["section"], outline=r.outlines[number])
+                if text := outlines.disagreement(properties["section"]):
+                    r.warnings.append((declared.statement, f"element {number}: {text}"))
             r.builder.add(element, *_names_of_nodes(r, declared), name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):

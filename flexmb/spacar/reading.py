@@ -67,6 +67,7 @@ class Reading:
         signals: Inputs and outputs by number: their line, and the call that adds them.
         excused: Numbers in faulty element lines, about which no other line is blamed.
         settings: What is not part of the mechanism.
+        outlines: Sizes of cross-sections by element, as CROSSDIM has them.
         drawn: Lines that draw.
         warnings: Line and text.
     """
@@ -86,6 +87,7 @@ class Reading:
     )
     excused: set[int] = dataclasses.field(default_factory=set)
     settings: dict[str, Any] = dataclasses.field(default_factory=dict)
+    outlines: dict[int, Any] = dataclasses.field(default_factory=dict)
     drawn: list[Statement] = dataclasses.field(default_factory=list)
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
 

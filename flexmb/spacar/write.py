@@ -20,6 +20,7 @@ from ..elements.sections import MaterialDamping, Rectangle
 from ..errors import ModelError, clean
 from ..files import write_whole
 from ..model.roles import Role
+from . import outlines
 from . import series as series
 from .actions import QUANTITIES
 from .kinds import KINDS, NOTHING, ElementKind
@@ -36,9 +37,9 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
 
     Nodes and elements that are not named by numbers are numbered; comments say which is which. Sections are written
-    as their rigidities, without sizes, strength or fatigue, so that what is read back has no stress; those of leaf
-    springs by their sizes. Comments of a file that was read, names of inputs and
-    outputs, and user routines themselves are not kept.
+    as their rigidities, and their sizes as what is drawn (CROSSTYPE, CROSSDIM), by which what is read back has its
+    stress, without strength or fatigue; those of leaf springs as SECTION. Comments of a file that was read, names of
+    inputs and outputs, and user routines themselves are not kept.
 
     Args:
         model: Builder, or what read_spacar returned, whose settings are written too.
@@ -125,7 +126,25 @@ class _Writer:
         """All lines."""
         signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
         third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
+        drawn = self._outlines(drawn) + [line for line in drawn if line.upper().split() != [outlines.TITLE]]
+        drawn = [outlines.TITLE, *drawn] if drawn else []
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
+
+    def _outlines(self, drawn: list[str]) -> list[str]:
+        """Sizes of cross-sections, but of elements whose lines are kept as they stand."""
+        words = [line.split() for line in drawn]
+        there = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
+        groups: dict[tuple[str, tuple[float, ...]], list[int]] = {}
+        for name, m in self.shown.items():
+            section, number = m.properties.get("section"), self.element[name]
+            found = None if section is None or "EA" not in self.kinds[name].stiffness else outlines.sizes_of(section)
+            if found is not None and str(number) not in there:
+                key = found[0], tuple(float(np.asarray(size)) for size in found[1])
+                groups.setdefault(key, []).append(number)
+        lines = []
+        for (kind, sizes), numbers in groups.items():
+            lines += [_line(outlines.PROPS, *numbers), _line(outlines.TYPE, kind), _line(outlines.SIZES, *sizes)]
+        return lines
 
     def _named(self, name: str, member: Member) -> list[str]:
         """Nodes that the line of an element names."""

@@ -1,0 +1,146 @@
+"""Sizes of cross-sections as the VISUALIZATION section has them: BEAMPROPS, CROSSTYPE, CROSSDIM, read and written.
+
+Numbers of ESTIFF and EM say how stiff and heavy a beam is, not how large: without these lines it has no stress. The
+first size lies along local y, the second along local z. That a circle has its diameter, and that hollow ones
+have their outer sizes first and then those of the hole, is our reading: the predecessor's manual is not known.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..elements.section import Material, Rigidity, Section
+from ..elements.sections import Circle, HollowRectangle, Rectangle, Tube
+from ..errors import clean
+from .lines import DRAWING, Fault, Statement, known, parse
+from .reading import AlreadyReported, Reading
+
+TITLE, PROPS, TYPE, SIZES = DRAWING.upper(), "BEAMPROPS", "CROSSTYPE", "CROSSDIM"
+# Of an outline the sizes alone count; its material is none.
+NONE = Material(E=1.0, G=0.5, rho=1.0)
+# Sizes of each type.
+COUNTS = {"rect": 2, "recthol": 4, "circ": 1, "circhol": 2, "line": 0}
+# By how much, relatively, second moments over the area may differ by sizes and by ESTIFF.
+ALIKE = 0.02
+
+
+def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
+    """Act on the lines among those that draw; what is acted on is no longer said to have no effect.
+
+    Args:
+        r: Reading, whose elements are declared.
+        blame: Called with a line and what is wrong with it.
+    """
+    told: list[Statement] = []
+    kept = list(r.drawn)
+    for group in _groups(r.drawn):
+        try:
+            used, whole = _take_group(r, group)
+        except AlreadyReported:
+            continue
+        except Fault as fault:
+            blame(group[PROPS], str(fault))
+            continue
+        told += group.values() if used else ()
+        # Of elements that have no use for it, such as rigid ones, the lines are kept as they stand.
+        kept = [s for s in kept if not (whole and s in group.values())]
+    if told:
+        r.drawn = _without_title([s for s in r.drawn if s not in told])
+        if lines := [s.raw for s in _without_title(kept)]:
+            r.settings[TITLE] = lines
+        else:
+            del r.settings[TITLE]
+
+
+def _without_title(drawn: list[Statement]) -> list[Statement]:
+    """Lines that draw; none where nothing but their title is left."""
+    return drawn if any(s.keyword != TITLE for s in drawn) else []
+
+
+def _groups(drawn: list[Statement]) -> list[dict[str, Statement]]:
+    """BEAMPROPS with the CROSSTYPE and the CROSSDIM that follow, where both do."""
+    found: list[dict[str, Statement]] = []
+    open_group: dict[str, Statement] = {}
+    for s in drawn:
+        if s.keyword == PROPS:
+            open_group = {PROPS: s}
+            found.append(open_group)
+        elif s.keyword in (TYPE, SIZES) and s.keyword not in open_group:
+            open_group[s.keyword] = s
+        else:
+            open_group = {}
+    return [group for group in found if TYPE in group and (SIZES in group or group[TYPE].words == ("line",))]
+
+
+def _take_group(r: Reading, group: dict[str, Statement]) -> tuple[bool, bool]:
+    """Note the outlines of the elements named; whether one of them has a use for it, and whether all have."""
+    kind = parse(TYPE, "name", group[TYPE].words)["name"].lower()
+    if kind not in COUNTS:
+        raise Fault(f"{TYPE} must be one of {', '.join(COUNTS)}, but is '{clean(kind)}'")
+    numbers = parse(PROPS, "element ...", group[PROPS].words)["element"]
+    sizes = parse(SIZES, "value ...", group[SIZES].words)["value"] if COUNTS[kind] else []
+    if len(sizes) != COUNTS[kind]:
+        raise Fault(f"{SIZES} of {kind} takes {COUNTS[kind]} sizes, but has {len(sizes)}")
+    outline = of_sizes(kind, sizes) if sizes else None
+    if outline is not None and all(map(known, sizes)):
+        for fault in outline.faults():
+            raise Fault(f"{SIZES}: {fault}")
+    declared = [r.declared(number) for number in numbers]
+    used = [
+        number
+        for number, one in zip(numbers, declared, strict=True)
+        if outline is not None and "EA" in one.kind.stiffness and "ESTIFF" in r.lines.get(number, {})
+    ]
+    for number in used:
+        r.once(group[PROPS], number)
+        r.outlines[number] = outline
+    return bool(used), len(used) == len(numbers)
+
+
+def of_sizes(kind: str, sizes: list[Any]) -> Section:
+    """Outline of the sizes of a type."""
+    if kind == "rect":
+        width, thickness = sizes
+        return Rectangle(width, thickness, NONE)
+    if kind == "recthol":
+        width, thickness, inner_y, inner_z = sizes
+        return HollowRectangle(width, thickness, (width - inner_y) / 2, (thickness - inner_z) / 2, NONE)
+    if kind == "circ":
+        return Circle(sizes[0], NONE)
+    outer, inner = sizes
+    return Tube(outer, (outer - inner) / 2, NONE)
+
+
+def sizes_of(section: Section) -> tuple[str, list[Any]] | None:
+    """Type and sizes of a section that has an outline; None of another."""
+    outline: Any = section.outline if isinstance(section, Rigidity) else section
+    if isinstance(outline, Rectangle):
+        return "rect", [outline.width, outline.thickness]
+    if isinstance(outline, HollowRectangle):
+        inner = outline.width - 2 * outline.wall_y, outline.thickness - 2 * outline.wall_z
+        return "recthol", [outline.width, outline.thickness, *inner]
+    if isinstance(outline, Circle):
+        return "circ", [outline.diameter]
+    if isinstance(outline, Tube):
+        return "circhol", [outline.diameter, outline.diameter - 2 * outline.wall]
+    return None
+
+
+def disagreement(section: Rigidity) -> str:
+    """What does not go together in the rigidities and the sizes of a section; empty where they agree or are traced."""
+    if section.outline is None or not known(section.EA) or not known(section.EIy) or not known(section.EIz):
+        return ""
+    own = section.outline.rigidity()
+    if not all(map(known, (own.EA, own.EIy, own.EIz))) or not section.EA:
+        return ""
+    stated = {n: float(getattr(section, n)) / float(section.EA) for n in ("EIy", "EIz") if getattr(section, n)}
+    sized = {n: float(np.asarray(getattr(own, n) / own.EA)) for n in ("EIy", "EIz")}
+    wrong = [n for n in stated if abs(sized[n] / stated[n] - 1) > ALIKE]
+    if not wrong:
+        return ""
+    said = ", ".join(f"{n}/EA is {stated[n]:.4g} m^2 by ESTIFF and {sized[n]:.4g} by {SIZES}" for n in wrong)
+    other = {"EIy": "EIz", "EIz": "EIy"}
+    turned = all(abs(sized[other[n]] / value - 1) <= ALIKE for n, value in stated.items())
+    hint = ": the first size lies along local y, the second along local z; exchanged they agree" if turned else ""
+    return f"sizes do not go with the stiffness: {said}{hint}; stress is that of the sizes"
