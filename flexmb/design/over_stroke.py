@@ -43,12 +43,10 @@ class Asked:
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:
             raise ModelError(f"Argument `node`: there is no node '{node}' in this model.")
-        sizes = {1: 1, 2: 2, 3: 3, 4: 3}
-        total = sum(sizes[len(model.labels.coordinates(p))] for p in self.parts)
-        axes = AXES[model.labels.dimension]
-        self.axes = (
-            axes[:total] if self.parts[:1] == [self.node] and not self._is_turn(self.parts[0]) else axes[-total:]
-        )
+        # Four Euler parameters are a rotation about three axes; a rotation of its own has no others.
+        total = sum(min(len(model.labels.coordinates(p)), 3) for p in self.parts)
+        axes, alone = AXES[model.labels.dimension], bool(self.parts) and self._is_turn(self.parts[0])
+        self.axes = axes[-total:] if alone else axes[:total]
         self.own = what.entry.symbol if self.node == own else None
         self.at: dict[float, AtStroke] = {}
         self.values: dict[float, dict[str, float]] = {}
@@ -105,7 +103,7 @@ class Asked:
 
     def _parasitic(self, at: AtStroke, rest: Any) -> dict[str, Any]:
         """How the node moves besides, from its place at zero stroke."""
-        if not self.parts:
+        if self.node is None:
             raise ModelError("a deformation belongs to no one node: give `node`")
         moved = []
         for part in self.parts:

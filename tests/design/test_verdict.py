@@ -297,3 +297,21 @@ def test_the_page_is_drawn(page):
     with pytest.raises(TypeError, match="verdict"):
         fm.plot.verdict(3)
     assert "by dimension" in page._repr_html_()
+
+
+def test_what_has_no_answer_is_said():
+    b = fm.Builder()
+    b.node("l", (0, 0))
+    b.node("r", (1, 0))
+    b.add(planar.beam, "l", "r", name="leaf", section=fm.Rectangle(0.01, 1e-3, STEEL))
+    b.fix("l")
+    b.force("r", (0, -1.0), follower=True)
+    b.force("r", (0, 1.0), increment=True)
+    found = fm.verdict(b.build(), {"r.y": 1e-3}, steps=1, node="l")
+    assert set(found.unanswered) == {"buckling", "frequencies", "incremental loads"}
+    assert "poles" in found.unanswered["frequencies"]
+    assert "loads that turn" in found.unanswered["buckling"]
+    assert "left out" in found.summary().rows["not answered"]
+    # Of a node that is fixed nothing moves.
+    assert found.summary().rows["parasitic motion"] == "none"
+    assert "frequency 1" not in found.curves
