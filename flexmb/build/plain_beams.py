@@ -56,7 +56,10 @@ def warn_of_plain_beams(builder: Description) -> None:
                 found[what] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
     if not found:
         return
-    told = [f"{what} by {share:.0%} ('{first}'{last})" for what, (share, first, last) in found.items()]
+    told = [
+        f"{what} by {f'{share:.0%}' if share <= 1 else 'more than 100%'} ('{first}'{last})"
+        for what, (share, first, last) in found.items()
+    ]
     warn(
         f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it, unless its section"
         " has breaks; a section may state shear=True and warping_length=. Where beam theory is what is wanted, ignore"
