@@ -57,7 +57,7 @@ def warn_of_plain_beams(builder: Description) -> None:
     if not found:
         return
     told = [
-        f"{what} by {f'{share:.0%}' if share <= 1 else 'more than 100%'} ('{first}'{last})"
+        f"{what} by {f'{share:.0%}' if share < 100 else 'more than 9999%'} ('{first}'{last})"
         for what, (share, first, last) in found.items()
     ]
     warn(
