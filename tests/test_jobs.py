@@ -101,6 +101,42 @@ def test_four_bar_of_flexure_hinges_with_its_reactions_over_time():
     assert np.max(np.abs(motion.position("coupler", "x"))) > 1e-3
 
 
+def constant_force(height, spring):
+    """Two bars that snap through between feet 20 m apart, and a spring along the stroke of their apex."""
+    b = fm.Builder()
+    for name, place in {"left": (-10, 0), "right": (10, 0), "apex": (0, height), "top": (0, height + 5)}.items():
+        b.node(name, place)
+    for foot in ("left", "right"):
+        b.add(planar.truss, foot, "apex", section=fm.Rigidity(EA=1e4, mass=1.0))
+        b.fix(foot)
+    b.add(planar.truss, "top", "apex", section=fm.Rigidity(EA=5 * spring, mass=1.0))
+    b.fix("top")
+    b.fix("apex", "x")
+    b.prescribe("apex", "y", -1.0, increment=True)
+    return b.build()
+
+
+def test_constant_force_over_a_stroke():
+    strokes = np.linspace(0.8, 1.2, 9)
+    found = fm.tune(
+        constant_force,
+        {"force": lambda model: -fm.equilibria(model, increment=strokes).force_needed("apex", "y")},
+        {"height": 0.8, "spring": 8.0},
+        {"height": (0.5, 1.5), "spring": (1.0, 20.0)},
+        targets={"force": fm.design.Curve(strokes, np.full(9, 10.0))},
+    )
+    height, spring = found.dimensions["height"], found.dimensions["spring"]
+
+    def force(stroke):
+        """Closed form: the bars by their strain, the spring by its own."""
+        y = height - stroke
+        return spring * stroke + 2e4 * (1 / np.hypot(10, y) - 1 / np.hypot(10, height)) * y
+
+    np.testing.assert_allclose(found.answers["force"], force(strokes), rtol=1e-8)
+    # The bars' cubic term, EA y^3/a^3, stays: 1e4 0.2^3/1e3 = 0.08 N at the ends, or less.
+    assert np.ptp(force(np.linspace(0.8, 1.2, 101))) < 2 * 0.08
+
+
 def cantilever(E, t):
     material = fm.Material(E=E, G=E / 2.6, rho=7850.0)
     b = fm.Builder()
