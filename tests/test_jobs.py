@@ -1,12 +1,15 @@
 """Days of a designer: each job is done as in a notebook, by names alone, and checked against another source.
 
-Further ones are notebooks: a cross pivot with stress and buckling (12), a bistable beam (19), a stage that is exactly
-constrained with its loop (13), and an element of one's own (09).
+Further ones are notebooks: an element of one's own (09), a bistable beam (19), a cross pivot with stress and
+buckling (20).
 """
 
 import itertools
+import re
 
+import control
 import jax.numpy as jnp
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from cases.commands import command
@@ -135,6 +138,71 @@ def test_constant_force_over_a_stroke():
     np.testing.assert_allclose(found.answers["force"], force(strokes), rtol=1e-8)
     # The bars' cubic term, EA y^3/a^3, stays: 1e4 0.2^3/1e3 = 0.08 N at the ends, or less.
     assert np.ptp(force(np.linspace(0.8, 1.2, 101))) < 2 * 0.08
+
+
+def stage(held):
+    """An xy stage: a table on two leaf springs on a frame on three, which stretch but for those that are named."""
+    steel = fm.Material(E=210e9, G=80e9, rho=0.0)
+    section = fm.Rectangle(width=0.02, thickness=0.3e-3, material=steel)
+    b = fm.Builder()
+    for name, x in {"A": 0.0, "B": 0.05, "C": 0.1}.items():
+        b.node(f"foot {name}", (x, 0))
+        b.node(f"frame {name}", (x, 0.08))
+        b.fix(f"foot {name}")
+        stretches = () if f"leaf {name}" in held else (1,)
+        b.add(
+            planar.beam,
+            f"foot {name}",
+            f"frame {name}",
+            name=f"leaf {name}",
+            section=section,
+            released=(*stretches, 2, 3),
+        )
+    b.node("frame D", (0.1, 0.18))
+    for pair in itertools.pairwise("ABCD"):
+        b.add(planar.rigid_body, *(f"frame {name}" for name in pair))
+    for name, foot, y in (("low", "C", 0.08), ("high", "D", 0.18)):
+        b.node(f"table {name}", (0.18, y))
+        b.add(planar.beam, f"frame {foot}", f"table {name}", section=section, released=(2, 3))
+        b.mass(f"table {name}", 0.15)
+    b.add(planar.rigid_body, "table low", "table high")
+    b.mass("frame A", 0.2)
+    b.dof("frame A", "x")
+    b.dof("table low", "y")
+    for axis in "xy":
+        b.input("table low", axis)
+        b.output("table low", axis)
+    return b.build()
+
+
+def test_stage_made_exactly_constrained_its_loop_and_its_bode_plot():
+    held = ["leaf A", "leaf B", "leaf C"]
+    with pytest.raises(fm.MechanismError, match="release deformation 1 of element") as refused:
+        stage(held)
+    advised = re.search(r"release deformation 1 of element '(.*?)'", str(refused.value)).group(1)
+    held.remove(advised)
+    model = stage(held)
+    assert (fm.mobility(model).overconstraints, fm.mobility(model).underconstraints) == (0, 0)
+    # 12 EI/L^3 of each leaf spring; the frame carries the table.
+    leaf = 210e9 * 0.02 * 0.3e-3**3 / 0.08**3
+    stiffness, mass = np.array([3, 2]) * leaf, np.array([0.5, 0.3])
+    own = np.sqrt(stiffness / mass)
+    # The leaf spring that stretches is the middle one, and all else follows the two motions.
+    np.testing.assert_allclose(fm.frequencies(model)[:2], own / 2 / np.pi, rtol=1e-5)
+    plant = fm.to_statespace(fm.damped(model, ratio=0.01), modes=2)
+    assert plant.nstates == 4
+    across = fm.plot.bode(plant)
+    plt.close(across)
+    # Proportional and derivative action on both axes, by a filter that is a hundred times as quick.
+    gain, rate = 2000.0, 20.0
+    lag = rate / gain / 100
+    axis = control.ss(control.tf([rate, gain], [lag, 1]))
+    loop = control.feedback(plant, control.append(axis, axis))
+    for k, m, w in zip(stiffness, mass, own, strict=True):
+        expected = np.roots(np.polymul([m, 2 * 0.01 * w * m, k], [lag, 1]) + np.array([0, 0, rate, gain]))
+        for pole in expected:
+            assert np.min(np.abs(loop.poles() - pole)) < 1e-4 * abs(pole)
+    assert np.all(loop.poles().real < 0)
 
 
 def cantilever(E, t):
