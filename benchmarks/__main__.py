@@ -17,6 +17,7 @@ SCRIPTS = (
     "operations",
     "threads",
     "first_impression",
+    "compiling",
     "lean",
     "size",
     "designs",
