@@ -63,12 +63,51 @@ def prefixed(drawn: Series) -> tuple[float, str]:
     Args:
         drawn: The quantity.
     """
-    finite = np.abs(drawn.values[np.isfinite(drawn.values)])
-    largest = np.max(finite, initial=0.0)
-    if not largest or drawn.unit == "-" or "," in drawn.unit:
+    if drawn.unit == "-" or "," in drawn.unit:
         return 1.0, drawn.axis
+    factor, unit = prefix_for(largest_of(drawn.values), drawn.unit)
+    return factor, f"{drawn.label} [{unit}]"
+
+
+def largest_of(values: Any) -> float:
+    """Largest size of the finite ones of some values, 0 of none."""
+    values = np.abs(np.asarray(values, float))
+    return float(np.max(values[np.isfinite(values)], initial=0.0))
+
+
+def prefix_for(largest: float, unit: str) -> tuple[float, str]:
+    """By what to multiply values up to a largest one so that they are read without powers of ten, and their unit then.
+
+    Args:
+        largest: The largest of them; the unit stays as it is where it is zero.
+        unit: Their unit, SI without a prefix.
+    """
+    if not largest:
+        return 1.0, unit
     power = int(np.clip(3 * np.floor(np.log10(largest * 1.0000001) / 3), -9, 9))
-    return 10.0**-power, f"{drawn.label} [{PREFIXES[power]}{drawn.unit}]"
+    return 10.0**-power, PREFIXES[power] + unit
+
+
+def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
+    """Label an axis with its unit; one in metres counts in millimetres or micrometres where that is shorter.
+
+    What is drawn stays in metres, so that more can be drawn over it; the numbers along the axis alone are multiplied.
+
+    Args:
+        axis: An axis of matplotlib, or of a colour bar.
+        name: What is along it.
+        unit: Its unit; none is written where it is empty.
+        largest: What the prefix is chosen by, the largest value or the extent.
+
+    Returns:
+        The unit that the axis counts in.
+    """
+    if unit == "m":
+        factor, unit = prefix_for(largest, unit)
+        # Few numbers, none of which is longer than it must be: round-off of the product is no digit.
+        axis.set_major_formatter(lambda value, _: f"{round(value * factor, 6) + 0.0:.10g}")
+    axis.set_label_text(f"{name} [{unit}]" if unit else name)
+    return unit
 
 
 def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
@@ -181,7 +220,7 @@ def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> No
 
 
 def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
-    """Limits around points, equal scales and labels with units.
+    """Limits around points, equal scales and labels with units, of lengths with the prefix that suits the extent.
 
     Args:
         points: What must be seen, (n, d) [m].
@@ -193,11 +232,12 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
     size = np.maximum(high - low, 0.25 * np.max(high - low))
     for name, a, b, s in zip("xyz", low, high, size, strict=False):
         getattr(ax, f"set_{name}lim")((a + b - s) / 2, (a + b + s) / 2)
-        getattr(ax, f"set_{name}label")(f"{name} [m]")
+        axis = getattr(ax, f"{name}axis")
+        label_axis(axis, name, "m", np.max(size))
+        # A short side has room for few numbers.
+        axis.set_major_locator(_ticks((4 if ax.name == "3d" else 6) * s / np.max(size)))
     if ax.name == "3d":
-        for name, s in zip("xyz", size, strict=True):
-            getattr(ax, f"{name}axis").set_major_locator(_ticks(4 * s / np.max(size)))
-        ax.set_box_aspect(size, zoom=0.88)
+        ax.set_box_aspect(size, zoom=0.8)
         # A flat mechanism is seen from the side that shows it.
         thin = np.min(size[:2]) < 0.5 * np.max(size[:2])
         ax.view_init(elev=22, azim=-55 if not thin else 25 if size[0] < size[1] else -65)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..design.swept import Front, Sweep
-from .canvas import BLUE, GREY, RED, grid, plain_axes
+from .canvas import BLUE, GREY, RED, grid, label_axis, largest_of, plain_axes
 
 # More designs than these are drawn as density: their markers would cover each other.
 MANY = 2000
@@ -90,8 +90,8 @@ def sweep(
         own = front.rows[kept[front.rows]]
         at = [whole.column(name)[own] for name in [*shown, answer][:2]]
         ax.plot(*at, "o", color=RED, fillstyle="none", markersize=5, label="front")
-    ax.set_ylabel(label if len(shown) == 1 else _label(whole, shown[1]))
-    ax.set_xlabel(_label(whole, shown[0]))
+    _name(ax.yaxis, whole, answer if len(shown) == 1 else shown[1])
+    _name(ax.xaxis, whole, shown[0])
     _title(ax, titles, failed)
     return ax
 
@@ -112,8 +112,8 @@ def _against(whole: Sweep, front: Front | None, x: str | None, y: str | None, an
         style = {"color": RED, "marker": "o", "markersize": 4, "linewidth": 1.2, "linestyle": line}
         ax.plot(horizontal[rows], vertical[rows], label=f"front, {len(rows)} designs", zorder=3, **style)
         ax.legend(fontsize=8)
-    ax.set_xlabel(_label(whole, x))
-    ax.set_ylabel(_label(whole, y))
+    _name(ax.xaxis, whole, x)
+    _name(ax.yaxis, whole, y)
     _title(ax, [], failed)
     return ax
 
@@ -203,3 +203,8 @@ def _shown(found: Sweep, over: Sequence[str] | str | None) -> list[str]:
 def _label(found: Sweep, name: str) -> str:
     unit = found.unit_of(name)
     return f"{name} [{unit}]" if unit else name
+
+
+def _name(axis: Any, found: Sweep, name: str) -> None:
+    """Label an axis with what is along it."""
+    label_axis(axis, name, found.unit_of(name), largest_of(found.column(name)))
