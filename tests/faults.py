@@ -1418,6 +1418,9 @@ FAULTS = [
     Fault(
         "plot/canvas.py", "round(value * factor, 6)", "round(value / factor, 6)", "plot/test_plot.py -k shows_supports"
     ),
+    Fault(
+        "plot/canvas.py", "moved = _free(boxes[i], bounds, taken)", "moved = boxes[i]", "plot/test_plot.py -k many_self"
+    ),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

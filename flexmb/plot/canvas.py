@@ -216,7 +216,9 @@ def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> No
         point: Where, (d,) [m].
         style: As for matplotlib's text.
     """
-    ax.text(*point, text, fontsize=8, zorder=6, **style)
+    # Legible over lines.
+    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.6, "pad": 0.5}
+    ax.text(*point, text, fontsize=8, zorder=6, bbox=paper, **style)
 
 
 def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
@@ -237,6 +239,9 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
         # A short side has room for few numbers.
         axis.set_major_locator(_ticks((4 if ax.name == "3d" else 6) * s / np.max(size)))
     if ax.name == "3d":
+        for name in "xyz":
+            # Labels further out would leave the figure, which counts without them.
+            getattr(ax, f"{name}axis").labelpad = 0.0
         ax.set_box_aspect(size, zoom=0.8)
         # A flat mechanism is seen from the side that shows it.
         thin = np.min(size[:2]) < 0.5 * np.max(size[:2])
@@ -249,3 +254,68 @@ def _ticks(count: float) -> Any:
     from matplotlib.ticker import MaxNLocator
 
     return MaxNLocator(max(1, round(count)), min_n_ticks=1)
+
+
+def spread(ax: Any) -> None:
+    """Move the texts of a picture so that they lie over no other text, axis or colour bar, each as little as it takes.
+
+    Call it when all else is drawn. Texts move on paper: what they belong to may turn or grow afterwards.
+    """
+    from matplotlib.transforms import ScaledTranslation
+
+    texts = [text for text in ax.texts if text.get_text().strip()]
+    if not texts:
+        return
+    root = ax.figure.canvas.figure
+    root.draw_without_rendering()
+    # The whole of what the layout gave to these axes: those of equal scales fill part of it.
+    bounds = ax.get_position(original=True).transformed(root.transSubfigure)
+    taken = [own for other in root.axes if other is not ax and (own := other.get_tightbbox()) is not None]
+    taken += _numbers_along(ax)
+    boxes = [_box_of(text, ax).padded(1.0) for text in texts]
+    for i in sorted(range(len(texts)), key=lambda i: -boxes[i].y0):
+        moved = _free(boxes[i], bounds, taken)
+        taken.append(moved)
+        shift = ScaledTranslation(
+            (moved.x0 - boxes[i].x0) / root.dpi, (moved.y0 - boxes[i].y0) / root.dpi, root.dpi_scale_trans
+        )
+        texts[i].set_transform(texts[i].get_transform() + shift)
+
+
+def _box_of(text: Any, ax: Any) -> Any:
+    """Box of a text, on paper."""
+    box = text.get_window_extent()
+    if ax.name != "3d":
+        return box
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    # A text in space has its place on paper while it is drawn, and not before or after.
+    place = proj_transform(*text.get_position_3d(), ax.M)[:2]
+    return box.translated(*(ax.transData.transform(place) - ax.transData.transform(text.get_position())))
+
+
+def _numbers_along(ax: Any) -> list[Any]:
+    """Boxes of the numbers along the axes and of their labels, on paper."""
+    found = []
+    for name in "xyz"[: 3 if ax.name == "3d" else 2]:
+        axis, (low, high) = getattr(ax, f"{name}axis"), sorted(getattr(ax, f"get_{name}lim")())
+        # As they were drawn: in space, asking for the ticks by a function moves them from there.
+        found += [tick.label1.get_window_extent() for tick in axis.majorTicks if low <= tick.get_loc() <= high]
+        found.append(axis.label.get_window_extent())
+    return found
+
+
+def _free(box: Any, bounds: Any, taken: list[Any]) -> Any:
+    """The box nearest to one that lies within bounds and on none of the others; the box itself where there is none."""
+    left, right = min(bounds.x0 - box.x0, 0.0), min(bounds.x1 - box.x1, 0.0)
+    aside = right or (left if box.x0 < bounds.x0 else 0.0)
+    across = aside + np.array([0.0, -0.25, 0.25, -0.5, 0.5, -1.0, 1.0]) * box.width
+    steps = box.height / 2 * np.arange(-40, 41)
+    shifts = sorted(((dx, dy) for dx in across for dy in steps), key=lambda own: np.hypot(own[0] - aside, own[1]))
+    for dx, dy in shifts:
+        moved = box.translated(dx, dy)
+        inside = moved.x0 >= bounds.x0 - 1 and moved.x1 <= bounds.x1 + 1
+        inside = inside and moved.y0 >= bounds.y0 and moved.y1 <= bounds.y1
+        if inside and not any(moved.overlaps(other) for other in taken):
+            return moved
+    return box

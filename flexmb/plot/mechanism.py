@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model.model import Model
 from . import marks as marked
-from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, write
+from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, spread, write
 from .geometry import extent_of, lines, masses, nodes_of, scaled_lines
 from .sections import strips
 from .state import displaced, state_of
@@ -85,6 +85,7 @@ def mechanism(
             write(ax, line.points[len(line.points) // 2], line.element, color="#777777", style="italic", ha="center")
     edges = [own.reshape(-1, own.shape[-1]) for own in quads]
     frame(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
+    spread(ax)
     return ax
 
 

@@ -262,8 +262,7 @@ def test_ticks_of_a_small_mechanism_lie_beside_each_other():
         assert ax.get_xlabel() == "x [µm]"
         ax.figure.draw_without_rendering()
         low, high = ax.get_xlim()
-        ticks = zip(ax.get_xticks(), ax.get_xticklabels(), strict=True)
-        boxes = [text.get_window_extent() for place, text in ticks if low <= place <= high]
+        boxes = [t.label1.get_window_extent() for t in ax.xaxis.majorTicks if low <= t.get_loc() <= high]
         assert 2 <= len(boxes) <= 8
         assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
 
@@ -394,6 +393,28 @@ def test_self_stress_colours_who_takes_part_and_says_what_to_release():
     np.testing.assert_allclose(np.sort(np.asarray(drawn.get_array())), np.sort(list(part.values())))
     # Of shares that only round-off tells apart the first is 1.
     assert any(text.startswith("left 1: e5 1") for text in texts_of(ax))
+
+
+def test_labels_of_many_self_stresses_lie_beside_each_other():
+    """Four leaf springs that carry one body are over-constrained six times, and seven elements take part in each."""
+    b = fm.Builder()
+    for i, (x, y) in enumerate([(0.05, 0), (0, 0.05), (-0.05, 0), (0, -0.05)]):
+        b.node(f"foot{i}", (x, y, 0))
+        b.node(f"top{i}", (x, y, LENGTH))
+        b.add(spatial.beam, f"foot{i}", f"top{i}", name=f"leaf {i}", section=leaf(), released=(2, 3, 4), y=(-y, x, 0))
+        b.fix(f"foot{i}")
+        if i:
+            b.add(spatial.beam, "top0", f"top{i}", name=f"arm {i}")
+    ax = plot.self_stress(fm.mobility(b.build(check=False)))
+    assert len(ax.texts) == 7
+    bar = ax.figure.axes[1].get_tightbbox()
+    # Where a text in space is on paper is known while it is drawn.
+    boxes = {}
+    for text in ax.texts:
+        text.get_bbox_patch().draw = lambda _, text=text: boxes.update({text: text.get_window_extent()})
+    ax.figure.draw_without_rendering()
+    assert len(boxes) == 7
+    assert not any(a.overlaps(b) for a, b in itertools.combinations([*boxes.values(), bar], 2))
 
 
 @pytest.fixture(scope="module")
