@@ -165,18 +165,19 @@ def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None
         marks(ax, np.array(places), "hinge", marker="o", markersize=8, color=BLACK, markerfacecolor="white", zorder=4)
 
 
-def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, color: str) -> None:
+def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, **style: Any) -> None:
     """Half-transparent faces as one collection.
 
     Args:
         quads: Corners of the quadrilaterals of each element, (quads, 4, d) [m].
+        style: As for matplotlib's PolyCollection: "facecolor", or "array" with a number for each face and "cmap".
     """
     from matplotlib.collections import PolyCollection
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     if not quads:
         return
-    style = {"facecolor": color, "edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5}
+    style = {"edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5, **style}
     corners: Any = np.concatenate(quads)
     if ax.name == "3d":
         ax.add_collection3d(Poly3DCollection(corners, **style), autolim=False)
@@ -239,10 +240,7 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
         # A short side has room for few numbers.
         axis.set_major_locator(_ticks((4 if ax.name == "3d" else 6) * s / np.max(size)))
     if ax.name == "3d":
-        for name in "xyz":
-            # Labels further out would leave the figure, which counts without them.
-            getattr(ax, f"{name}axis").labelpad = 0.0
-        ax.set_box_aspect(size, zoom=0.8)
+        ax.set_box_aspect(size, zoom=0.76)
         # A flat mechanism is seen from the side that shows it.
         thin = np.min(size[:2]) < 0.5 * np.max(size[:2])
         ax.view_init(elev=22, azim=-55 if not thin else 25 if size[0] < size[1] else -65)
@@ -290,7 +288,8 @@ def _box_of(text: Any, ax: Any) -> Any:
     from mpl_toolkits.mplot3d.proj3d import proj_transform
 
     # A text in space has its place on paper while it is drawn, and not before or after.
-    place = proj_transform(*text.get_position_3d(), ax.M)[:2]
+    x, y, z = text.get_position_3d()
+    place = proj_transform(x, y, z, ax.M)[:2]
     return box.translated(*(ax.transData.transform(place) - ax.transData.transform(text.get_position())))
 
 

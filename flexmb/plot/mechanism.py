@@ -68,8 +68,8 @@ def mechanism(
         seen += [line.points for line in still]
     drawn = scaled_lines(model, reference, state, scale)
     mechanism_lines(ax, drawn)
-    quads = strips(model, x, drawn) if sections else []
-    faces(ax, quads, "section", BLUE)
+    quads = list(strips(model, x, drawn).values()) if sections else []
+    faces(ax, quads, "section", facecolor=BLUE)
     points = {name: x[indices] for name, indices in nodes_of(model).items()}
     seen = np.concatenate([*seen, *(line.points for line in drawn), np.array(list(points.values()))])
     marks(ax, np.array([x[i] for i in masses(model)]), "mass", marker="o", markersize=7, color=BLACK, zorder=3)

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Mobility
-from .canvas import frame, mechanism_lines, new_axes, polylines, spread, write
+from .canvas import faces, frame, mechanism_lines, new_axes, polylines, spread, write
 from .geometry import lines, nodes_of
 from .mechanism import draw_supports
+from .sections import strips
 from .state import states_of
 
 # Resultants written beside an element: as many as there is room for where few elements take part, or where many do.
@@ -49,6 +50,10 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     values = np.array([part[line.element] for line in taking])
     style: dict[str, Any] = {"cmap": "plasma_r", "clim": (0.0, 1.0), "linewidth": 4.0, "zorder": 3}
     coloured = polylines(ax, [line.points for line in taking], "self-stress", values, **style)
+    if model.labels.dimension == 3:
+        widths = {name: own for name, own in strips(model, x, drawn).items() if name in part}
+        shades = np.concatenate([np.full(len(own), part[name]) for name, own in widths.items()] or [np.zeros(0)])
+        faces(ax, list(widths.values()), "section", array=shades, cmap=style["cmap"], clim=style["clim"])
     ax.figure.colorbar(coloured, ax=ax, label="largest stress resultant, relative [-]", shrink=0.8)
     most = LABELS[len(taking) > FEW]
     for line in taking:

@@ -258,8 +258,10 @@ def test_ticks_of_a_small_mechanism_lie_beside_each_other():
         b.node("foot", (0.0,) * len(place))
         b.node("tip", place)
         b.add(element, "foot", "tip", section=fm.Rectangle(2e-5, 2e-6, leaf().material))
+        b.force("tip", (2e-6, *np.zeros(len(place) - 1)))
         ax = plot.mechanism(b.build(check=False))
         assert ax.get_xlabel() == "x [µm]"
+        assert "2 µN" in texts_of(ax)
         ax.figure.draw_without_rendering()
         low, high = ax.get_xlim()
         boxes = [t.label1.get_window_extent() for t in ax.xaxis.majorTicks if low <= t.get_loc() <= high]
@@ -355,6 +357,12 @@ def test_spectral_beams_stay_on_their_bodies_in_a_scaled_state(tailed):
     for ax in (plot.mechanism(lin, scale=5.0), plot.stress(fm.stress(model, at=lin), lin, scale=5.0)):
         np.testing.assert_allclose(ends_of(ax, "rigid"), [tip, end], atol=1e-9 * LENGTH)
     np.testing.assert_allclose(ends_of(plot.mechanism(lin, scale=5.0), "beam"), [foot, tip], atol=1e-9 * LENGTH)
+    if ax.name == "3d":
+        # Its width, in colours of the same scale, ends where the tip has gone.
+        drawn = collection(ax, "section")
+        assert drawn.get_clim() == collection(ax, "von Mises stress [MPa]").get_clim()
+        last = np.asarray(drawn._faces)[-1]
+        np.testing.assert_allclose(np.mean(last[[1, 2]], axis=0), tip, atol=1e-6 * LENGTH)
     coloured = collection(ax, "von Mises stress [MPa]")
     pieces = np.asarray(coloured._segments3d if ax.name == "3d" else coloured.get_segments())
     np.testing.assert_allclose([pieces[0, 0], pieces[-1, -1]], [foot, tip], atol=1e-9 * LENGTH)
@@ -372,6 +380,10 @@ def test_stress_has_the_colours_of_a_cantilever():
     # Shear of 3 F/(2 A) adds to it at the tip, 0.003 MPa.
     np.testing.assert_allclose(colours, clamp * (1 - (np.arange(96) + 0.5) / 96), atol=3e-3)
     assert ax.figure.axes[1].get_ylabel() == "von Mises stress [MPa]"
+    # The largest is marked at the clamp, with its value and its place.
+    ring = next(line for line in ax.lines if line.get_label() == "largest")
+    np.testing.assert_allclose(ring.get_xydata(), [[0, 0]], atol=1e-12)
+    assert texts_of(ax) == {f"{clamp:.4g} MPa, 'leaf' at foot"}
     signed = plot.stress(fm.linear.section_resultants(model, at=lin), lin)
     drawn = collection(signed, "bending moment y [N m]")
     assert drawn.get_clim() == pytest.approx((-1e-3, 1e-3), rel=1e-4)
@@ -650,7 +662,7 @@ def test_sections_are_drawn_as_wide_as_they_are():
     x = np.array(model.parameters.reference)
     x[model.labels.known("tip.rotation")] = np.cos(np.pi / 6), np.sin(np.pi / 6), 0, 0
     ax = plot.mechanism(model, at=fm.equilibrium(model), dofs=False)
-    quads = strips(model, x, lines(model, x))[0]
+    (quads,) = strips(model, x, lines(model, x)).values()
     np.testing.assert_allclose(quads[0, 0] - quads[0, 3], (0, 0.02, 0), atol=1e-12)
     turned = quads[-1, 1] - quads[-1, 2]
     np.testing.assert_allclose(turned, 0.02 * np.array([0, 0.5, np.sqrt(3) / 2]), atol=1e-12)
