@@ -46,8 +46,8 @@ def sweep(
     Raises:
         TypeError: ``found`` is not of ``fm.sweep``.
         KeyError: No such answer or dimension.
-        ValueError: The answer has several numbers, another number of dimensions than one or two is asked for, or x
-            without y.
+        ValueError: The answer has several numbers, or each of them has; another number of dimensions than one or two is
+            asked for, or x without y.
     """
     if not isinstance(found, Sweep | Front):
         raise TypeError(f"Argument `found` must be of fm.sweep(..), but is a {type(found).__name__}.")
@@ -62,7 +62,9 @@ def sweep(
         return _against(whole, front, x, y, answer, over, plain_axes(ax))
     if answer is None:
         names = [name for name, values in whole.answers.items() if values.ndim == 1]
-        figure, axes = grid(max(len(names), 1), 2)
+        if not names:
+            raise ValueError(f"No answer is one number; name an entry, such as '{next(iter(whole.answers), 'f')}[0]'.")
+        figure, axes = grid(len(names), 2)
         for name, own in zip(names, axes, strict=False):
             sweep(whole, name, over, ax=own)
         return figure
