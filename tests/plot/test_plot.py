@@ -641,7 +641,7 @@ def test_demo_leaves_a_picture_and_says_where(tmp_path, monkeypatch):
     assert (tmp_path / "pf1dtrx.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("target", ["picture.pdf", "nowhere/picture.png"])
+@pytest.mark.parametrize("target", ["picture.bmp", "nowhere/picture.png"])
 def test_plot_refuses_before_anything_is_computed(tmp_path, monkeypatch, target):
     monkeypatch.chdir(tmp_path)
     result = command("run", mechanism_path("pf1dtrx"), "--mode", 7, "--plot", target)
