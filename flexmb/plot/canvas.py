@@ -103,9 +103,11 @@ def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
         The unit that the axis counts in.
     """
     if unit == "m":
+        from matplotlib.ticker import Formatter
+
         factor, unit = prefix_for(largest, unit)
         # Few numbers, none of which is longer than it must be: round-off of the product is no digit.
-        axis.set_major_formatter(lambda value, _: f"{round(value * factor, 6) + 0.0:.10g}")
+        axis.set_major_formatter(lambda value, _: Formatter.fix_minus(f"{round(value * factor, 6) + 0.0:.10g}"))
     axis.set_label_text(f"{name} [{unit}]" if unit else name)
     return unit
 
