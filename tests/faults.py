@@ -1415,6 +1415,15 @@ FAULTS = [
         "linear/test_along.py -k critical",
     ),
     Fault("plot/canvas.py", "return 10.0**-power", "return 10.0**power", "plot/test_plot.py -k any_two"),
+    Fault(
+        "plot/canvas.py", "round(value * factor, 6)", "round(value / factor, 6)", "plot/test_plot.py -k shows_supports"
+    ),
+    Fault(
+        "plot/canvas.py", "moved = _free(boxes[i], bounds, taken)", "moved = boxes[i]", "plot/test_plot.py -k many_self"
+    ),
+    Fault(
+        "plot/stress.py", "np.argmax(np.abs(values))", "np.argmin(np.abs(values))", "plot/test_plot.py -k cantilever"
+    ),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

@@ -63,12 +63,53 @@ def prefixed(drawn: Series) -> tuple[float, str]:
     Args:
         drawn: The quantity.
     """
-    finite = np.abs(drawn.values[np.isfinite(drawn.values)])
-    largest = np.max(finite, initial=0.0)
-    if not largest or drawn.unit == "-" or "," in drawn.unit:
+    if drawn.unit == "-" or "," in drawn.unit:
         return 1.0, drawn.axis
+    factor, unit = prefix_for(largest_of(drawn.values), drawn.unit)
+    return factor, f"{drawn.label} [{unit}]"
+
+
+def largest_of(values: Any) -> float:
+    """Largest size of the finite ones of some values, 0 of none."""
+    values = np.abs(np.asarray(values, float))
+    return float(np.max(values[np.isfinite(values)], initial=0.0))
+
+
+def prefix_for(largest: float, unit: str) -> tuple[float, str]:
+    """By what to multiply values up to a largest one so that they are read without powers of ten, and their unit then.
+
+    Args:
+        largest: The largest of them; the unit stays as it is where it is zero.
+        unit: Their unit, SI without a prefix.
+    """
+    if not largest:
+        return 1.0, unit
     power = int(np.clip(3 * np.floor(np.log10(largest * 1.0000001) / 3), -9, 9))
-    return 10.0**-power, f"{drawn.label} [{PREFIXES[power]}{drawn.unit}]"
+    return 10.0**-power, PREFIXES[power] + unit
+
+
+def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
+    """Label an axis with its unit; one in metres counts in millimetres or micrometres where that is shorter.
+
+    What is drawn stays in metres, so that more can be drawn over it; the numbers along the axis alone are multiplied.
+
+    Args:
+        axis: An axis of matplotlib, or of a colour bar.
+        name: What is along it.
+        unit: Its unit; none is written where it is empty.
+        largest: What the prefix is chosen by, the largest value or the extent.
+
+    Returns:
+        The unit that the axis counts in.
+    """
+    if unit == "m":
+        from matplotlib.ticker import Formatter
+
+        factor, unit = prefix_for(largest, unit)
+        # Few numbers, none of which is longer than it must be: round-off of the product is no digit.
+        axis.set_major_formatter(lambda value, _: Formatter.fix_minus(f"{round(value * factor, 6) + 0.0:.10g}"))
+    axis.set_label_text(f"{name} [{unit}]" if unit else name)
+    return unit
 
 
 def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
@@ -126,18 +167,19 @@ def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None
         marks(ax, np.array(places), "hinge", marker="o", markersize=8, color=BLACK, markerfacecolor="white", zorder=4)
 
 
-def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, color: str) -> None:
+def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, **style: Any) -> None:
     """Half-transparent faces as one collection.
 
     Args:
         quads: Corners of the quadrilaterals of each element, (quads, 4, d) [m].
+        style: As for matplotlib's PolyCollection: "facecolor", or "array" with a number for each face and "cmap".
     """
     from matplotlib.collections import PolyCollection
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     if not quads:
         return
-    style = {"facecolor": color, "edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5}
+    style = {"edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5, **style}
     corners: Any = np.concatenate(quads)
     if ax.name == "3d":
         ax.add_collection3d(Poly3DCollection(corners, **style), autolim=False)
@@ -177,11 +219,13 @@ def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> No
         point: Where, (d,) [m].
         style: As for matplotlib's text.
     """
-    ax.text(*point, text, fontsize=8, zorder=6, **style)
+    # Legible over lines.
+    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.6, "pad": 0.5}
+    ax.text(*point, text, fontsize=8, zorder=6, bbox=paper, **style)
 
 
 def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
-    """Limits around points, equal scales and labels with units.
+    """Limits around points, equal scales and labels with units, of lengths with the prefix that suits the extent.
 
     Args:
         points: What must be seen, (n, d) [m].
@@ -193,11 +237,12 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
     size = np.maximum(high - low, 0.25 * np.max(high - low))
     for name, a, b, s in zip("xyz", low, high, size, strict=False):
         getattr(ax, f"set_{name}lim")((a + b - s) / 2, (a + b + s) / 2)
-        getattr(ax, f"set_{name}label")(f"{name} [m]")
+        axis = getattr(ax, f"{name}axis")
+        label_axis(axis, name, "m", np.max(size))
+        # A short side has room for few numbers.
+        axis.set_major_locator(_ticks((4 if ax.name == "3d" else 6) * s / np.max(size)))
     if ax.name == "3d":
-        for name, s in zip("xyz", size, strict=True):
-            getattr(ax, f"{name}axis").set_major_locator(_ticks(4 * s / np.max(size)))
-        ax.set_box_aspect(size, zoom=0.88)
+        ax.set_box_aspect(size, zoom=0.76)
         # A flat mechanism is seen from the side that shows it.
         thin = np.min(size[:2]) < 0.5 * np.max(size[:2])
         ax.view_init(elev=22, azim=-55 if not thin else 25 if size[0] < size[1] else -65)
@@ -209,3 +254,69 @@ def _ticks(count: float) -> Any:
     from matplotlib.ticker import MaxNLocator
 
     return MaxNLocator(max(1, round(count)), min_n_ticks=1)
+
+
+def spread(ax: Any) -> None:
+    """Move the texts of a picture so that they lie over no other text, axis or colour bar, each as little as it takes.
+
+    Call it when all else is drawn. Texts move on paper: what they belong to may turn or grow afterwards.
+    """
+    from matplotlib.transforms import ScaledTranslation
+
+    texts = [text for text in ax.texts if text.get_text().strip()]
+    if not texts:
+        return
+    root = ax.figure.canvas.figure
+    root.draw_without_rendering()
+    # The whole of what the layout gave to these axes: those of equal scales fill part of it.
+    bounds = ax.get_position(original=True).transformed(root.transSubfigure)
+    taken = [own for other in root.axes if other is not ax and (own := other.get_tightbbox()) is not None]
+    taken += _numbers_along(ax)
+    boxes = [_box_of(text, ax).padded(1.0) for text in texts]
+    for i in sorted(range(len(texts)), key=lambda i: -boxes[i].y0):
+        moved = _free(boxes[i], bounds, taken)
+        taken.append(moved)
+        shift = ScaledTranslation(
+            (moved.x0 - boxes[i].x0) / root.dpi, (moved.y0 - boxes[i].y0) / root.dpi, root.dpi_scale_trans
+        )
+        texts[i].set_transform(texts[i].get_transform() + shift)
+
+
+def _box_of(text: Any, ax: Any) -> Any:
+    """Box of a text, on paper."""
+    box = text.get_window_extent()
+    if ax.name != "3d":
+        return box
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    # A text in space has its place on paper while it is drawn, and not before or after.
+    x, y, z = text.get_position_3d()
+    place = proj_transform(x, y, z, ax.M)[:2]
+    return box.translated(*(ax.transData.transform(place) - ax.transData.transform(text.get_position())))
+
+
+def _numbers_along(ax: Any) -> list[Any]:
+    """Boxes of the numbers along the axes and of their labels, on paper."""
+    found = []
+    for name in "xyz"[: 3 if ax.name == "3d" else 2]:
+        axis, (low, high) = getattr(ax, f"{name}axis"), sorted(getattr(ax, f"get_{name}lim")())
+        # As they were drawn: in space, asking for the ticks by a function moves them from there.
+        found += [tick.label1.get_window_extent() for tick in axis.majorTicks if low <= tick.get_loc() <= high]
+        found.append(axis.label.get_window_extent())
+    return found
+
+
+def _free(box: Any, bounds: Any, taken: list[Any]) -> Any:
+    """The box nearest to one that lies within bounds and on none of the others; the box itself where there is none."""
+    left, right = min(bounds.x0 - box.x0, 0.0), min(bounds.x1 - box.x1, 0.0)
+    aside = right or (left if box.x0 < bounds.x0 else 0.0)
+    across = aside + np.array([0.0, -0.25, 0.25, -0.5, 0.5, -1.0, 1.0]) * box.width
+    steps = box.height / 2 * np.arange(-40, 41)
+    shifts = sorted(((dx, dy) for dx in across for dy in steps), key=lambda own: np.hypot(own[0] - aside, own[1]))
+    for dx, dy in shifts:
+        moved = box.translated(dx, dy)
+        inside = moved.x0 >= bounds.x0 - 1 and moved.x1 <= bounds.x1 + 1
+        inside = inside and moved.y0 >= bounds.y0 and moved.y1 <= bounds.y1
+        if inside and not any(moved.overlaps(other) for other in taken):
+            return moved
+    return box

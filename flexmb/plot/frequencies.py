@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from ..display import unit_of
 from ..linear.along import frequencies_along
 from ..motion.motion import Motion
 from ..paths.path import Path
-from .canvas import plain_axes
+from .canvas import label_axis, largest_of, plain_axes
 from .modes import AT_MOST
-from .path import index_of, with_unit
+from .path import index_of
 from .state import states_of
 
 
@@ -42,13 +43,15 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_
     of_motion = isinstance(found, Motion)
     hertz = frequencies_along(found.linearizations().matrices) if of_motion else np.asarray(found.frequencies)
     if of is not None:
-        index = index_of(found.labels, of)
-        along, label = states.x[:, index], with_unit(found.labels, index)
+        along = states.x[:, index_of(found.labels, of)]
     ax = plain_axes(ax)
     drawn = hertz.T[:count]
     for i, row in enumerate(drawn):
         ax.plot(along, np.where(np.isfinite(row), row, np.nan), label=f"f{i + 1}")
     ax.set_xlabel(label)
+    if of is not None:
+        entry = found.labels.x[index_of(found.labels, of)]
+        label_axis(ax.xaxis, str(entry), unit_of(entry), largest_of(along))
     ax.set_ylabel("frequency [Hz]")
     ax.grid(visible=True, alpha=0.3)
     left_out = hertz.shape[1] - len(drawn)

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from ..display import unit_of
 from ..linear.along import ENERGIES
 from ..motion.motion import Motion
-from .canvas import plain_axes, prefixed
+from .canvas import label_axis, largest_of, plain_axes, prefixed
 from .path import index_of, with_unit
 
 
@@ -89,9 +90,13 @@ def _draw_over_time(ax: Any, found: Motion, wanted: Sequence[str], velocity: boo
         ax.set_ylabel("energy [J]")
     else:
         columns = np.asarray(found.xd if velocity else found.x)
-        for name in wanted:
-            index = index_of(found.labels, name)
-            label = with_unit(found.labels, index)
+        indices = [index_of(found.labels, name) for name in wanted]
+        units = {unit_of(found.labels.x[index]) for index in indices}
+        # One unit stands beside the axis, where its prefix is; several in the legend.
+        for index in indices:
+            label = str(found.labels.x[index]) if len(units) == 1 and not velocity else with_unit(found.labels, index)
             ax.plot(t, columns[:, index], label=f"d/dt {label[:-1]}/s]" if velocity else label)
         ax.set_ylabel("velocity" if velocity else "coordinate")
+        if len(units) == 1 and not velocity:
+            label_axis(ax.yaxis, "coordinate", min(units), largest_of(columns[:, indices]))
     ax.set_xlabel("time [s]")

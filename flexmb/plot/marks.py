@@ -11,6 +11,7 @@ from ..math.rotation import LBAR
 from ..mechanics.loads import LoadFactors, nodal_forces
 from ..model.model import Model
 from ..model.roles import Role
+from .canvas import prefix_for
 from .geometry import nodes_of, places_of_rotations
 
 SUPPORTS = ("clamped", "supported", "prescribed")
@@ -74,7 +75,7 @@ def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
     """
     forces, places = _forces(model, x), _Places(model)
     found = [
-        Mark("force", name, name, forces[i], f"{np.linalg.norm(forces[i]):.4g} N")
+        Mark("force", name, name, forces[i], sized(float(np.linalg.norm(forces[i])), "N"))
         for name, i in nodes_of(model).items()
         if np.any(forces[i])
     ]
@@ -82,12 +83,18 @@ def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
         node = places.of(name)
         if node is None:
             continue
-        size = f"{np.linalg.norm(moment):.4g} N m"
+        size = sized(float(np.linalg.norm(moment)), "N m")
         if len(moment) == 1:
             found.append(Mark("moment", name, node, None, f"{'↺' if moment[0] > 0 else '↻'} {size}"))
         else:
             found.append(Mark("moment", name, node, moment, size))
     return found
+
+
+def sized(size: float, unit: str) -> str:
+    """The size of a load with its unit, with a prefix where it would be long without: "12.5 N", "2 µN"."""
+    factor, prefixed = (1.0, unit) if 1e-3 <= size < 1e4 else prefix_for(size, unit)
+    return f"{size * factor:.4g} {prefixed}"
 
 
 class _Places:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model.model import Model
 from . import marks as marked
-from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, write
+from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, spread, write
 from .geometry import extent_of, lines, masses, nodes_of, scaled_lines
 from .sections import strips
 from .state import displaced, state_of
@@ -68,8 +68,8 @@ def mechanism(
         seen += [line.points for line in still]
     drawn = scaled_lines(model, reference, state, scale)
     mechanism_lines(ax, drawn)
-    quads = strips(model, x, drawn) if sections else []
-    faces(ax, quads, "section", BLUE)
+    quads = list(strips(model, x, drawn).values()) if sections else []
+    faces(ax, quads, "section", facecolor=BLUE)
     points = {name: x[indices] for name, indices in nodes_of(model).items()}
     seen = np.concatenate([*seen, *(line.points for line in drawn), np.array(list(points.values()))])
     marks(ax, np.array([x[i] for i in masses(model)]), "mass", marker="o", markersize=7, color=BLACK, zorder=3)
@@ -85,6 +85,7 @@ def mechanism(
             write(ax, line.points[len(line.points) // 2], line.element, color="#777777", style="italic", ha="center")
     edges = [own.reshape(-1, own.shape[-1]) for own in quads]
     frame(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
+    spread(ax)
     return ax
 
 

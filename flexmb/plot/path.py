@@ -7,7 +7,7 @@ import numpy as np
 from ..display import unit_of
 from ..model.model import Labels
 from ..paths.path import Path
-from .canvas import BLACK, BLUE, GREY, RED, plain_axes, prefixed
+from .canvas import BLACK, BLUE, GREY, RED, label_axis, largest_of, plain_axes, prefixed
 
 MARKERS = {"limit": "o", "bifurcation": "s"}
 # What is drawn over a coordinate has a slope at the start that says how far the mechanism is from a linear one.
@@ -69,6 +69,8 @@ def path(found: Path, of: str | None = None, *, x: str | None = None, y: str | N
             ax.plot(ca[own], cb[own], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
     ax.set_xlabel(units[0][1])
     ax.set_ylabel(units[1][1])
+    if plain:
+        label_axis(ax.xaxis, str(found.labels.x[index]), drawn[0].unit, largest_of(a))
     ax.grid(visible=True, alpha=0.3)
     ax.legend()
     return ax

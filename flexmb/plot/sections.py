@@ -149,7 +149,7 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 STRIDE = 6
 
 
-def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> list[Float[np.ndarray, "quads 4 d"]]:
+def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> dict[str, Float[np.ndarray, "quads 4 d"]]:
     """What is seen of the sections: in space their widths, in the plane their thicknesses or diameters.
 
     Args:
@@ -157,11 +157,11 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> list[Float[np.ndar
         drawn: Its lines at these coordinates.
 
     Returns:
-        Quadrilaterals of each element whose section has an outline, (quads, 4, d) [m].
+        Quadrilaterals of each element whose section has an outline, by its name, (quads, 4, d) [m].
     """
     shapes = shapes_of(model)
     across = across_of(model, x, drawn, shapes)
-    found = []
+    found: dict[str, np.ndarray] = {}
     for line in drawn:
         shape = shapes.get(line.element)
         if shape is None or (model.labels.dimension == 3 and line.element not in across):
@@ -173,5 +173,5 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> list[Float[np.ndar
             tangents = _unit(np.gradient(line.points, axis=0))[::STRIDE]
             side = shape.thickness / 2 * np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
         left, right = points + side, points - side
-        found.append(np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1))
+        found[line.element] = np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1)
     return found

@@ -5,19 +5,22 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Mobility
-from .canvas import frame, mechanism_lines, new_axes, polylines, write
+from .canvas import faces, frame, mechanism_lines, new_axes, polylines, spread, write
 from .geometry import lines, nodes_of
 from .mechanism import draw_supports
+from .sections import strips
 from .state import states_of
 
-LABELS = 3
+# Resultants written beside an element: as many as there is room for where few elements take part, or where many do.
+LABELS, FEW = (3, 1), 4
 
 
 def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     """Colour every element by its part in a state of self-stress, and say what to release.
 
-    An element's part is its largest stress resultant, where the largest of all is 1. Its resultants are written beside
-    it, as they are in ``found.report()``.
+    An element's part is its largest stress resultant, where the largest of all is 1. The largest three of its
+    resultants are written beside it, the largest alone where more than four elements take part; ``found.report()`` has
+    all of them.
 
     Args:
         found: Over-constraints of a mechanism.
@@ -47,13 +50,19 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     values = np.array([part[line.element] for line in taking])
     style: dict[str, Any] = {"cmap": "plasma_r", "clim": (0.0, 1.0), "linewidth": 4.0, "zorder": 3}
     coloured = polylines(ax, [line.points for line in taking], "self-stress", values, **style)
+    if model.labels.dimension == 3:
+        widths = {name: own for name, own in strips(model, x, drawn).items() if name in part}
+        shades = np.concatenate([np.full(len(own), part[name]) for name, own in widths.items()] or [np.zeros(0)])
+        faces(ax, list(widths.values()), "section", array=shades, cmap=style["cmap"], clim=style["clim"])
     ax.figure.colorbar(coloured, ax=ax, label="largest stress resultant, relative [-]", shrink=0.8)
+    most = LABELS[len(taking) > FEW]
     for line in taking:
         own = text[line.element]
-        more = ", …" if len(own) > LABELS else ""
+        more = ", …" if len(own) > most else ""
         middle = line.points[len(line.points) // 2]
-        write(ax, middle, f" {line.element}: {', '.join(own[:LABELS])}{more}", ha="left")
+        write(ax, middle, f" {line.element}: {', '.join(own[:most])}{more}", ha="left")
     draw_supports(ax, model, {name: x[index] for name, index in nodes_of(model).items()})
     ax.set_title(states.titles[state])
     frame(ax, np.concatenate([line.points for line in drawn]))
+    spread(ax)
     return ax

@@ -5,9 +5,11 @@ from typing import Any
 import numpy as np
 
 from ..linear.stress import SectionResultants, Stress
-from .canvas import frame, mechanism_lines, new_axes, polylines
-from .geometry import PLACES, lines, scaled_lines
-from .state import checked, state_of
+from ..model.model import Model
+from .canvas import BLACK, faces, frame, marks, mechanism_lines, new_axes, polylines, spread, write
+from .geometry import PLACES, Line, extent_of, lines, nodes_of, scaled_lines
+from .sections import STRIDE, strips
+from .state import checked, displaced, state_of
 
 SURFACE = {
     "von Mises": "von Mises stress [MPa]",
@@ -28,8 +30,10 @@ def stress(
 ) -> Any:
     """Colour every flexible element by its stress, or by a force or moment in its sections, with a scale.
 
-    The undeformed mechanism is drawn pale where something has moved. Of the points of a section's surface the one with
-    the largest stress counts, its sign kept; between the places that the stress was asked at, values are interpolated.
+    The largest value is marked, with the element and the node, or the place from 0 to 1 along the element, where it is.
+    In space, sections with sides are drawn with their width. The undeformed mechanism is drawn pale where something has
+    moved. Of the points of a section's surface the one with the largest stress counts, its sign kept; between the
+    places that the stress was asked at, values are interpolated.
 
     Args:
         found: Stress or section resultants.
@@ -59,26 +63,49 @@ def stress(
         mechanism_lines(ax, still, ghost=True)
     mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
     rows = {name: row for row, name in enumerate(found.names)}
-    pieces, colours = [], []
+    pieces, colours, quads, shades = [], [], [], []
+    widths = strips(model, displaced(model, x, scale), drawn) if model.labels.dimension == 3 else {}
     for line in drawn:
         if line.element in rows:
             along = np.interp(PLACES, np.asarray(found.places), values[rows[line.element]])
             pieces += list(np.stack([line.points[:-1], line.points[1:]], axis=1))
             colours.append((along[:-1] + along[1:]) / 2)
+            if line.element in widths:
+                quads.append(widths[line.element])
+                ends = along[::STRIDE]
+                shades.append((ends[:-1] + ends[1:]) / 2)
     colours_name, low, high = colours_of(values, label)
-    coloured = polylines(
-        ax,
-        pieces,
-        label,
-        np.concatenate(colours),
-        linewidth=3.0,
-        cmap=colours_name,
-        clim=(low, high),
-        zorder=3,
-    )
+    style: dict[str, Any] = {"cmap": colours_name, "clim": (low, high)}
+    coloured = polylines(ax, pieces, label, np.concatenate(colours), linewidth=3.0, zorder=3, **style)
+    if quads:
+        faces(ax, quads, "section", alpha=0.6, array=np.concatenate(shades), **style)
     ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
-    frame(ax, np.concatenate([line.points for line in (*drawn, *still)]))
+    edges = [own.reshape(-1, 3) for own in quads]
+    frame(ax, np.concatenate([*(line.points for line in (*drawn, *still)), *edges]))
+    _mark_largest(ax, model, found, values, label, drawn)
+    spread(ax)
     return ax
+
+
+def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: str, drawn: list[Line]) -> None:
+    """A ring around the largest value, and beside it how much it is, and where."""
+    if not np.any(values):
+        return
+    row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+    name, place = found.names[row], float(found.places[column])
+    points = next(line.points for line in drawn if line.element == name)
+    at = np.array([np.interp(place, PLACES, along) for along in points.T])
+    marks(ax, at[None], "largest", marker="o", markersize=9, color=BLACK, markerfacecolor="none", zorder=5)
+    # At its ends an element of the undeformed mechanism has nodes, whose names say more than a number.
+    reference = np.asarray(model.parameters.reference)
+    line = next(line for line in lines(model, reference) if line.element == name).points
+    end = {0.0: line[0], 1.0: line[-1]}.get(place)
+    near = 1e-9 * extent_of(line)
+    nodes = nodes_of(model).items() if end is not None else ()
+    node = next((own for own, index in nodes if np.linalg.norm(reference[index] - end) <= near), None)
+    unit = label[label.rindex("[") + 1 : -1].strip("-")
+    told = f"{values[row, column]:.4g} {unit}".strip()
+    write(ax, at, f"  {told}, '{name}' at {node or format(place, '.3g')}", va="bottom")
 
 
 def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..design.swept import Front, Sweep
-from .canvas import BLUE, GREY, RED, grid, plain_axes
+from .canvas import BLUE, GREY, RED, grid, label_axis, largest_of, plain_axes
 
 # More designs than these are drawn as density: their markers would cover each other.
 MANY = 2000
@@ -46,8 +46,8 @@ def sweep(
     Raises:
         TypeError: ``found`` is not of ``fm.sweep``.
         KeyError: No such answer or dimension.
-        ValueError: The answer has several numbers, another number of dimensions than one or two is asked for, or x
-            without y.
+        ValueError: The answer has several numbers, or each of them has; another number of dimensions than one or two is
+            asked for, or x without y.
     """
     if not isinstance(found, Sweep | Front):
         raise TypeError(f"Argument `found` must be of fm.sweep(..), but is a {type(found).__name__}.")
@@ -62,7 +62,9 @@ def sweep(
         return _against(whole, front, x, y, answer, over, plain_axes(ax))
     if answer is None:
         names = [name for name, values in whole.answers.items() if values.ndim == 1]
-        figure, axes = grid(max(len(names), 1), 2)
+        if not names:
+            raise ValueError(f"No answer is one number; name an entry, such as '{next(iter(whole.answers), 'f')}[0]'.")
+        figure, axes = grid(len(names), 2)
         for name, own in zip(names, axes, strict=False):
             sweep(whole, name, over, ax=own)
         return figure
@@ -90,8 +92,8 @@ def sweep(
         own = front.rows[kept[front.rows]]
         at = [whole.column(name)[own] for name in [*shown, answer][:2]]
         ax.plot(*at, "o", color=RED, fillstyle="none", markersize=5, label="front")
-    ax.set_ylabel(label if len(shown) == 1 else _label(whole, shown[1]))
-    ax.set_xlabel(_label(whole, shown[0]))
+    _name(ax.yaxis, whole, answer if len(shown) == 1 else shown[1])
+    _name(ax.xaxis, whole, shown[0])
     _title(ax, titles, failed)
     return ax
 
@@ -112,8 +114,8 @@ def _against(whole: Sweep, front: Front | None, x: str | None, y: str | None, an
         style = {"color": RED, "marker": "o", "markersize": 4, "linewidth": 1.2, "linestyle": line}
         ax.plot(horizontal[rows], vertical[rows], label=f"front, {len(rows)} designs", zorder=3, **style)
         ax.legend(fontsize=8)
-    ax.set_xlabel(_label(whole, x))
-    ax.set_ylabel(_label(whole, y))
+    _name(ax.xaxis, whole, x)
+    _name(ax.yaxis, whole, y)
     _title(ax, [], failed)
     return ax
 
@@ -203,3 +205,8 @@ def _shown(found: Sweep, over: Sequence[str] | str | None) -> list[str]:
 def _label(found: Sweep, name: str) -> str:
     unit = found.unit_of(name)
     return f"{name} [{unit}]" if unit else name
+
+
+def _name(axis: Any, found: Sweep, name: str) -> None:
+    """Label an axis with what is along it."""
+    label_axis(axis, name, found.unit_of(name), largest_of(found.column(name)))

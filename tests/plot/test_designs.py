@@ -99,6 +99,9 @@ def test_sweeps_that_cannot_be_drawn(answer, over, expected):
     found = swept(fm.design.grid(a=[1.0, 2.0], b=[1.0, 3.0], c=[1.0, 10.0]))
     with pytest.raises(expected):
         plot.sweep(found, answer, over)
+    # No picture without a curve.
+    with pytest.raises(ValueError, match=r"name an entry, such as 'g\[0\]'"):
+        plot.sweep(fm.design.Sweep(found.designs, {"g": found.answers["g"]}, found.codes, {}))
 
 
 def test_the_run_of_a_search():

@@ -1,6 +1,7 @@
 """What pictures show, by the numbers in them: coordinates, colours, labels, titles."""
 
 import dataclasses
+import itertools
 
 import control
 import matplotlib as mpl
@@ -213,7 +214,9 @@ def test_mechanism_shows_supports_dofs_loads_and_names(guide):
     np.testing.assert_allclose(clamped.get_xydata(), [[0, 0], [0.1, 0]])
     arrow = collection(ax, "force left1")
     assert (float(arrow.U[0]), float(arrow.V[0])) == pytest.approx((0, -0.015))
-    assert ax.get_xlabel() == "x [m]"
+    # Lengths count in what the extent suggests; what is drawn stays in metres.
+    assert ax.get_xlabel() == "x [mm]"
+    assert ax.xaxis.get_major_formatter()(0.1) == "100"
     without = plot.mechanism(guide, supports=False, dofs=False, loads=False)
     assert labels_of(without) == {"beam", "rigid", "mass", "section"}
     assert not texts_of(without)
@@ -246,6 +249,24 @@ def test_moment_in_space_is_an_arrow_along_its_axis():
     # matplotlib keeps an arrow from its head to its tail.
     np.testing.assert_allclose(shaft[[-1, 0]], [[0.1, 0, 0], [0.1, 0.009, 0.012]], atol=1e-9)
     assert ax.name == "3d"
+
+
+def test_ticks_of_a_small_mechanism_lie_beside_each_other():
+    """A beam of 200 µm counts in µm, in space too."""
+    for element, place in ((planar.beam, (2e-4, 5e-5)), (spatial.beam, (2e-4, 5e-5, 1e-4))):
+        b = fm.Builder()
+        b.node("foot", (0.0,) * len(place))
+        b.node("tip", place)
+        b.add(element, "foot", "tip", section=fm.Rectangle(2e-5, 2e-6, leaf().material))
+        b.force("tip", (2e-6, *np.zeros(len(place) - 1)))
+        ax = plot.mechanism(b.build(check=False))
+        assert ax.get_xlabel() == "x [µm]"
+        assert "2 µN" in texts_of(ax)
+        ax.figure.draw_without_rendering()
+        low, high = ax.get_xlim()
+        boxes = [t.label1.get_window_extent() for t in ax.xaxis.majorTicks if low <= t.get_loc() <= high]
+        assert 2 <= len(boxes) <= 8
+        assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
 
 
 # Results.
@@ -336,6 +357,12 @@ def test_spectral_beams_stay_on_their_bodies_in_a_scaled_state(tailed):
     for ax in (plot.mechanism(lin, scale=5.0), plot.stress(fm.stress(model, at=lin), lin, scale=5.0)):
         np.testing.assert_allclose(ends_of(ax, "rigid"), [tip, end], atol=1e-9 * LENGTH)
     np.testing.assert_allclose(ends_of(plot.mechanism(lin, scale=5.0), "beam"), [foot, tip], atol=1e-9 * LENGTH)
+    if ax.name == "3d":
+        # Its width, in colours of the same scale, ends where the tip has gone.
+        drawn = collection(ax, "section")
+        assert drawn.get_clim() == collection(ax, "von Mises stress [MPa]").get_clim()
+        last = np.asarray(drawn._faces)[-1]
+        np.testing.assert_allclose(np.mean(last[[1, 2]], axis=0), tip, atol=1e-6 * LENGTH)
     coloured = collection(ax, "von Mises stress [MPa]")
     pieces = np.asarray(coloured._segments3d if ax.name == "3d" else coloured.get_segments())
     np.testing.assert_allclose([pieces[0, 0], pieces[-1, -1]], [foot, tip], atol=1e-9 * LENGTH)
@@ -353,6 +380,10 @@ def test_stress_has_the_colours_of_a_cantilever():
     # Shear of 3 F/(2 A) adds to it at the tip, 0.003 MPa.
     np.testing.assert_allclose(colours, clamp * (1 - (np.arange(96) + 0.5) / 96), atol=3e-3)
     assert ax.figure.axes[1].get_ylabel() == "von Mises stress [MPa]"
+    # The largest is marked at the clamp, with its value and its place.
+    ring = next(line for line in ax.lines if line.get_label() == "largest")
+    np.testing.assert_allclose(ring.get_xydata(), [[0, 0]], atol=1e-12)
+    assert texts_of(ax) == {f"{clamp:.4g} MPa, 'leaf' at foot"}
     signed = plot.stress(fm.linear.section_resultants(model, at=lin), lin)
     drawn = collection(signed, "bending moment y [N m]")
     assert drawn.get_clim() == pytest.approx((-1e-3, 1e-3), rel=1e-4)
@@ -376,6 +407,28 @@ def test_self_stress_colours_who_takes_part_and_says_what_to_release():
     assert any(text.startswith("left 1: e5 1") for text in texts_of(ax))
 
 
+def test_labels_of_many_self_stresses_lie_beside_each_other():
+    """Four leaf springs that carry one body are over-constrained six times, and seven elements take part in each."""
+    b = fm.Builder()
+    for i, (x, y) in enumerate([(0.05, 0), (0, 0.05), (-0.05, 0), (0, -0.05)]):
+        b.node(f"foot{i}", (x, y, 0))
+        b.node(f"top{i}", (x, y, LENGTH))
+        b.add(spatial.beam, f"foot{i}", f"top{i}", name=f"leaf {i}", section=leaf(), released=(2, 3, 4), y=(-y, x, 0))
+        b.fix(f"foot{i}")
+        if i:
+            b.add(spatial.beam, "top0", f"top{i}", name=f"arm {i}")
+    ax = plot.self_stress(fm.mobility(b.build(check=False)))
+    assert len(ax.texts) == 7
+    bar = ax.figure.axes[1].get_tightbbox()
+    # Where a text in space is on paper is known while it is drawn.
+    boxes = {}
+    for text in ax.texts:
+        text.get_bbox_patch().draw = lambda _, text=text: boxes.update({text: text.get_window_extent()})
+    ax.figure.draw_without_rendering()
+    assert len(boxes) == 7
+    assert not any(a.overlaps(b) for a, b in itertools.combinations([*boxes.values(), bar], 2))
+
+
 @pytest.fixture(scope="module")
 def snapping():
     """A shallow truss pressed through: stable, unstable, stable."""
@@ -394,7 +447,7 @@ def test_path_is_dashed_where_it_is_unstable(snapping):
     ax = plot.path(snapping)
     stable, unstable = (next(x for x in ax.lines if x.get_label() == name) for name in ("stable", "unstable"))
     assert (stable.get_linestyle(), unstable.get_linestyle()) == ("-", "--")
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("top.y [m]", "load factor [-]")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("top.y [mm]", "load factor [-]")
     limits = np.array([[p.x[3], p.load_factor] for p in snapping.critical_points if p.kind == "limit"])
     drawn = next(x for x in ax.lines if x.get_label() == "limit point").get_xydata()
     np.testing.assert_allclose(drawn, limits)
@@ -434,7 +487,7 @@ def test_time_history_energies_and_frequency_of_a_motion(swinging):
     ax = plot.history(swinging, "cart.x")
     # 100 N/m and 4 kg: 5 rad/s.
     np.testing.assert_allclose(ax.lines[0].get_ydata(), 1 + 0.01 * np.cos(5 * np.linspace(0, 1, 11)), atol=1e-7)
-    assert (ax.lines[0].get_label(), ax.get_xlabel()) == ("cart.x [m]", "time [s]")
+    assert (ax.lines[0].get_label(), ax.get_xlabel(), ax.get_ylabel()) == ("cart.x", "time [s]", "coordinate [m]")
     ax = plot.history(swinging, velocity=True)
     assert ax.lines[0].get_label() == "d/dt cart.x [m/s]"
     np.testing.assert_allclose(ax.lines[0].get_ydata(), -0.05 * np.sin(5 * np.linspace(0, 1, 11)), atol=1e-6)
@@ -574,7 +627,7 @@ def test_path_and_motion_are_drawn_beside_where_they_end(snapping, swinging):
         with mpl.rc_context({"svg.fonttype": "none"}):
             text = image(answer, "svg").decode()
         assert words in text
-        assert "x [m]" in text
+        assert "x [" in text
         # The same answer gives the same file.
         with mpl.rc_context({"svg.fonttype": "none"}):
             assert image(answer, "svg").decode() == text
@@ -609,7 +662,7 @@ def test_sections_are_drawn_as_wide_as_they_are():
     x = np.array(model.parameters.reference)
     x[model.labels.known("tip.rotation")] = np.cos(np.pi / 6), np.sin(np.pi / 6), 0, 0
     ax = plot.mechanism(model, at=fm.equilibrium(model), dofs=False)
-    quads = strips(model, x, lines(model, x))[0]
+    (quads,) = strips(model, x, lines(model, x)).values()
     np.testing.assert_allclose(quads[0, 0] - quads[0, 3], (0, 0.02, 0), atol=1e-12)
     turned = quads[-1, 1] - quads[-1, 2]
     np.testing.assert_allclose(turned, 0.02 * np.array([0, 0.5, np.sqrt(3) / 2]), atol=1e-12)
