@@ -91,7 +91,7 @@ Release = Annotated[str, typer.Option("--release", help="auto: release over-cons
 Plot = Annotated[
     Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf, or as .html to turn and play.")
 ]
-PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as .png or .svg.")]
+PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as .png, .svg or .pdf.")]
 Numbers = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
 ]
@@ -414,8 +414,8 @@ def _verdict(
     from .answers.files import to_json
     from .files import write_whole
 
-    if plot is not None and plot.suffix not in (".png", ".svg"):
-        _refuse(f"flexmb verdict: --plot writes .png or .svg, not '{clean(plot)}'.")
+    if plot is not None and plot.suffix not in PICTURES:
+        _refuse(f"flexmb verdict: --plot writes .png, .svg or .pdf, not '{clean(plot)}'.")
     of, equals, word = stroke.rpartition("=")
     length = _number("--stroke", "[NAME=]NUMBER, such as 3.x=5e-3", word)
     limits = {}

@@ -282,7 +282,7 @@ MISUSED = {
     "verdict guide.dat --stroke 1e-3 --limit force": "flexmb: --limit takes NAME=NUMBER, such as force=2",
     "verdict guide.dat --stroke 3.x=-1": "Argument `stroke` must be positive",
     "verdict guide.dat --stroke 1e-3 --limit farce=1": "Limit of 'farce': there is no such curve. There are: force",
-    "verdict guide.dat --stroke 1e-3 --plot page.gif": "flexmb verdict: --plot writes .png or .svg, not 'page.gif'.",
+    "verdict guide.dat --stroke 1e-3 --plot page.gif": "verdict: --plot writes .png, .svg or .pdf, not 'page.gif'.",
     "run": "flexmb run: Missing argument 'MODEL.dat' (flexmb run --help).",
     "run guide.dat": "give one of --mode and --analysis",
     "run guide.dat --mode": "Option '--mode' requires an argument",
