@@ -306,6 +306,8 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
             return jax.eval_shape(call, arguments, nodes, varying, extra)
         except Exception as fault:
             first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+            if "unexpected keyword argument 'ref'" in first:
+                first += "; every function of an element takes `ref` by name, as in def f(.., *, ref)"
             raise _WrongFunction(f"{kind} cannot be computed: {first}") from fault
 
     def vector(size: int) -> jax.ShapeDtypeStruct:

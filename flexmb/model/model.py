@@ -187,12 +187,13 @@ class Model(Result, Record):
         x_roles, e_roles = self.roles()
         lines.append(f"degrees of freedom named: {self.topology.n_q}")
         for title, entries, roles in (("node", self.labels.x, x_roles), ("element", self.labels.e, e_roles)):
-            lines.append(f"{title:<16}" + "components")
             grouped: dict[str, list[str]] = {}
             for entry, role in zip(entries, roles, strict=True):
                 if entry.kind != "norm":
                     grouped.setdefault(entry.of, []).append(f"{entry.symbol} {role.value}")
-            lines += [f"{name:<16}" + ", ".join(parts) for name, parts in grouped.items()]
+            wide = max([16, *(len(name) + 1 for name in grouped)])  # a long name keeps off its components
+            lines.append(f"{title:<{wide}}" + "components")
+            lines += [f"{name:<{wide}}" + ", ".join(parts) for name, parts in grouped.items()]
         return "\n".join(lines)
 
     def states(self) -> States:

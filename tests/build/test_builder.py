@@ -331,6 +331,18 @@ def test_overview_lists_every_entry():
     assert "left 1          e1 fixed, e2 dependent, e3 dependent" in text
 
 
+def test_overview_keeps_a_long_name_off_its_components():
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("carriage of mirror", (1, 0))
+    b.add(planar.truss, "foot", "carriage of mirror", name="rod")
+    b.fix("foot")
+    b.fix("carriage of mirror")
+    text = b.build(check=False).overview().splitlines()
+    assert "carriage of mirror x fixed, y fixed" in text
+    assert "node               components" in text
+
+
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
 
 

@@ -284,6 +284,10 @@ SHAPES = {
         {"deformation": broken},
         r"'own' \(broken\): its deformation cannot be computed",
     ),
+    "an energy without ref": (
+        {"deformation": bar, "energy": lambda e: e[0] ** 2},
+        r"'own' \(bar\): its energy cannot be computed: .*; every function of an element takes `ref` by name",
+    ),
     "a stiffness that is a number": (
         {"deformation": bar, "stiffness": lambda *, ref: 3.0},
         r"'own' \(bar\): its stiffness must have shape \(1, 1\), but has \(\)",
