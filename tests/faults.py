@@ -1044,7 +1044,7 @@ FAULTS = [
     Fault("model/model.py", "[16, *(len(name) + 1 for name in grouped)]", "[16]", "build/test_builder.py -k long_name"),
     Fault(
         "build/properties.py",
-        "first += \"; every function of an element takes `ref` by name, as in def f(.., *, ref)\"",
+        'first += "; every function of an element takes `ref` by name, as in def f(.., *, ref)"',
         "pass",
         "build/test_properties.py -k wrong_shapes",
     ),
