@@ -84,6 +84,7 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
 
 # What functions without the argument `increment` take in its place.
 _INSTEAD = {
+    "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
     "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
     "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
     "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",

@@ -227,3 +227,10 @@ def test_derivatives(given):
 def test_bad_input(given, kind, words):
     with pytest.raises(kind, match=words):
         fm.damped(chain(), **given)
+
+
+def test_incremental_loads_left_out_are_named_with_what_to_give():
+    b = planar_guide()
+    b.force("left1", (0.1, 0), increment=True)
+    with pytest.warns(fm.FlexmbWarning, match=r"fm\.damped leaves out .* Give fm\.linearize\(model, increment=1\.0\)"):
+        fm.damped(b.build(), ratio=0.01)
