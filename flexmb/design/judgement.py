@@ -237,7 +237,7 @@ def _first(page: Verdict) -> str:
     if reached:
         return ", then ".join(reached)
     if not page.limits:
-        return "no limit is known: give limits={..}, or a material that states its strength"
+        return "no limit is known: give limits={..} (--limit NAME=X), or a material that states its strength"
     first = page.limits[0]
     i = most(first.used)
     return f"none within the stroke; {first.name} comes nearest, {short(first.used[i])} of it {page.where(i)}"

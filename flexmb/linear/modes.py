@@ -135,6 +135,8 @@ def frequencies(
 ) -> Float[Array, "n"]:
     """Natural frequencies about the static equilibrium under the constant loads.
 
+    What is prescribed is held: the motion that a drive prescribes is none of the modes.
+
     Args:
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
         count: How many of the lowest; all unless given or where there are fewer. With many degrees of freedom a few are

@@ -17,6 +17,8 @@ RESPONDS = 1e-9
 DECAY = 1e-6
 # Where a phase turns by more than this between two frequencies, one is put between them, so many times.
 TURN = np.radians(20.0)
+# Of a model up to so many times the lowest pole is drawn unless asked for more: stiff ones may be far away.
+FARTHEST = 1e4
 ROUNDS = 6
 # Ticks of the phase are multiples of one of these [degrees], at most so many.
 PHASES = (15, 30, 45, 90, 180, 360, 720)
@@ -43,8 +45,9 @@ def bode(
             control.StateSpace.
         outputs: Names of outputs as the state-space model has them; those that respond unless given.
         inputs: Names of inputs likewise; those that something responds to unless given.
-        hertz: Frequencies, (n,) [Hz], between which others are put where a phase turns quickly; from a tenth of the
-            lowest pole to ten times the highest unless given.
+        hertz: Frequencies, (n,) [Hz], between which others are put where a phase turns quickly; unless given from a
+            tenth of the lowest pole to ten times the highest; of poles of a model that are far above its lowest it is
+            only said that they are there.
 
     Returns:
         matplotlib Figure: magnitude and phase over frequency in hertz.
@@ -59,8 +62,9 @@ def bode(
     """
     import control
 
+    farthest = np.inf
     if isinstance(found, Model | Linearization):
-        found = to_statespace(found)
+        found, farthest = to_statespace(found), FARTHEST
     if not isinstance(found, control.StateSpace):
         raise TypeError(
             f"A Bode plot is drawn of a Model, a Linearization or a control.StateSpace, not of a"
@@ -68,7 +72,7 @@ def bode(
         )
     rows = _chosen("output", found.output_labels, outputs)
     columns = _chosen("input", found.input_labels, inputs)
-    frequencies = _around_poles(found) if hertz is None else np.unique(np.asarray(hertz, float))
+    frequencies, beyond = _around_poles(found, farthest) if hertz is None else (np.unique(np.asarray(hertz, float)), 0)
     if not len(frequencies) or not np.all(np.isfinite(frequencies) & (frequencies > 0)):
         raise ValueError("Argument `hertz` must be frequencies above zero.")
     frequencies, responses, moved = _responses(found[rows, columns], frequencies)
@@ -84,6 +88,8 @@ def bode(
         for what, own, every in zip(("no response", "without effect"), (ys, us), names, strict=True)
         if len(own) < len(every)
     ]
+    if beyond:
+        said.append(f"{beyond} poles lie beyond what is drawn: give hertz= to see them")
     if said:
         figure.supxlabel(textwrap.fill("; ".join(said), int(13 * figure.get_figwidth())), fontsize=8)
     return figure
@@ -169,8 +175,8 @@ def _panels(upper: Any, lower: Any, frequencies: np.ndarray, response: np.ndarra
         ax.set_xlim(frequencies[0], frequencies[-1])
 
 
-def _around_poles(system: Any) -> np.ndarray:
-    """Frequencies around the poles, closer beside each of them, [Hz].
+def _around_poles(system: Any, farthest: float) -> tuple[np.ndarray, int]:
+    """Frequencies around the poles, closer beside each of them, [Hz], and how many poles are too far away.
 
     python-control asks for the zeros too, which it does not know of several outputs.
     """
@@ -178,9 +184,11 @@ def _around_poles(system: Any) -> np.ndarray:
     poles = np.abs(poles[poles.imag >= 0]) / (2 * np.pi)
     poles = poles[poles > 1e-9 * np.max(poles, initial=0.0)]
     poles = poles if poles.size else np.ones(1)
+    near = poles[poles <= farthest / 10 * np.min(poles)]
+    beyond, poles = len(poles) - len(near), near
     ends = np.log10(np.min(poles)) - 1, np.log10(np.max(poles)) + 1
     beside = 10 ** np.concatenate([-np.logspace(-5, -1, 20), np.logspace(-5, -1, 20)])
-    return np.unique(np.concatenate([np.logspace(*ends, 400), np.outer(poles, beside).ravel()]))
+    return np.unique(np.concatenate([np.logspace(*ends, 400), np.outer(poles, beside).ravel()])), beyond
 
 
 def _chosen(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:

@@ -126,7 +126,10 @@ def _named(name: str, numbers: Mapping[str, Any]) -> Any:
         if name == "pi":
             return math.pi
         known = ", ".join(numbers) or "none is given"
-        raise ValueError(f"asks for '{clean(name)}', but there is no parameter '{clean(name)}' ({clean(known)})")
+        raise ValueError(
+            f"asks for '{clean(name)}', but there is no parameter '{clean(name)}' ({clean(known)}); it is given by"
+            f" numbers={{..}} in Python, by --set {clean(name)}=NUMBER on the command line"
+        )
     value = numbers[name]
     if isinstance(value, bool | np.bool_ | str) or np.shape(value) != ():
         raise ValueError(f"asks for '{clean(name)}', which must be one number, but is {clean(repr(value))}")
