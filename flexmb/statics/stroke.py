@@ -99,7 +99,7 @@ class Equilibria(ByName, Result, Record):
             "load factor": span(self.load_factor),
             "iterations": str(int(np.sum(np.asarray(self.iterations)))),
         }
-        return Summary(f"Equilibria: {len(codes)}, {course(self.states())}", rows, "mechanism")
+        return Summary(f"Equilibria: {course(self.states())}", rows, "mechanism")
 
 
 @kernel
