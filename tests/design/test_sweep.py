@@ -78,7 +78,9 @@ def test_a_saved_sweep_is_loaded(tmp_path, ending):
         np.testing.assert_equal(found.axes, designs.axes)
 
 
-def test_other_files_are_no_sweep(tmp_path):
+def test_other_files_are_no_sweep(tmp_path, monkeypatch):
+    # Long names of folders are shortened in messages.
+    monkeypatch.chdir(tmp_path)
     np.savez(tmp_path / "other.npz", a=[1.0])
     fm.design.Sweep(fm.design.grid(a=[1.0, 2.0]), {"f": np.ones(2)}, np.zeros(2), {}).save(tmp_path / "sweep.npz")
     whole = (tmp_path / "sweep.npz").read_bytes()
@@ -88,8 +90,8 @@ def test_other_files_are_no_sweep(tmp_path):
     (tmp_path / "nothing").write_bytes(b"")
     for path in tmp_path.iterdir():
         if path.name != "sweep.npz":
-            with pytest.raises(ValueError, match=f"'.*{path.name}' is no sweep"):
-                fm.design.Sweep.load(path)
+            with pytest.raises(ValueError, match=f"'{path.name}' is no sweep"):
+                fm.design.Sweep.load(path.name)
     with pytest.raises(FileNotFoundError):
         fm.design.Sweep.load(tmp_path / "none")
 
