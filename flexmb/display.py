@@ -174,6 +174,29 @@ def largest(values: Any, names: Sequence[Any], unit: str | Callable[[Any], str] 
     return f"{short(values[index])} {told}".strip() + of
 
 
+def prefix_of(value: float) -> tuple[float, str]:
+    """The prefix of a unit that keeps a number short: what to divide by, and its letter.
+
+    Args:
+        value: The number.
+    """
+    size = abs(value) if np.isfinite(value) and value else 1.0
+    # Powers of ten themselves are not to lie below their prefix by round-off.
+    thousands = int(np.clip(np.floor(np.log10(size) / 3 + 1e-9), -5, 4))
+    return 1000.0**thousands, "fpnµm kMGT"[thousands + 5].strip()
+
+
+def measured(value: float, unit: str) -> str:
+    """A number with its unit and a prefix that keeps it short, as "3.2 mm" or "210 MPa".
+
+    Args:
+        value: The number.
+        unit: Its unit, SI without a prefix.
+    """
+    by, prefix = prefix_of(float(value))
+    return f"{short(value / by)} {prefix}{unit}"
+
+
 def counted(count: int, thing: str) -> str:
     """How many things there are, as "1 element" or "3 elements"."""
     return f"{count} {thing}{'' if count == 1 else 's'}"

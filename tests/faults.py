@@ -764,7 +764,7 @@ FAULTS = [
         "mechanics/blocks.py",
         "return lambda x, ref, own: function(x, ref, chosen(block, own))",
         "return lambda x, ref, own: function(x, x, chosen(block, own))",
-        "elements/test_profile.py -k taper",
+        "elements/test_leaf.py -k fold_beside",
     ),
     Fault(
         "compilation/kept.py",
@@ -1421,7 +1421,7 @@ FAULTS = [
         "_factors(self.model, 1.0)",
         "linear/test_along.py -k critical",
     ),
-    Fault("plot/canvas.py", "return 10.0**-power", "return 10.0**power", "plot/test_plot.py -k any_two"),
+    Fault("plot/canvas.py", "return 1 / by, prefix", "return by, prefix", "plot/test_plot.py -k any_two"),
     Fault(
         "plot/canvas.py", "round(value * factor, 6)", "round(value / factor, 6)", "plot/test_plot.py -k shows_supports"
     ),

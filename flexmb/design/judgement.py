@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Mobility
-from ..display import Result, States, Summary, listed, short
+from ..display import Result, States, Summary, listed, measured, short
 from ..linear.stress import Location
 from ..model.model import Model
 from .sensitivities import Sensitivities
-from .stroke import measured
 
 # Parasitic motion below this share of the stroke is none.
 STRAIGHT = 1e-9

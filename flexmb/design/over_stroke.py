@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
-from ..display import listed
+from ..display import listed, measured
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, ModelError, heard
 from ..linear.compliance import compliance
@@ -21,7 +21,7 @@ from ..mechanics.loads import has_loads
 from ..model.model import Model
 from ..results import RESULTS
 from .objectives import AXES
-from .stroke import AtStroke, Driven, measured, unit_of_driven
+from .stroke import AtStroke, Driven, unit_of_driven
 
 # A node is rigid along an axis where it gives way less than this share of the node that does so most.
 RIGID = 1e-20

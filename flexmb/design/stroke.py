@@ -13,7 +13,7 @@ from ..build.dofs import CANNOT_MOVE
 from ..build.restrict import with_dofs
 from ..checks.mobility import motions_of
 from ..compilation.compile import jit
-from ..display import listed, short, unit_of
+from ..display import listed, unit_of
 from ..errors import ModelError
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
@@ -247,26 +247,3 @@ def unit_of_driven(model: Model, what: Driven) -> str:
     if np.any(rows[0][turns]):
         return "m" if np.linalg.norm(rows[1][turns]) > 1.5 * np.linalg.norm(rows[0][turns]) else "rad"
     return "m" if np.linalg.norm(rows[1]) > 0.75 * np.linalg.norm(rows[0]) else "rad"
-
-
-def prefix_of(value: float) -> tuple[float, str]:
-    """The prefix of a unit that keeps a number short: what to divide by, and its letter.
-
-    Args:
-        value: The number.
-    """
-    size = abs(value) if np.isfinite(value) and value else 1.0
-    # Powers of ten themselves are not to lie below their prefix by round-off.
-    thousands = int(np.clip(np.floor(np.log10(size) / 3 + 1e-9), -5, 4))
-    return 1000.0**thousands, "fpnµm kMGT"[thousands + 5].strip()
-
-
-def measured(value: float, unit: str) -> str:
-    """A number with its unit and a prefix that keeps it short, as "3.2 mm" or "210 MPa".
-
-    Args:
-        value: The number.
-        unit: Its unit, SI without a prefix.
-    """
-    by, prefix = prefix_of(float(value))
-    return f"{short(value / by)} {prefix}{unit}"

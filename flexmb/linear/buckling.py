@@ -19,14 +19,14 @@ from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, noda
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
 from ..mechanics.transfer import multipliers
-from ..model.by_name import ByName, moved
-from ..model.model import Labels, Model, as_determined
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
 from ..statics.solve import held_values, solve_state
-from .linearize import AboutState, Linearization, ManyStates, Matrices, Where, linearize
+from .linearize import Linearization, ManyStates, Matrices, Where, linearize
+from .shapes import Shapes
 from .spectrum import is_real
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
@@ -36,7 +36,7 @@ UNBOUNDED = 1e9
 ROUND_OFF = 1e-15
 
 
-class Buckling(ByName, AboutState, Result, Record):
+class Buckling(Shapes, Result, Record):
     """Load multipliers and buckling modes, by magnitude.
 
     Asked by name, as ``buckled.position("top")``, it answers of the state that the multipliers refer to;
@@ -52,32 +52,6 @@ class Buckling(ByName, AboutState, Result, Record):
     shapes: Float[Array, "n_x n"]
     lin: Linearization
     one_axis = "multipliers"
-
-    @property
-    def matrices(self) -> Matrices:
-        """Linearised equations of the state that the multipliers refer to."""
-        return self.lin.matrices
-
-    @property
-    def labels(self) -> Labels:
-        """Names."""
-        return self.lin.labels
-
-    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
-        """How a node moves in each mode.
-
-        Args:
-            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
-            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
-
-        Returns:
-            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
-            component [-].
-
-        Raises:
-            KeyError: No such node or component.
-        """
-        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
 
     def states(self) -> States:
         """The modes about their state, each with its load multiplier."""

@@ -12,19 +12,19 @@ from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, modal_summary
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
-from ..model.by_name import ByName, moved
-from ..model.model import Labels, Model, as_determined, as_model
+from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
-from .linearize import AboutState, Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
+from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
 from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
+from .shapes import Shapes
 from .sparse_frequencies import sparse_eigenvalues
 from .spectrum import general_spectrum, is_real, poles_of, spectrum, to_frequency
 
 
-class Modes(ByName, AboutState, Result, Record):
+class Modes(Shapes, Result, Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
 
     Asked by name, as ``modes.position("top")``, it answers of the state that the modes are about, and
@@ -48,32 +48,6 @@ class Modes(ByName, AboutState, Result, Record):
     stable: bool
     lin: Linearization
     one_axis = "eigenvalues"
-
-    @property
-    def matrices(self) -> Matrices:
-        """Linearised equations of the state that the modes are about."""
-        return self.lin.matrices
-
-    @property
-    def labels(self) -> Labels:
-        """Names."""
-        return self.lin.labels
-
-    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
-        """How a node moves in each mode.
-
-        Args:
-            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
-            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
-
-        Returns:
-            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
-            component [1/sqrt(kg), rad/(m sqrt(kg))].
-
-        Raises:
-            KeyError: No such node or component.
-        """
-        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
 
     def states(self) -> States:
         """The modes about their state, each with its frequency."""

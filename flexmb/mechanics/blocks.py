@@ -63,13 +63,16 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
+    """Parameters with the :class:`Prepared` companions of the blocks whose elements have strain series."""
     if parameters.prepared is not None:
         return parameters
     found = []
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        names = tuple(name for name in REPEATED if companion_of(block, properties, name)[0] is not None)
         found.append(None)
-        if names and block.element.series is not None and _of_package(block.element) and _compiles():
+        if block.element.series is None or not _of_package(block.element) or not _compiles():
+            continue
+        names = tuple(name for name in REPEATED if companion_of(block, properties, name)[0] is not None)
+        if names:
             stacked = parameters.reference[block.x], with_rigidities(properties)
             leaves, structure = jax.tree.flatten(stacked)
             shapes = tuple((leaf.shape[1:], leaf.dtype) for leaf in leaves)
@@ -143,7 +146,7 @@ def each_block(topology: Topology, parameters: Parameters, companion: str) -> It
     known = parameters.prepared or [None] * len(topology.blocks)
     for block, properties, prepared in zip(topology.blocks, parameters.properties, known, strict=True):
         rest = dict(prepared.functions).get(companion) if prepared else None
-        if prepared and rest is not None:
+        if prepared and rest:
             yield block, _called(rest, companion), parameters.reference[block.x], prepared.numbers
             continue
         function, properties = companion_of(block, properties, companion)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from ..display import prefix_of
 from ..linear.along import Series
 from .geometry import Line, extent_of
 
@@ -18,7 +19,6 @@ STYLES: dict[str, dict[str, Any]] = {
     "spring": {"color": GREEN, "linewidth": 1.2},
     "joint": {"color": "#777777", "linewidth": 1.0},
 }
-PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # Share of the picture that arrows take.
 ARROW = 0.15
 
@@ -82,10 +82,8 @@ def prefix_for(largest: float, unit: str) -> tuple[float, str]:
         largest: The largest of them; the unit stays as it is where it is zero.
         unit: Their unit, SI without a prefix.
     """
-    if not largest:
-        return 1.0, unit
-    power = int(np.clip(3 * np.floor(np.log10(largest * 1.0000001) / 3), -9, 9))
-    return 10.0**-power, PREFIXES[power] + unit
+    by, prefix = prefix_of(largest)
+    return 1 / by, prefix + unit
 
 
 def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..design.judgement import STRAIGHT, Verdict
-from ..design.stroke import prefix_of
+from ..display import prefix_of
 from .canvas import BLACK, GREY, RED
 
 PANEL = 3.7, 2.9

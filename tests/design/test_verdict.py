@@ -10,7 +10,8 @@ import pytest
 import flexmb as fm
 from flexmb import planar
 from flexmb.answers.answers import plain
-from flexmb.design.stroke import driven, measured
+from flexmb.design.stroke import driven
+from flexmb.display import measured
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

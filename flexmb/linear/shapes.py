@@ -1,0 +1,45 @@
+"""What modes of vibration and of buckling share: they are motions about a linearised state."""
+
+from jaxtyping import Array, Float
+
+from ..model.by_name import ByName, moved
+from ..model.model import Labels
+from .linearize import AboutState, Linearization, Matrices
+
+
+class Shapes(ByName, AboutState):
+    """Base class of modes, which are asked by name as the state that they are about is.
+
+    Attributes:
+        shapes: Modes in the coordinates, one a column, (n_x, n).
+        lin: Linearization that they belong to.
+    """
+
+    shapes: Float[Array, "n_x n"]
+    lin: Linearization
+
+    @property
+    def matrices(self) -> Matrices:
+        """Linearised equations of the state that the modes are about."""
+        return self.lin.matrices
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.lin.labels
+
+    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
+        """How a node moves in each mode.
+
+        Args:
+            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
+            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
+            component; of vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
+
+        Raises:
+            KeyError: No such node or component.
+        """
+        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
