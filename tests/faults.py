@@ -1396,6 +1396,29 @@ FAULTS = [
         "increment, initial = (any(",
         "spacar/test_light.py -k initial_loads",
     ),
+    # Whole jobs of a designer.
+    Fault(
+        "statics/solve.py",
+        "return loads + reactions_of(topology, at)",
+        "return reactions_of(topology, at)",
+        "test_jobs.py -k folded",
+    ),
+    Fault("elements/sections.py", "w * t**3 / 12, t * w**3", "w * t**3 / 12.1, t * w**3", "test_jobs.py -k identified"),
+    Fault("motion/motion.py", "held == 1.0, force, 0.0", "held == 1.0, -force, 0.0", "test_jobs.py -k four_bar"),
+    Fault(
+        "statics/stroke.py",
+        "external_of(topology, parameters, at)",
+        "-external_of(topology, parameters, at)",
+        "test_jobs.py -k constant",
+    ),
+    Fault(
+        "linear/damping.py",
+        "jnp.asarray(ratio, float), (n,)",
+        "2 * jnp.asarray(ratio, float), (n,)",
+        "test_jobs.py -k stage",
+    ),
+    Fault("design/front.py", "found &= a[:, None] <= b", "found |= a[:, None] <= b", "test_jobs.py -k twenty"),
+    Fault("cli.py", "--set takes NAME=NUMBER", "--set takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
     Fault("model/by_name.py", "component, 0.5)", "component, 2.0)", "model/test_by_name.py -k shaft"),
