@@ -29,6 +29,8 @@ ROWS = [
     ("paths",),
     ("motion",),
     ("control", "mechanisms"),
+    ("trajectory",),
+    ("fmu",),
     ("spacar",),
     ("design",),
     ("answers",),

@@ -1,0 +1,1 @@
+"""Names that this room offers beside those of flexmb itself."""
