@@ -149,7 +149,9 @@ def simulate(
         grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
         run = integrate_sampled(problem, integrator, grid, times, at)
     else:
-        run = integrate(problem, integrator, times[jnp.array([0, -1])], times, at)
+        # Picked on the host where that is possible: by JAX it takes eight small programs of their own.
+        span = np.asarray(times)[[0, -1]] if is_concrete(times) else times[jnp.array([0, -1])]
+        run = integrate(problem, integrator, span, times, at)
     # What a failure or a stop leaves out.
     reached, stopped = run.rows.x.shape[0], progress and int(run.result) == RESULTS.stopped
     x, xd, near, u = run.rows
@@ -215,7 +217,7 @@ def _initial(model: Model, initial):
     if initial is None:
         loads = model.parameters.loads
         if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
-            return Start(model.parameters.reference, jnp.zeros(model.topology.n_x))
+            return Start(model.parameters.reference, jnp.asarray(np.zeros(model.topology.n_x)))
         initial = configuration(model)
     if not isinstance(initial, Equilibrium | Configuration | Motion):
         raise TypeError(
@@ -229,5 +231,5 @@ def _initial(model: Model, initial):
         return Start(initial.x[-1], initial.xd[-1], initial.near[-1])
     if is_concrete(initial.result):
         check(initial.result, True)
-    rest = jnp.zeros(model.topology.n_x)
+    rest = jnp.asarray(np.zeros(model.topology.n_x))
     return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest)
