@@ -171,6 +171,8 @@ def test_printed_state_space(name, a21, a22, b2, c):
     np.testing.assert_allclose(data["D"], np.zeros((len(c), 1)), atol=1e-12)
     # One oscillator: the poles follow from A.
     assert np.hypot(*data["poles"][0]) ** 2 == pytest.approx(-data["A"][1][0], rel=1e-9)
+    # It is damped, so that frequencies come with poles too.
+    np.testing.assert_allclose(answer(name, 7)[1]["poles"], data["poles"], rtol=1e-9)
 
 
 def test_overconstrained_guide_is_reported_refused_and_released_on_request(tmp_path):
