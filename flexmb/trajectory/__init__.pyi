@@ -12,3 +12,5 @@ from .laws import spline as spline
 from .laws import stretched as stretched
 from .laws import zv as zv
 from .laws import zvd as zvd
+from .stable_inversion import StableInversion as StableInversion
+from .stable_inversion import stable_inversion as stable_inversion
