@@ -1,5 +1,7 @@
 """Names that this room offers beside those of flexmb itself."""
 
+from .flexible import StableInversion as StableInversion
+from .flexible import stable_inversion as stable_inversion
 from .inverse import Nominal as Nominal
 from .inverse import inverse_dynamics as inverse_dynamics
 from .laws import Law as Law
@@ -12,5 +14,3 @@ from .laws import spline as spline
 from .laws import stretched as stretched
 from .laws import zv as zv
 from .laws import zvd as zvd
-from .stable_inversion import StableInversion as StableInversion
-from .stable_inversion import stable_inversion as stable_inversion

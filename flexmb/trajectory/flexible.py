@@ -131,11 +131,11 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     z, u, y = _followed(inverse, laws, names, grid)
     error = _error_from_rest(a, c[rows], z, grid)
     if error > MISSED * np.max(np.abs(y)):
-        unstable = inverse.zeros.real[inverse.zeros.real > 0]
+        unstable = np.real(inverse.zeros)[np.real(inverse.zeros) > 0]
         warnings.warn(
             f"The inputs begin before the first of the times: from rest there the outputs are off by up to"
-            f" {short(error)}. Let the times begin earlier, by some {short(np.log(1 / ZERO) / np.min(unstable))} s before"
-            " the outputs move.",
+            f" {short(error)}. Let the times begin earlier, by some {short(np.log(1 / ZERO) / np.min(unstable))} s"
+            " before the outputs move.",
             FlexmbWarning,
             stacklevel=2,
         )
@@ -163,7 +163,7 @@ class _Inverse(NamedTuple):
     p: np.ndarray
     gain: np.ndarray
     row: np.ndarray
-    zeros: np.ndarray
+    zeros: Any
 
 
 def _system(system: Any):
@@ -262,8 +262,8 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
         if np.max(jumps) > JUMP * largest:
             raise ModelError(
                 f"Trajectory '{name}' is not smooth enough: its derivative of order {order} jumps at"
-                f" {short(breaks[int(np.argmax(jumps))])} s, and the input decides of that of order {degree} (the relative"
-                " degree). Take a smoother law, such as fm.trajectory.septic."
+                f" {short(breaks[int(np.argmax(jumps))])} s, and the input decides of that of order {degree} (the"
+                " relative degree). Take a smoother law, such as fm.trajectory.septic."
             )
 
 
@@ -314,7 +314,8 @@ def _internal(inverse: _Inverse, every, grid, at) -> np.ndarray:
     """Internal states at the times: what decays from the first of them on, what grows from the last of them back."""
     import scipy.linalg
 
-    t, z, stable = scipy.linalg.schur(inverse.q, sort="lhp")
+    found: Any = scipy.linalg.schur(inverse.q, sort="lhp")
+    t, z, stable = found
     p = z.T @ inverse.p
     # The two parts one by one: T11 X - X T22 = -T12.
     x = scipy.linalg.solve_sylvester(t[:stable, :stable], -t[stable:, stable:], -t[:stable, stable:])

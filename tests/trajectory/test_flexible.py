@@ -51,7 +51,8 @@ def found(model):
 
 
 def test_input_is_that_of_fouriers_integral(model, matrices):
-    """U = Y''/(s² G(s)) over 8 s, of a law whose spectrum ends far below the sampling: round-off is left."""
+    """U = Y''/(s² G(s)) over 8 s, of a law whose spectrum ends far below the sampling. Left is round-off,
+    of a matrix whose largest eigenvalue is 1e4 times the lowest, in its square."""
 
     def law(t):
         return 0.005 * (1 + jax.scipy.special.erf((t - 0.25) / 0.02))
@@ -66,7 +67,7 @@ def test_input_is_that_of_fouriers_integral(model, matrices):
     second = np.asarray(jax.vmap(lambda t: fm.trajectory.rates(law, t)[2])(jnp.asarray(t)))
     u = np.fft.ifft(np.fft.fft(second) / (s**2 * response)).real
     start = np.searchsorted(t, -STEP / 2)
-    np.testing.assert_allclose(found.u[:, 0], u[start : start + len(TIMES)], rtol=0, atol=1e-9 * np.max(np.abs(u)))
+    np.testing.assert_allclose(found.u[:, 0], u[start : start + len(TIMES)], rtol=0, atol=1e-8 * np.max(np.abs(u)))
 
 
 def test_linear_arm_follows_to_1e_8(matrices, found):
@@ -109,7 +110,7 @@ def test_what_cannot_be_inverted_is_refused(model, found):
         fm.trajectory.stable_inversion(model, {"tip": ramp}, TIMES)
     with pytest.raises(fm.ModelError, match="not at rest at the last"):
         fm.trajectory.stable_inversion(model, {"tip": LAW}, TIMES[:1000])
-    with pytest.raises(fm.ModelError, match="no output.*tip, hub"):
+    with pytest.raises(fm.ModelError, match=r"no output.*tip, hub"):
         fm.trajectory.stable_inversion(model, {"top": LAW}, TIMES)
     with pytest.raises(fm.ModelError, match="as many laws as inputs"):
         fm.trajectory.stable_inversion(model, {"tip": LAW, "hub": LAW}, TIMES)
