@@ -39,6 +39,7 @@ class Keywords(TypedDict, total=False):
 
     loads: Mapping[str, Callable] | None
     motion: Mapping[str, Callable] | None
+    inputs: Mapping[str, Callable] | None
     increment: Callable | None
     jumps: ArrayLike | None
     control: Any
@@ -85,7 +86,8 @@ def simulate(
         times: Times at which to give the motion, ascending, the first is the start, (n_t,) [s].
         initial: Where it starts from: an equilibrium (at rest), a configuration, or the end of another motion. None:
             the start values of the builder, otherwise the undeformed mechanism at rest.
-        drives: Loads and prescribed motion as functions of time: loads, motion, increment, jumps.
+        drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs,
+            increment, jumps.
         loop: Controller around the mechanism: control, reference.
         integrator: Equations, solver, tolerances and steps: form, rtol, atol, solver, controller, dt0, adjoint, event,
             max_steps.
