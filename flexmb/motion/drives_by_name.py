@@ -68,9 +68,7 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     Raises:
         ModelError: Unknown name, or what cannot be driven.
     """
-    loads, motion, inputs = (
-        {} if given is None else given for given in (drives.loads, drives.motion, drives.inputs)
-    )
+    loads, motion, inputs = ({} if given is None else given for given in (drives.loads, drives.motion, drives.inputs))
     for argument, given in (("loads", loads), ("motion", motion), ("inputs", inputs)):
         if not isinstance(given, Mapping):
             raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
