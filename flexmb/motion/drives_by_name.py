@@ -120,7 +120,11 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
         if name not in known:
             there = f"There are: {_some(known)}." if known else "The model has none: name them with input()."
             raise ModelError(f"Argument `inputs` names '{name}', which is no input of the model. {there}")
-    for signal in locked_inputs(model) if inputs and is_concrete(model) else ():
+    if not inputs or not is_concrete(model):
+        return
+    with jax.ensure_compile_time_eval():
+        locked = locked_inputs(model)
+    for signal in locked:
         if signal.name in inputs:
             raise ModelError(
                 f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Leave it out."

@@ -66,7 +66,10 @@ def check_signals(model: Model, needs: str, wants: str) -> None:
         if signal.quantity not in MEASURED:
             raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. {wants}: {', '.join(MEASURED)}.")
     if is_concrete(model):
-        for signal in locked_inputs(model):
+        # Also within a trace of something else, such as a gain.
+        with jax.ensure_compile_time_eval():
+            locked = locked_inputs(model)
+        for signal in locked:
             raise ModelError(
                 f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Let it act on"
                 " what can move, or leave it out."
