@@ -102,6 +102,12 @@ class RESULTS(enum.IntEnum):
         "The path came back to a state that it had passed before: it is closed and does not reach its end. Follow"
         " another branch (switch), start from other loads, or look at the path so far.",
     )
+    ran_away = (
+        15,
+        "The motion runs away: something has moved a hundred million times the size of the mechanism, or radians. The"
+        " loop of a controller is unstable, as fm.control.closed_loop(model, controller) tells, a stiffness or damping"
+        " is negative, or a load grows without bound; the results up to there are kept.",
+    )
     impossible_design = (
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"

@@ -270,10 +270,7 @@ FUNCTIONS = {
         lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y[:1], z), 0.1)),
         r"controller gives shape \(1,\), but the mechanism has 2 inputs",
     ),
-    "a reference beside a Feedback": (
-        lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Feedback(lambda t, z, y: y), reference=lambda t: t),
-        "leave `reference` out",
-    ),
+    "nothing that moves": (lambda: fm.simulate(held(), TIMES), "Nothing moves by itself"),
     "a start that is a number": (lambda: fm.simulate(MODEL, TIMES, initial=0.0), "`initial` must be an Equilibrium"),
     "a start of another model": (
         lambda: fm.simulate(MODEL, TIMES, initial=fm.equilibrium(other())),
@@ -285,6 +282,16 @@ FUNCTIONS = {
         "The controller has 1 inputs",
     ),
 }
+
+
+def held():
+    b = fm.Builder()
+    for i in "ab":
+        b.node(i, (ord(i), 0))
+        b.fix(i)
+    b.add(planar.truss, "a", "b", name="s", section=fm.Rigidity(EA=1.0))
+    b.mass("b", 1.0)
+    return b.build()
 
 
 def other():

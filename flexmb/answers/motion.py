@@ -59,6 +59,7 @@ PARTLY = (
     RESULTS.step_too_small,
     RESULTS.step_too_large,
     RESULTS.motion_unfinished,
+    RESULTS.ran_away,
     RESULTS.stopped,
 )
 

@@ -27,11 +27,18 @@ class Feedback(Record):
         output: ``u = output(t, z, y)``, (n_u,) [N, N m].
         rate: ``dz/dt = rate(t, z, y)``, (n_z,), or None for a controller without state.
         start: State at the start, (n_z,).
+        windup: What an excess of the inputs over their limits does to the state where it is to follow within a second,
+            (n_z, n_u), or that over time as a table: what :func:`flexmb.control.saturated` keeps integrators from
+            winding up by. None where nothing winds up.
+        reads, drives: Names of the mechanism's outputs and inputs that it is connected to, where not to all in order.
     """
 
     output: Callable[..., Any]
     rate: Callable[..., Any] | None = None
     start: Float[Array, "n_z"] | None = None
+    windup: Any = None
+    reads: tuple[str, ...] | None = static(default=None)
+    drives: tuple[str, ...] | None = static(default=None)
 
 
 class Constant(Record):

@@ -1,4 +1,4 @@
-"""Loads and prescribed motion as functions of time, by the names that a user gives them."""
+"""Loads, inputs and prescribed motion as functions of time, by the names that a user gives them."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -9,12 +9,13 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import check_numbers, is_concrete, shown
+from ..checks.mobility import locked_inputs
 from ..compilation.program import Captured, captured
 from ..compilation.record import Record
 from ..elements.element import Element
 from ..errors import ModelError
 from ..mechanics.blocks import heat_sizes
-from ..model.model import Labels, Model
+from ..model.model import Labels, Model, Signal
 from .drive import Driven, Table
 
 
@@ -30,12 +31,15 @@ class Drives(Record):
             piecewise linear function.
         motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations as functions of time, by
             name such as "tip.x", "tip.rotation" or "leaf.e1", twice differentiable.
+        inputs: Inputs that the builder named, as functions of time: forces, moments and stresses, such as nominal
+            inputs along a trajectory. They add to loads, and to what a controller gives.
         increment: Factor of the incremental loads as function of time; zero unless given.
         jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
     """
 
     loads: Mapping[str, Callable] | None = None
     motion: Mapping[str, Callable] | None = None
+    inputs: Mapping[str, Callable] | None = None
     increment: Callable | None = None
     jumps: ArrayLike | None = None
 
@@ -64,8 +68,8 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     Raises:
         ModelError: Unknown name, or what cannot be driven.
     """
-    loads, motion = ({} if given is None else given for given in (drives.loads, drives.motion))
-    for argument, given in (("loads", loads), ("motion", motion)):
+    loads, motion, inputs = ({} if given is None else given for given in (drives.loads, drives.motion, drives.inputs))
+    for argument, given in (("loads", loads), ("motion", motion), ("inputs", inputs)):
         if not isinstance(given, Mapping):
             raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
     x_names = {str(entry): i for i, entry in enumerate(model.labels.x)}
@@ -78,6 +82,8 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
         if first != name:
             raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
         found.append(Driven(quantity, jnp.array([place]), value))
+    _check_inputs(model, inputs)
+    found += [_input(signal, inputs[signal.name]) for signal in model.labels.inputs if signal.name in inputs]
     if drives.increment is not None:
         own = model.parameters.increment
         if own is None:
@@ -105,6 +111,41 @@ def _load(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: 
     turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
     value = _function(what, value, 3 if turned else len(nodes))
     return Driven("moment" if turned else "force", jnp.array(nodes), value)
+
+
+def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
+    """Refuse names of no input, and inputs that can move nothing."""
+    known = [signal.name for signal in model.labels.inputs]
+    for name in inputs:
+        if name not in known:
+            there = f"There are: {_some(known)}." if known else "The model has none: name them with input()."
+            raise ModelError(f"Argument `inputs` names '{name}', which is no input of the model. {there}")
+    if not inputs or not is_concrete(model):
+        return
+    with jax.ensure_compile_time_eval():
+        locked = locked_inputs(model)
+    for signal in locked:
+        if signal.name in inputs:
+            raise ModelError(
+                f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Leave it out."
+            )
+
+
+def _input(signal: Signal, value: Any) -> Driven:
+    """An input as a function of time."""
+    what = f"Input '{signal.name}'"
+    if signal.quantity not in ("force", "moment", "stress"):
+        raise ModelError(f"{what} is a {signal.quantity}. Functions of time drive one of: force, moment, stress.")
+    value = _function(what, value, 1)
+    if signal.axis is None:
+        return Driven(signal.quantity, jnp.array([signal.index]), value)
+    about = jnp.eye(3)[signal.axis]
+    if isinstance(value, Table):
+        value = Table(value.times, jnp.reshape(jnp.asarray(value.values, float), (-1, 1)) * about)
+    else:
+        value = captured(lambda t, given=value: jnp.reshape(given(t), ()) * about, jax.ShapeDtypeStruct((), float))
+    kind = "local moment" if signal.local else "moment"
+    return Driven(kind, signal.index + jnp.arange(4), value)
 
 
 def _warmed(model: Model, first: int, element: str, quantity: str, what: str, value: Any) -> Driven:

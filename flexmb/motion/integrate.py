@@ -13,10 +13,11 @@ from ..compilation.record import Record
 from ..model.model import Model
 from ..results import RESULTS
 from .controlled_form import ControlledForm, Feedback
+from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
 from .integrator import Integrator
-from .loop import Sampled, controlled_form, measuring, under_inputs
+from .loop import controlled_form, measuring, under_inputs
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
 
@@ -144,6 +145,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     ok = diffrax.RESULTS
     result = jnp.where(solution.result == ok.successful, RESULTS.successful, failed)
     result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
+    result = jnp.where(solution.result == ok.internal_error, RESULTS.ran_away, result)
     if integrator.event is not None:
         result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
     else:

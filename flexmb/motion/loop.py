@@ -9,16 +9,16 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.tree_util import Partial
 
 from ..arguments import check_number, is_concrete
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
-from ..compilation.record import Record, static
+from ..compilation.record import Record
 from ..errors import ModelError
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model, Signal
 from .controlled_form import ControlledForm, Feedback, Places, driven_by_inputs
+from .controllers import Sampled, check_sizes, connected, controller_of
 from .coordinates_form import CoordinatesForm
 
 
@@ -26,29 +26,16 @@ class Loop(Record):
     """Controller around a mechanism in a simulation; each may be given to :func:`simulate` as a keyword too.
 
     Attributes:
-        control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace``, continuous or sampled
-            (with dt, its output held from sample to sample), a function ``u = control(t, y)``, a :class:`Feedback`, or
-            a :class:`Sampled`.
+        control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace`` or proper
+            ``control.TransferFunction``, continuous or sampled (with dt, its output held from sample to sample), a
+            function ``u = control(t, y)``, a :class:`Feedback`, or a :class:`Sampled`, such as the functions of
+            :mod:`flexmb.control` make. Where a system bears the names of inputs and outputs of the model it is
+            connected by them, else in their order.
         reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
     """
 
     control: Any = None
     reference: Callable | None = None
-
-
-class Sampled(Record):
-    """A controller that acts at equal intervals from the start of the simulation; its output is held in between.
-
-    Attributes:
-        step: ``u, z_next = step(t, z, y)``: inputs of the mechanism, (n_u,) [N, N m], from its outputs at the
-            sample, in the order in which the builder named them.
-        period: Interval [s].
-        start: State at the start, (n_z,).
-    """
-
-    step: Callable[..., Any]
-    period: float = static()
-    start: Any = ()
 
 
 def _seen(y, t, reference):
@@ -59,23 +46,6 @@ def _seen(y, t, reference):
     if wanted.shape != y.shape:
         raise ModelError(f"`reference` gives shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
     return wanted - y
-
-
-def _linear_output(c, d, reference, t, z, y):
-    return c @ z + d @ _seen(y, t, reference)
-
-
-def _linear_rate(a, b, reference, t, z, y):
-    return a @ z + b @ _seen(y, t, reference)
-
-
-def _static_output(function, reference, t, z, y):
-    return function(t, _seen(y, t, reference))
-
-
-def _sampled_step(a, b, c, d, reference, t, z, y):
-    seen = _seen(y, t, reference)
-    return c @ z + d @ seen, a @ z + b @ seen
 
 
 def check_signals(model: Model, needs: str) -> None:
@@ -100,7 +70,10 @@ def check_signals(model: Model, needs: str) -> None:
                 f" time: motion={{'{owner}': f}}; or let a force act on a heavy support that can move."
             )
     if is_concrete(model):
-        for signal in locked_inputs(model):
+        # Also within a trace of something else, such as a gain.
+        with jax.ensure_compile_time_eval():
+            locked = locked_inputs(model)
+        for signal in locked:
             raise ModelError(
                 f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Let it act on"
                 " what can move, or leave it out."
@@ -123,36 +96,19 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
         if reference is not None:
             raise ValueError("Argument `reference` is what a controller follows: give `control` too.")
         return None
-    inputs, outputs = model.labels.inputs, model.labels.outputs
+    inputs, outputs = ([s.name for s in signals] for signals in (model.labels.inputs, model.labels.outputs))
     check_signals(model, "A controller")
-    if isinstance(control, Feedback | Sampled):
-        if reference is not None:
-            raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
-        if isinstance(control, Sampled):
-            _check_sampled(control, len(inputs), len(outputs))
-        elif (control.rate is None) != (control.start is None):
-            raise ModelError("A Feedback has a `rate` and a `start` of its state, or neither.")
-        return _now(control, len(outputs))
+    controller = controller_of(control)
+    if hasattr(control, "D") or hasattr(control, "num"):
+        check_sizes(control, inputs, outputs)
     if reference is not None:
         reference = captured(reference, jax.ShapeDtypeStruct((), jnp.float64))
-    if hasattr(control, "A") and hasattr(control, "D"):
-        period = getattr(control, "dt", 0)
-        if period is True:
-            raise ModelError("The controller is sampled, but says not how often: give it dt in seconds.")
-        a, b, c, d = (jnp.asarray(np.asarray(getattr(control, name)), float) for name in "ABCD")
-        if d.shape != (len(inputs), len(outputs)):
-            raise ModelError(
-                f"The controller has {d.shape[1]} inputs and {d.shape[0]} outputs, but the mechanism has {len(outputs)}"
-                f" outputs ({', '.join(s.name for s in outputs)}) and {len(inputs)} inputs"
-                f" ({', '.join(s.name for s in inputs)})."
-            )
-        start = jnp.zeros(a.shape[0])
-        if period:
-            return Sampled(Partial(_sampled_step, a, b, c, d, reference), float(period), start)
-        return Feedback(Partial(_linear_output, c, d, reference), Partial(_linear_rate, a, b, reference), start)
-    if callable(control):
-        return _now(Feedback(Partial(_static_output, control, reference)), len(outputs))
-    raise ModelError("Argument `control` must be a control.StateSpace, a function u = f(t, y), a Feedback or Sampled.")
+    controller = connected(controller, inputs, outputs, lambda t, y: _seen(y, t, reference))
+    if isinstance(controller, Sampled):
+        _check_sampled(controller, len(inputs), len(outputs))
+    elif (controller.rate is None) != (controller.start is None):
+        raise ModelError("A Feedback has a `rate` and a `start` of its state, or neither.")
+    return _now(controller, len(outputs))
 
 
 def _now(controller: Feedback | Sampled, count: int):
@@ -162,7 +118,8 @@ def _now(controller: Feedback | Sampled, count: int):
     names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")
     functions = {name: getattr(controller, name) for name in names}
     taken = {name: captured(f, *like) for name, f in functions.items() if f is not None}
-    return dataclasses.replace(controller, **taken)
+    # Names and windup have done their part, and would choose code.
+    return dataclasses.replace(controller, **taken, windup=None, reads=None, drives=None)
 
 
 def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:

@@ -11,9 +11,9 @@ from jaxtyping import Array, Float
 from ..progress import reporting
 from ..results import RESULTS
 from .controlled_form import Feedback
+from .controllers import Sampled
 from .integrate import Integrated, Intervals, Problem, Reached, begin, integrate, integrate_sampled
 from .integrator import Integrator
-from .loop import Sampled
 from .protocol import WholeMotion
 
 # Most parts: enough for a bar to move by, and few, since the integration starts anew in each.

@@ -22,10 +22,11 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
+from .controllers import Sampled
 from .drives_by_name import Drives, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
 from .integrator import Integrator
-from .loop import Loop, Sampled, as_feedback
+from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 
@@ -40,6 +41,7 @@ class Keywords(TypedDict, total=False):
 
     loads: Mapping[str, Callable] | None
     motion: Mapping[str, Callable] | None
+    inputs: Mapping[str, Callable] | None
     increment: Callable | None
     jumps: ArrayLike | None
     control: Any
@@ -86,7 +88,8 @@ def simulate(
         times: Times at which to give the motion, ascending, the first is the start, (n_t,) [s].
         initial: Where it starts from: an equilibrium (at rest), a configuration, or the end of another motion. None:
             the start values of the builder, otherwise the undeformed mechanism at rest.
-        drives: Loads and prescribed motion as functions of time: loads, motion, increment, jumps.
+        drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs,
+            increment, jumps.
         loop: Controller around the mechanism: control, reference.
         integrator: Equations, solver, tolerances and steps: form, rtol, atol, solver, controller, dt0, adjoint, event,
             max_steps.
@@ -104,8 +107,8 @@ def simulate(
         ValueError, TypeError: times not ascending, a tolerance or step that is none, a solver of fixed steps without
             ``dt0``, or ``progress`` under a trace.
         ModelError: Unknown name, what cannot be driven, a function that gives another number of numbers than it drives,
-            an input that can move nothing.
-        AnalysisError: singular_mass, step_too_small, step_too_large or motion_unfinished.
+            an input that can move nothing, a mechanism that is held everywhere.
+        AnalysisError: singular_mass, step_too_small, step_too_large, motion_unfinished or ran_away.
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
@@ -125,6 +128,9 @@ def simulate(
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
     times = _checked_times(times)
+    top = model.topology
+    if top.x.fixed.shape[0] + top.x.prescribed.shape[0] == top.n_x:
+        raise ModelError("Nothing moves by itself: every coordinate of the mechanism is FIXED or PRESCRIBED. Free one.")
     if drives.increment is None:
         warn_of_increment(model, "simulate")
     driven = driven_by(model, drives)

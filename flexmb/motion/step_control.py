@@ -14,6 +14,8 @@ from .protocol import MotionState
 
 # Displacement beyond which a tolerance grows no more (extents, radians).
 LARGE = 0.5
+# A motion that comes as far runs away: it would end in numbers that are not finite, after very many steps.
+FAR = 1e8
 
 
 class DisplacementController(diffrax.PIDController):
@@ -24,6 +26,8 @@ class DisplacementController(diffrax.PIDController):
     displacement. Beyond half the mechanism's extent, or half a radian (an Euler parameter is half an angle), the
     tolerance grows no more. States of a controller are measured each by its own size. The norm is the greatest
     of all: then no displacement has a larger error, however many there are.
+
+    A motion that comes a hundred million extents or radians far is stopped: it runs away.
 
     Attributes:
         norm: Of the errors over their tolerances.
@@ -56,6 +60,9 @@ class DisplacementController(diffrax.PIDController):
         measured = MotionState(error_u, error_w, jnp.zeros_like(y_error.memory))
         begin, end = (MotionState(jnp.broadcast_to(after, (n,)), y.w, y.memory) for y in (y0, y1_candidate))
         keep, *found, state, result = super().adapt_step_size(t0, t1, begin, end, args, measured, error_order, state)
+        # For which diffrax has no code of its own.
+        away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
+        result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
         return keep, *found, (state, jnp.where(keep, after, before)), result
 
 

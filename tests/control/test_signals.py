@@ -258,6 +258,9 @@ def test_a_moment_about_axes_of_the_body():
     rest, end = (Rotation.from_quat(np.asarray(found.at("c"))[i], scalar_first=True) for i in (0, -1))
     # Angle M t^2/(2 J) about the body's own x axis, which stays where it is.
     np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3, 0, 0], atol=1e-7)
+    table = fm.motion.Table(np.array([0.0, 1.0]), np.array([0.03, 0.03]))
+    given = fm.simulate(model, np.linspace(0, 0.2, 5), initial=start, inputs={"own": table}, rtol=1e-9)
+    np.testing.assert_allclose(given.at("c"), found.at("c"), atol=1e-8)
 
 
 def test_rotation_vector_is_that_of_scipy_and_has_a_derivative_at_zero():
@@ -367,6 +370,8 @@ def test_an_input_that_moves_nothing_is_refused_by_name():
             ask(model)
     with pytest.raises(fm.ModelError, match=r"Input 'push' .*moves nothing"):
         fm.simulate(model, [0, 0.1], control=lambda t, y: y)
+    with pytest.raises(fm.ModelError, match=r"Input 'push' .*moves nothing"):
+        fm.simulate(model, [0, 0.1], inputs={"push": lambda t: 1.0})
     with pytest.raises(fm.ModelError, match=r"Input 'push' .*moves nothing"):
         fm.control.to_nonlinear_system(model)
 

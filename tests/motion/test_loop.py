@@ -49,6 +49,37 @@ def test_force_and_stress_by_feedback_of_places_and_rates():
     np.testing.assert_allclose(seen.energy, STIFFNESS * x**2 / 2 + MASS * v**2 / 2, atol=1e-6)
 
 
+def test_inputs_as_functions_of_time_beside_a_controller():
+    """Feedforward: the same constants from outside the controller, one as a table that jumps nowhere."""
+
+    def gains(t, y):
+        return jnp.array([-4.0 * y[0] - 0.5 * y[1], 6.0 * y[2] + 0.7 * y[3]])
+
+    held = fm.motion.Table(np.array([0.0, 1.0]), np.array([2.0, 2.0]))
+    inputs = {"stress s.1": held, "force mass.x": lambda t: 5.0}
+    found = fm.simulate(controlled(), TIMES, control=gains, inputs=inputs, rtol=1e-9)
+    x, v = oscillation(TIMES, STIFFNESS + 10.0, 1.2, MASS, 3.0)
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 0.4, x, atol=1e-7)
+    # What the controller gives alone.
+    np.testing.assert_allclose(found.u, np.stack([-4.0 * x - 0.5 * v, 6.0 * x + 0.7 * v], axis=1), atol=1e-6)
+    seen = found.observe()
+    np.testing.assert_allclose(seen.sigma[:, 0], STIFFNESS * x + found.u[:, 1] + 2.0, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "words"),
+    [
+        ({"force": lambda t: 1.0}, "names 'force', which is no input.*force mass.x, stress s.1"),
+        ({"force mass.x": 1.0}, "Input 'force mass.x' must be a function of time"),
+        ({"force mass.x": lambda t: jnp.ones(2)}, "must give one number"),
+        ([1.0], "`inputs` must be a dictionary"),
+    ],
+)
+def test_inputs_are_asked_by_name(inputs, words):
+    with pytest.raises(fm.ModelError, match=words):
+        fm.simulate(controlled(), TIMES, inputs=inputs)
+
+
 def test_derivatives_of_what_is_measured():
     """Of a mass that swings across its spring too; against JAX's own derivatives of the measurements."""
     model = controlled(guided=False)

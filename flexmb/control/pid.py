@@ -1,0 +1,163 @@
+"""Controllers for a mechanism that moves as one mass: PID by placing poles, and notch filters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arguments import check_number
+from ..errors import ModelError, heard
+from ..linear.linearize import Linearization
+from ..model.model import Model
+from .state_space import to_statespace
+
+if TYPE_CHECKING:
+    import control
+
+# A plant of one motion has an output without velocity where C B is below this share of what it would be.
+PLACED = 1e-6
+
+
+def one_mass(plant: Any) -> tuple[float, float, float]:
+    """Mass, damping and stiffness that an input finds at an output, of a state space of one motion.
+
+    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B.
+
+    Args:
+        plant: ``control.StateSpace`` of two states, one input and one output that is a position. What follows at once
+            (D) is left out.
+
+    Raises:
+        ModelError: It has more states or signals, the output is no position, or the input does not move it.
+    """
+    if plant.nstates != 2 or plant.ninputs != 1 or plant.noutputs != 1:
+        raise ModelError(
+            f"The plant has {plant.nstates} states, {plant.ninputs} inputs and {plant.noutputs} outputs, but poles are"
+            " placed for one motion, one input and one output: give fm.to_statespace(model, modes=1), and name `input`"
+            " and `output` where there are several."
+        )
+    a, b, c = (np.asarray(part) for part in (plant.A, plant.B, plant.C))
+    velocity, inverse = (c @ b).item(), (c @ a @ b).item()
+    if abs(velocity) > PLACED * max(abs(inverse), abs((c @ a @ a @ b).item())) / max(np.linalg.norm(a, 2), 1e-300):
+        raise ModelError(f"Output '{plant.output_labels[0]}' is no position: name an `output` that is one.")
+    if inverse == 0:
+        raise ModelError(f"Input '{plant.input_labels[0]}' does not move output '{plant.output_labels[0]}'.")
+    mass = 1 / inverse
+    return mass, -mass * float(np.trace(a)), mass * float(np.linalg.det(a))
+
+
+def pid(
+    model: Model | Linearization | control.StateSpace,
+    bandwidth: float,
+    *,
+    damping: float = 0.7,
+    slow: float = 0.5,
+    fast: float = 4.0,
+    input: str | None = None,
+    output: str | None = None,
+) -> control.StateSpace:
+    """A PID controller with filter that puts all poles of its loop with one moving mass where one likes.
+
+    The mechanism is taken as the one motion m q'' + d q' + k q = u, of a rigid body or of its lowest mode. With
+    C(s) = (kd s^2 + kp s + ki)/(s (T s + 1)) the loop has four poles, and the four numbers of the controller put them
+    at (s^2 + 2 zeta w s + w^2)(s + slow w)(s + fast w), with w = 2 pi bandwidth. What the one motion leaves out,
+    :func:`closed_loop` with the whole model tells.
+
+    Args:
+        model: Mechanism or its linearisation, of which the lowest mode is taken; or a state space of one motion.
+        bandwidth: Undamped frequency of the pair of poles [Hz].
+        damping: Their damping ratio zeta [-].
+        slow: The real pole that the integrator leads to, over w [-]; 0 for a PD controller, without integrator.
+        fast: The real pole that the filter leads to, over w [-]. The larger it is, the less phase the filter takes at
+            the crossover, and the more noise it lets through.
+        input, output: Names of the model's, where it has several.
+
+    Returns:
+        ``control.StateSpace`` that sees reference - y, named so that it connects to the model; its states are the
+        integrator (none where ``slow`` is 0) and the filter.
+
+    Raises:
+        ModelError: No such input or output, the output is no position, the plant has more than one motion.
+        ValueError: Numbers out of range; the plant is damped more than the poles that are wanted.
+
+    Source:
+        THEORY.md 14, eq. (14.43), by comparing coefficients.
+    """
+    import control
+
+    check_number("bandwidth", bandwidth, above=0)
+    check_number("damping", damping, above=0)
+    check_number("slow", slow, least=0)
+    check_number("fast", fast, above=0)
+    plant: Any = model
+    quantities = None
+    if not isinstance(model, control.StateSpace):
+        quantities = [signal.quantity for signal in model.labels.outputs]
+        # What the one motion leaves out is not of interest here.
+        with heard():
+            plant = to_statespace(model, modes=1)
+    to, of = (
+        _chosen(name, list(names), what)
+        for name, names, what in ((input, plant.input_labels, "input"), (output, plant.output_labels, "output"))
+    )
+    names: Any = {"inputs": [plant.output_labels[of]], "outputs": [plant.input_labels[to]]}
+    if quantities and quantities[of] not in ("position", "deformation"):
+        raise ModelError(
+            f"Output '{plant.output_labels[of]}' is a {quantities[of]}: name an `output` that is a position."
+        )
+    m, d, k = one_mass(plant[of, to])
+    w = 2 * np.pi * bandwidth
+    a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
+    if a3 * m - d == 0 or (m - d / a3) / m <= 0:
+        raise ValueError(
+            f"The plant by itself decays with {d / m:.4g} 1/s, and the wanted poles together with {a3:.4g} 1/s only:"
+            " ask for a higher `bandwidth` or a larger `fast`."
+        )
+    filtered = m / (a3 * m - d)
+    kd, kp, ki = m * filtered * a2 - d - k * filtered, m * filtered * a1 - k, m * filtered * a0
+    # Partial fractions of the controller: ki/s, a gain, and the filter's.
+    gain, lag = kd / filtered, (kp - ki * filtered - kd / filtered) / filtered
+    found = control.StateSpace(np.diag([0.0, -1 / filtered]), [[1.0], [1.0]], [[ki, lag]], [[gain]], **names)
+    return found if slow > 0 else control.StateSpace([[-1 / filtered]], [[1.0]], [[lag]], [[gain]], **names)
+
+
+def _chosen(name: str | None, there: list[str], what: str) -> int:
+    """Place of an input or output by its name."""
+    if name is None:
+        if len(there) > 1:
+            raise ModelError(f"The model has several {what}s: name one as `{what}`, of {', '.join(there)}.")
+        return 0
+    clean = str(name).replace(".", " ")
+    if clean not in there:
+        raise ModelError(f"Argument `{what}` names '{name}', which is no {what} of the model: {', '.join(there)}.")
+    return there.index(clean)
+
+
+def notch(frequency: float, depth: float = 0.1, width: float = 1.0) -> control.TransferFunction:
+    """A filter that takes gain away about one frequency, where a resonance would make a loop unstable.
+
+    N(s) = (s^2 + depth width w s + w^2)/(s^2 + width w s + w^2): its gain is ``depth`` at w = 2 pi frequency and one
+    far from it. A depth above one is a peak. python-control puts it in series, and forgets the names:
+    ``control.ss(pid * fm.control.notch(120.0), inputs=pid.input_labels, outputs=pid.output_labels)``.
+
+    Args:
+        frequency: Its centre [Hz].
+        depth: Gain there [-].
+        width: Between the frequencies, over the centre, where half of the power is taken away if it is deep [-].
+
+    Returns:
+        ``control.TransferFunction``.
+
+    Raises:
+        ValueError: Numbers that are not positive.
+
+    Source:
+        THEORY.md 14, eq. (14.44).
+    """
+    import control
+
+    for name, value in (("frequency", frequency), ("depth", depth), ("width", width)):
+        check_number(name, value, above=0)
+    w = 2 * np.pi * frequency
+    return control.TransferFunction([1, depth * width * w, w**2], [1, width * w, w**2])

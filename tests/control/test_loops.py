@@ -1,0 +1,333 @@
+"""Controllers around one mass: limits, delays, samples, schedules, poles, margins; against SciPy and closed forms."""
+
+import control
+import diffrax
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.linalg
+from cases.motions import oscillation, sprung_mass
+from scipy.integrate import solve_ivp
+
+import flexmb as fm
+from flexmb import planar
+
+MASS, DAMPING, STIFFNESS = 0.4, 0.5, 90.0
+STEP = 0.01
+
+
+def sprung(stiffness=STIFFNESS) -> fm.Model:
+    b = sprung_mass(stiffness=stiffness, damping=DAMPING, mass=MASS)
+    b.input("mass", "x", name="force")
+    b.output("mass", "x", "velocity", name="rate")
+    b.output("mass", "x", name="place")
+    return b.build()
+
+
+MODEL = sprung()
+TIMES = np.linspace(0, 0.4, 9)
+
+
+def pid() -> control.StateSpace:
+    return fm.control.pid(MODEL, 5.0, output="place")
+
+
+def held(t):
+    return jnp.array([0.0, STEP])
+
+
+def place(motion):
+    return np.asarray(motion.at("mass"))[:, 0] - 0.4
+
+
+def plant(x, u):
+    return [x[1], (u - DAMPING * x[1] - STIFFNESS * x[0]) / MASS]
+
+
+# -- PID by placing poles -----------------------------------------------------------------------------------------
+
+
+def test_pid_puts_its_poles_where_they_are_wanted_and_knows_the_names():
+    w = 2 * np.pi * 5.0
+    pair = -0.7 * w + 1j * w * np.sqrt(1 - 0.49)
+    found = fm.control.closed_loop(MODEL, pid())
+    np.testing.assert_allclose(found.poles, [-0.5 * w, pair, np.conj(pair), -4 * w], rtol=1e-9)
+    assert found.stable
+    assert found.growth == pytest.approx(-0.5 * w)
+    assert pid().input_labels == ["place"]
+    assert found.system.input_labels == ["reference rate", "reference place"]
+    # Without integrator, and of a mass that nothing holds: given as a state space.
+    mass = control.ss([[0.0, 1.0], [0.0, 0.0]], [[0.0], [-1 / MASS]], [[1.0, 0.0]], [[0.0]])
+    found = fm.control.closed_loop(mass, fm.control.pid(mass, 5.0, slow=0.0, fast=2.0))
+    np.testing.assert_allclose(found.poles, [pair, np.conj(pair), -2 * w], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "kind", "words"),
+    [
+        ({}, fm.ModelError, "several outputs: name one as `output`, of rate, place"),
+        ({"output": "speed"}, fm.ModelError, "`output` names 'speed'"),
+        ({"output": "rate"}, fm.ModelError, "Output 'rate' is a velocity"),
+        ({"output": "place", "bandwidth": 0.01, "damping": 0.1, "fast": 0.1}, ValueError, "decays with 1.25 1/s"),
+        ({"output": "place", "slow": -1.0}, ValueError, "`slow`"),
+    ],
+)
+def test_bad_pid(given, kind, words):
+    with pytest.raises(kind, match=words):
+        fm.control.pid(MODEL, **{"bandwidth": 5.0, **given})
+
+
+def test_plant_of_two_motions_has_no_pid():
+    two = control.append(*[control.ss(control.tf([1], [1, 0, 0]))] * 2)
+    with pytest.raises(fm.ModelError, match=r"4 states.*modes=1"):
+        fm.control.pid(control.ss(two.A, two.B[:, :1], two.C[:1], 0), 5.0)
+    with pytest.raises(fm.ModelError, match="is no position"):
+        fm.control.pid(control.ss([[0.0, 1.0], [-3.0, -1.0]], [[0], [1.0]], [[0, 1.0]], 0), 5.0)
+
+
+def test_notch():
+    w = 2 * np.pi * 50.0
+    found = fm.control.notch(50.0, depth=0.01, width=0.4)
+    np.testing.assert_allclose(np.abs(found(1j * w * np.array([1e-4, 1.0, 1e4]))), [1, 0.01, 1], rtol=1e-6)
+    # Half the power at w (sqrt(1 + b^2/4) -+ b/2), but for the depth.
+    edges = w * (np.sqrt(1 + 0.2**2) + np.array([-0.2, 0.2]))
+    np.testing.assert_allclose(np.abs(found(1j * edges)) ** 2, (1 + 0.01**2) / 2, rtol=1e-9)
+
+
+# -- limits, delays, schedules ------------------------------------------------------------------------------------
+
+
+def test_limits_and_back_calculation_against_scipy():
+    """A step that takes the force to its limit; the integrator is led back with a time constant."""
+    limit, tracking = 1.5, 0.02
+    c, own = pid(), {}
+    integral, lag = np.asarray(c.C)[0]
+    filtered, gain = -1 / np.asarray(c.A)[1, 1], float(c.D[0, 0])
+
+    def rates(t, s):
+        error = STEP - s[0]
+        wanted = integral * s[2] + lag * s[3] + gain * error
+        u = np.clip(wanted, -limit, limit)
+        return [*plant(s, u), error + (u - wanted) / (integral * own["T"]), error - s[3] / filtered]
+
+    over = {}
+    for own["T"] in (tracking, np.inf):
+        by_scipy = solve_ivp(rates, (0, TIMES[-1]), np.zeros(4), rtol=1e-9, atol=1e-12, t_eval=TIMES, max_step=1e-3)
+        controller = fm.control.saturated(pid(), limit, tracking=own["T"])
+        found = fm.simulate(MODEL, TIMES, control=controller, reference=held, rtol=1e-8, atol=1e-9)
+        # The corners where the limit is met and left: some tolerances of steps.
+        np.testing.assert_allclose(place(found), by_scipy.y[0], atol=2e-7)
+        assert np.max(np.abs(np.asarray(found.u))) <= limit
+        assert np.abs(np.asarray(found.u)[0, 0]) == limit
+        over[own["T"]] = np.max(place(found))
+    assert over[tracking] < over[np.inf] - 0.1 * STEP
+
+
+def test_samples_delay_and_limits_against_a_recursion():
+    """Exact from sample to sample: the held force drives the mass by the exponential of its matrix."""
+    h, delay, limits = 0.02, 2, [[0.05, 0.25]]
+    sampled = control.ss([[1.0]], [[h]], [[40.0]], [[30.0]], h, inputs=["place"], outputs=["force"])
+    whole = fm.control.delayed(sampled, delay * h)
+    assert whole.nstates == 1 + delay
+    controller = fm.control.fed_forward(
+        fm.control.saturated(whole, limits, tracking=3 * h), lambda t: 0.2 * jnp.cos(9 * t)
+    )
+    found = fm.simulate(MODEL, TIMES, control=controller, reference=held, rtol=1e-9, atol=1e-10)
+    a = np.array([[0, 1.0, 0], [-STIFFNESS / MASS, -DAMPING / MASS, 1 / MASS], [0, 0, 0]])
+    once = scipy.linalg.expm(a * h)
+    # What is in the pipe is led back with the integrator that it came from.
+    x, z, pipe, places, forces = np.zeros(2), 0.0, [0.0] * delay, [], []
+    for i in range(21):
+        error = STEP - x[0]
+        pipe.append(40.0 * z + 30.0 * error)
+        wanted = pipe.pop(0)
+        u = float(np.clip(wanted, *limits[0]))
+        excess, led = u - wanted, 1 - np.exp(-1 / 3)
+        z, pipe = z + h * error + led * excess / 40.0, [one + led * excess for one in pipe]
+        u += 0.2 * np.cos(9 * i * h)
+        places.append(x[0])
+        forces.append(u)
+        x = once[:2, :2] @ x + once[:2, 2] * u
+    # Every other time that is asked for is a sample, one in five; the last is the end of what the one before held.
+    np.testing.assert_allclose(place(found)[::2], places[::5], atol=1e-8)
+    np.testing.assert_allclose(np.asarray(found.u)[:-1:2, 0], forces[:-1:5], atol=1e-6)
+    within = np.array(forces) - 0.2 * np.cos(9 * h * np.arange(21))
+    assert (np.min(within), np.max(within)) == pytest.approx(limits[0])
+
+
+def test_gains_along_a_schedule():
+    """Gains on straight lines over time, and systems whose matrices do so."""
+    at, gains = np.array([0.0, 0.1, 0.3]), np.array([0.0, 60.0, 20.0])
+    by_scipy = solve_ivp(
+        lambda t, s: plant(s, np.interp(t, at, gains) * (STEP - s[0])),
+        (0, TIMES[-1]), [0.0, 0.0], rtol=1e-9, atol=1e-12, t_eval=TIMES, max_step=5e-3,
+    )  # fmt: skip
+    table = np.stack([np.zeros(3), gains], axis=1)[:, None]
+    found = fm.simulate(MODEL, TIMES, control=fm.control.scheduled(at, table), reference=held, rtol=1e-8)
+    np.testing.assert_allclose(place(found), by_scipy.y[0], atol=1e-7)
+    lags = [control.ss([[-30.0]], [[1.0]], [[k]], [[0.0]], inputs=["place"], outputs=["force"]) for k in gains]
+    scheduled = fm.control.scheduled(at, lags)
+    np.testing.assert_allclose(scheduled.output(0.05, jnp.ones(1), jnp.ones(1)), [30.0])
+    np.testing.assert_allclose(scheduled.rate(0.05, 2 * jnp.ones(1), jnp.ones(1)), [-59.0])
+
+
+def test_a_continuous_delay_is_all_pass():
+    """Of order one (1 - s T/2)/(1 + s T/2), behind the controller."""
+    found = fm.control.delayed(control.tf([2.0], [1, 3]), 0.1, order=1)
+    s = 1j * np.array([0.1, 1.0, 30.0])
+    np.testing.assert_allclose(found(s), 2 / (s + 3) * (1 - 0.05 * s) / (1 + 0.05 * s), rtol=1e-12)
+    with pytest.raises(fm.ModelError, match="give `order`"):
+        fm.control.delayed(control.tf([2.0], [1, 3]), 0.1)
+
+
+INTEGRATOR = control.tf([1.0], [1.0, 0.0])
+LAG = control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda: fm.control.saturated(INTEGRATOR, 1.0), "give `tracking`"),
+        (lambda: fm.control.saturated(LAG, 1.0, tracking=0.1), "`tracking` is for integrators"),
+        (lambda: fm.control.saturated(LAG, [[1.0, -1.0]]), "least must be below"),
+        (lambda: fm.control.saturated(LAG, [-1.0, 1.0]), r"has shape \(2,\)"),
+        (lambda: fm.control.saturated(INTEGRATOR * INTEGRATOR, 1.0, tracking=0.1), "in a chain"),
+        (lambda: fm.control.saturated(control.tf([1, 0, 0], [1, 1]), 1.0), "A proper one has"),
+        (lambda: fm.control.saturated(control.nlsys(None, lambda t, x, u, p: u, inputs=1, outputs=1), 1.0), "must be"),
+        (lambda: fm.control.delayed(LAG.sample(0.1), 0.25), "whole samples of 0.1 s, and 0.25 s are 2.5"),
+        (lambda: fm.control.delayed(LAG.sample(0.1), 0.2, order=2), "`order` is for a continuous"),
+        (lambda: fm.control.delayed(lambda t, y: y, 0.1), "Only a linear system"),
+        (lambda: fm.control.scheduled([0.0, 0.0], [1.0, 2.0]), "must be ascending"),
+        (lambda: fm.control.scheduled([0.0, 1.0], [1.0, 2.0, 3.0]), "at 2 times"),
+        (lambda: fm.control.scheduled([0.0, 1.0], [LAG, LAG * LAG]), "differ in their numbers of states"),
+        (lambda: fm.control.scheduled([0.0, 1.0], [LAG, 1.0]), "systems and others"),
+        (lambda: fm.control.fed_forward(LAG, 1.0), "`law` must be a function of time"),
+        (lambda: fm.control.closed_loop(MODEL, lambda t, y: y), "function is no linear system"),
+        (lambda: fm.control.closed_loop(MODEL, LAG), "1 inputs and 1 outputs, but the mechanism has 2 outputs"),
+        (
+            lambda: fm.simulate(MODEL, TIMES, control=control.ss([], [], [], [[1, 1]], inputs=["place", "pace"])),
+            "'pace' is no output of the mechanism: rate, place",
+        ),
+        (
+            lambda: fm.simulate(MODEL, TIMES, control=fm.control.saturated(lambda t, y: y[:1], [[-1, 1]] * 2)),
+            "for 2 outputs, but the controller has 1",
+        ),
+        (
+            lambda: fm.simulate(MODEL, TIMES, control=fm.control.fed_forward(lambda t, y: y[:1], lambda t: [1, 2])),
+            r"`law` gives shape \(2,\)",
+        ),
+    ],
+)
+def test_bad_controllers(ask, words):
+    with pytest.raises(fm.ModelError, match=words):
+        ask()
+
+
+# -- the closed loop ----------------------------------------------------------------------------------------------
+
+
+def test_margins_of_a_mass_under_pd_by_hand():
+    """L = (kd s + kp)/(m s^2): |L| = 1 gives the crossover, the phase margin is atan(kd w/kp)."""
+    kp, kd = 300.0, 12.0
+    mass = control.ss([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1 / MASS]], [[1.0, 0.0], [0.0, 1.0]], 0)
+    found = fm.control.closed_loop(mass, control.ss([], [], [], [[kp, kd]]))
+    w2 = (kd**2 + np.sqrt(kd**4 + 4 * MASS**2 * kp**2)) / (2 * MASS**2)
+    (own,) = found.margins
+    assert own.crossover == pytest.approx(np.sqrt(w2) / (2 * np.pi), rel=1e-6)
+    assert own.phase == pytest.approx(np.degrees(np.arctan(kd * np.sqrt(w2) / kp)), rel=1e-6)
+    assert own.gain == np.inf
+    # The controller that sees y itself needs the other sign.
+    other = fm.control.closed_loop(mass, control.ss([], [], [], [[-kp, -kd]]), sign=1)
+    np.testing.assert_allclose(other.poles, found.poles)
+    assert other.margins[0].phase == pytest.approx(own.phase)
+
+
+def test_margins_of_two_loops_are_each_with_the_other_closed():
+    """Two masses on a spring, each held by its own gains: of one the other is part of the plant."""
+    k, kp, kd = 50.0, np.array([200.0, 90.0]), np.array([4.0, 7.0])
+    a = np.block([[np.zeros((2, 2)), np.eye(2)], [k * np.array([[-1, 1], [1, -1]]), np.zeros((2, 2))]])
+    two = control.ss(a, np.eye(4)[:, 2:], np.eye(4), 0)
+    found = fm.control.closed_loop(two, control.ss([], [], [], np.hstack([np.diag(kp), np.diag(kd)])))
+    s = 2j * np.pi * found.margins[0].crossover
+    there = k + s**2 + kp[1] + kd[1] * s
+    opened = (kp[0] + kd[0] * s) / (k + s**2 - k**2 / there)
+    # Between the frequencies of the grid the response is a cubic.
+    assert abs(opened) == pytest.approx(1, abs=1e-5)
+    assert found.margins[0].phase == pytest.approx(180 + np.degrees(np.angle(opened)), abs=1e-3)
+
+
+def test_an_unstable_loop_is_reported_and_its_motion_is_refused():
+    wrong = -1.0 * pid()
+    wrong = control.ss(wrong, inputs=["place"], outputs=["force"])
+    with pytest.warns(fm.FlexmbWarning, match=r"unstable: its pole at .* double every") as said:
+        found = fm.control.closed_loop(MODEL, wrong)
+    assert not found.stable
+    assert f"{np.log(2) / found.growth:.3g} s" in str(said[0].message)
+    with pytest.raises(fm.AnalysisError, match="closed_loop") as fault:
+        fm.simulate(MODEL, [0.0, 10.0], control=wrong, reference=held)
+    assert fault.value.code == "ran_away"
+
+
+def test_a_sampled_loop_is_stable_as_long_as_its_poles_are_within_the_circle():
+    """A gain on the velocity of one free mass, held over h: z = 1 - K h/m, stable up to K = 2 m/h."""
+    h = 0.1
+    free = control.ss([[0.0]], [[1 / MASS]], [[1.0]], [[0.0]])
+    for gain, stable in ((1.9 * MASS / h, True), (0.5 * MASS / h, True)):
+        found = fm.control.closed_loop(free, control.ss([], [], [], [[gain]], h))
+        np.testing.assert_allclose(np.exp(found.poles * h), [1 - gain * h / MASS])
+        assert found.stable is stable
+        # Opened, K h/m (1/(z - 1)): its gain margin at z = -1 is 2 m/(K h).
+    with pytest.warns(fm.FlexmbWarning, match=r"of 5 Hz double every"):
+        assert not fm.control.closed_loop(free, control.ss([], [], [], [[2.1 * MASS / h]], h)).stable
+
+
+def hanging() -> fm.Model:
+    b = fm.Builder()
+    b.node("pivot", (0, 0))
+    b.node("mass", (0, -0.5))
+    b.rotation("rod")
+    b.add(planar.rigid_beam, "pivot", "rod", "mass", name="arm")
+    b.fix("pivot", "x", "y")
+    b.mass("mass", 0.8)
+    b.gravity((0, -9.81))
+    b.dof("rod", "phi")
+    b.input("rod", "phi", name="motor")
+    b.output("rod", "phi", name="angle")
+    return b.build()
+
+
+def test_a_closed_loop_of_small_amplitude_is_the_linear_one():
+    """A pendulum, whose sine differs from its angle by the third power: half of it leaves a quarter of the error."""
+    model, times, errors = hanging(), np.linspace(0, 1.0, 11), []
+    controller = control.tf([20.0, 30.0], [0.01, 1])
+    loop = fm.control.closed_loop(model, controller).system
+    linear = control.forced_response(loop, times, np.ones(11)).outputs
+    for amplitude in (0.1, 0.05):
+        found = fm.simulate(model, times, control=controller, reference=lambda t, a=amplitude: a, rtol=1e-9)
+        errors.append(np.max(np.abs(np.asarray(found.at("rod"))[:, 0] / amplitude - linear)))
+    assert errors[0] < 2e-3
+    assert errors[1] == pytest.approx(errors[0] / 4, rel=0.02)
+
+
+def test_a_loop_differentiates_by_a_dimension_and_by_a_gain():
+    """Traced numbers in the mechanism and in the controller, forward and reverse, within limits: closed form."""
+    none = jnp.zeros
+
+    def answer(model, gain, **options):
+        gains = jnp.stack([none(()), gain])[None]
+        controller = fm.control.StateMatrices(none((0, 0)), none((0, 2)), none((1, 0)), gains)
+        limited = fm.control.saturated(controller, 5.0)
+        found = fm.simulate(model, [0, 0.1], control=limited, reference=held, rtol=1e-9, atol=1e-11, **options)
+        return found.at("mass")[-1, 0]
+
+    def exact(stiffness, gain):
+        return oscillation(0.1, stiffness + gain, DAMPING, MASS, gain * STEP)[0]
+
+    at, step = np.array([STIFFNESS, 60.0]), 1e-2
+    differences = [(exact(*(at + step * way)) - exact(*(at - step * way))) / (2 * step) for way in np.eye(2)]
+    forward = fm.jit(lambda k, g: jax.jvp(lambda k: answer(sprung(k), g, adjoint=diffrax.ForwardMode()), (k,), (1.0,))[1])
+    reverse = fm.jit(jax.grad(lambda g: answer(MODEL, g)))
+    # Ten times the tolerance of the integration.
+    np.testing.assert_allclose(forward(*at), differences[0], rtol=1e-6)
+    np.testing.assert_allclose(reverse(at[1]), differences[1], rtol=1e-6)
