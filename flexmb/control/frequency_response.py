@@ -22,7 +22,7 @@ from ..linear.spectrum import shift_to_definite
 from ..math.linear import diagonal_of, pencil
 from ..model.model import Model
 from ..results import RESULTS
-from .second_order import SecondOrder, second_order
+from .second_order_form import SecondOrder, second_order
 
 # Damping couples two modes where what is between them is above this share of the mean of their own, or, beside it, of
 # the largest there is: both are far above round-off and far below what an answer would show.
@@ -238,31 +238,33 @@ def response_of(
     whole = second_order(lin)
     lossy = None if losses is None else with_losses(lin, loss_factors(lin, losses))
     by_modes = method != "direct" and rests
-    orders = tuple(int(whole.orders[j]) for j in us)
+    system, orders = plain(whole, us, ys)
     _check_rest(hertz, [labels.inputs[j].name for j, order in zip(us, orders, strict=True) if order])
-    found, result = _response(
-        _of(whole, us, ys), None if lossy is None else _of(lossy, us, ys), hertz, orders=orders, by_modes=by_modes
-    )
+    losses_of = None if lossy is None else plain(lossy, us, ys)[0]
+    found, result = _response(system, losses_of, hertz, orders=orders, by_modes=by_modes)
     check_spectrum(result, True, lin)
     return FrequencyResponse(
         hertz, found, tuple(labels.outputs[i].name for i in ys), tuple(labels.inputs[j].name for j in us)
     )
 
 
-def _of(whole: SecondOrder, us: list[int], ys: list[int]) -> SecondOrder:
-    """Second-order system of some inputs and outputs."""
-    u, y = np.array(us), np.array(ys)
+def plain(
+    whole: SecondOrder, us: Sequence[int] | None = None, ys: Sequence[int] | None = None
+) -> tuple[SecondOrder, tuple[int, ...]]:
+    """Second-order form with arrays alone, and beside it of which derivative of what is moved each input is.
+
+    Args:
+        whole: Second-order form.
+        us: Numbers of the inputs wanted; all unless given.
+        ys: Numbers of the outputs wanted; all unless given.
+    """
+    u = np.arange(whole.B0.shape[1]) if us is None else np.array(us)
+    y = np.arange(whole.C0.shape[0]) if ys is None else np.array(ys)
     inputs, outputs = ([getattr(whole, f"{name}{i}") for i in range(3)] for name in "BC")
     through = [getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)]
-    return SecondOrder(
-        whole.M,
-        whole.C,
-        whole.K,
-        *(part[:, u] for part in inputs),
-        *(part[y] for part in outputs),
-        *through,
-        *(np.zeros(0),) * 2,
-    )
+    numbers = *(part[:, u] for part in inputs), *(part[y] for part in outputs), *through
+    none = np.zeros(0)
+    return SecondOrder(whole.M, whole.C, whole.K, *numbers, none, none), tuple(int(whole.orders[j]) for j in u)
 
 
 def _check_rest(hertz: Any, rates: list[str]) -> None:
