@@ -7,7 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..arguments import numbers, shown
+from ..arguments import is_concrete, numbers, shown
+from ..compilation.compile import jit
 from .energy_form import EnergyForm
 from .frequency_response import one_of
 
@@ -73,8 +74,8 @@ def controller_of(
         matrices = (a, b, sign * c, sign * d)
 
     def by_frequency(hertz):
-        gain = respond(hertz) if matrices is None else _of_states(matrices, hertz)
-        gain = jnp.asarray(gain).astype(complex)
+        gain: Any = respond(hertz) if matrices is None else _of_states(matrices, hertz)
+        gain = np.asarray(gain, complex) if is_concrete(gain) else gain.astype(complex)
         if gain.ndim == 1 and sizes == (1, 1):
             gain = gain[:, None, None]
         if gain.shape != (len(hertz), *sizes):
@@ -120,13 +121,14 @@ def _told(given: Any) -> tuple[Any, Any, Any, Any]:
     )
 
 
+@jit
 def _of_states(matrices: Any, hertz: Float[Array, "n_f"]) -> Complex[Array, "n_f i j"]:
     a, b, c, d = (part.astype(complex) for part in matrices)
     n = a.shape[0]
     direct = jnp.broadcast_to(d, (len(hertz), *d.shape))
     if not n:
         return direct
-    s = 2j * np.pi * hertz.astype(complex)
+    s = 2j * np.pi * jnp.asarray(hertz).astype(complex)
     right = jnp.broadcast_to(b, (len(hertz), *b.shape))
     return c @ jnp.linalg.solve(s[:, None, None] * jnp.eye(n, dtype=complex) - a, right) + direct
 

@@ -15,7 +15,7 @@ from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import ModelError, clean, warn
 from ..linear.damping import Losses, loss_factors
-from ..linear.linearize import Linearization, ManyStates, Where, linearized
+from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
 from ..linear.loose import refuse_negative_mass
 from ..linear.modes import check_spectrum, refuse_unsymmetric
 from ..linear.spectrum import shift_to_definite
@@ -157,7 +157,7 @@ def check_hertz(hertz: Any) -> Float[Array, "n_f"]:
         raise ValueError(f"Argument `hertz` must be frequencies, (n_f,), but has shape {np.shape(hertz)}.")
     if is_concrete(hertz) and np.any(np.asarray(hertz) < 0):
         raise ValueError(f"Argument `hertz` cannot be negative, but is at least {np.min(np.asarray(hertz)):g}.")
-    return jnp.atleast_1d(jnp.asarray(hertz, float))
+    return np.atleast_1d(np.asarray(hertz, float)) if is_concrete(hertz) else jnp.atleast_1d(hertz)  # type: ignore
 
 
 def frequency_response(
@@ -235,36 +235,29 @@ def response_of(
             raise NotImplementedError('About a state of motion there are no real modes: leave out method="modes".')
     if is_concrete(m):
         refuse_negative_mass(lin)
-    whole = second_order(lin)
-    lossy = None if losses is None else with_losses(lin, loss_factors(lin, losses))
+    whole, orders = plain(second_order(lin))
+    _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
+    lossy = None if losses is None else _with_losses(lin, loss_factors(lin, losses))
     by_modes = method != "direct" and rests
-    system, orders = plain(whole, us, ys)
-    _check_rest(hertz, [labels.inputs[j].name for j, order in zip(us, orders, strict=True) if order])
-    losses_of = None if lossy is None else plain(lossy, us, ys)[0]
-    found, result = _response(system, losses_of, hertz, orders=orders, by_modes=by_modes)
+    found, result = _response(whole, lossy, hertz, us=tuple(us), ys=tuple(ys), orders=orders, by_modes=by_modes)
     check_spectrum(result, True, lin)
     return FrequencyResponse(
         hertz, found, tuple(labels.outputs[i].name for i in ys), tuple(labels.inputs[j].name for j in us)
     )
 
 
-def plain(
-    whole: SecondOrder, us: Sequence[int] | None = None, ys: Sequence[int] | None = None
-) -> tuple[SecondOrder, tuple[int, ...]]:
-    """Second-order form with arrays alone, and beside it of which derivative of what is moved each input is.
-
-    Args:
-        whole: Second-order form.
-        us: Numbers of the inputs wanted; all unless given.
-        ys: Numbers of the outputs wanted; all unless given.
-    """
-    u = np.arange(whole.B0.shape[1]) if us is None else np.array(us)
-    y = np.arange(whole.C0.shape[0]) if ys is None else np.array(ys)
-    inputs, outputs = ([getattr(whole, f"{name}{i}") for i in range(3)] for name in "BC")
-    through = [getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)]
-    numbers = *(part[:, u] for part in inputs), *(part[y] for part in outputs), *through
+def plain(whole: SecondOrder) -> tuple[SecondOrder, tuple[int, ...]]:
+    """Second-order form with arrays alone, and beside it of which derivative of what is moved each input is."""
     none = np.zeros(0)
-    return SecondOrder(whole.M, whole.C, whole.K, *numbers, none, none), tuple(int(whole.orders[j]) for j in u)
+    return whole._replace(orders=none, moves=none), tuple(int(order) for order in whole.orders)
+
+
+def _of(whole: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> SecondOrder:
+    """The same of some inputs and outputs."""
+    u, y = np.array(us), np.array(ys)
+    own = {f"B{i}": getattr(whole, f"B{i}")[:, u] for i in range(3)}
+    own |= {f"C{i}": getattr(whole, f"C{i}")[y] for i in range(3)}
+    return whole._replace(**own, **{f"D{i}": getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)})
 
 
 def _check_rest(hertz: Any, rates: list[str]) -> None:
@@ -294,49 +287,60 @@ def _tell_of_infinite(found: FrequencyResponse) -> None:
 @jit
 def _response(
     system: SecondOrder,
-    lossy: SecondOrder | None,
+    lossy: tuple[SecondOrder, SecondOrder] | None,
     hertz: Float[Array, "n_f"],
     *,
+    us: tuple[int, ...],
+    ys: tuple[int, ...],
     orders: tuple[int, ...],
     by_modes: bool,
 ):
     """H(i 2 pi f), (n_f, n_y, n_u), and a code of RESULTS."""
     w = 2 * np.pi * hertz
-    by_inputs, by_outputs, through = _polynomials(system, lossy)
-    loss = jnp.zeros_like(system.K) if lossy is None else lossy.K
+    system = _of(system, us, ys)
+    loss, of_loss = jnp.zeros_like(system.K), None
+    if lossy is not None:
+        # Geometric stiffness and inertia do not depend on the elements' stiffness: what is left is linear in it.
+        with_it, without = (_of(own, us, ys) for own in lossy)
+        of_loss = jax.tree.map(lambda one, other: one - other, with_it, without)
+        loss = of_loss.K
+    by_inputs, by_outputs, through = _polynomials(system, of_loss)
     parts = (system.M, system.C, system.K, loss)
     factors, found = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
     responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
     # An input that is a velocity or an acceleration is less often differentiated than the displacement.
     for order in (1, 2):
-        own = np.asarray(orders) == order
+        own = np.asarray(orders)[np.array(us)] == order
         responses = jnp.where(own, responses / (_powers(w)[order][:, None, None]), responses) if any(own) else responses
     # Never NaN: what is divided by nothing is infinite.
     responses = jnp.where(jnp.isfinite(jnp.abs(responses)), responses, jnp.inf + 0j)
     return responses, jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
 
 
-def with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> SecondOrder:
-    """What the stiffness of the elements times their loss factors does in the second-order form, to be taken i times.
+def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[SecondOrder, SecondOrder]:
+    """Second-order forms with the stiffness of the elements times their loss factors, and with none.
+
+    Their difference, in K, B0, C0 and D0, is what is lossy, to be taken i times.
 
     Args:
         lin: Linearization.
         losses: Loss factor of each deformation, (n_e,) [-].
-
-    Returns:
-        SecondOrder with K, B0, C0 and D0 of that part; all else is zero.
     """
     m = lin.matrices
+    lossy, k = _lossy(m, losses)
+    none = {name: np.zeros(m.K0.shape) for name in ("M0", "C0", "D0", "K0", "N0", "G0")} | {"S_d": np.zeros(m.S.shape)}
+
+    def of(**own):
+        return plain(second_order(Linearization(dataclasses.replace(m, **{**none, **own}), lin.model)))[0]
+
+    return of(S=lossy, K0=k), of(S=np.zeros(m.S.shape))
+
+
+@jit
+def _lossy(m: Matrices, losses: Float[Array, "n_e"]):
+    """Lossy stiffness of the elements and of the degrees of freedom."""
     lossy = (losses[:, None] * m.S + m.S * losses) / 2
-    none = {name: jnp.zeros_like(m.K0) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
-
-    def of(stiffness):
-        own = {**none, "S": stiffness, "S_d": jnp.zeros_like(m.S_d), "K0": m.DFe.T @ stiffness @ m.DFe}
-        return second_order(Linearization(dataclasses.replace(m, **own), lin.model))
-
-    # Geometric stiffness and inertia do not depend on the elements' stiffness: what is left is linear in it.
-    with_it, without = of(lossy), of(jnp.zeros_like(m.S))
-    return SecondOrder(*(one - other for one, other in zip(with_it[:12], without[:12], strict=True)), *with_it[12:])
+    return lossy, m.DFe.T @ lossy @ m.DFe
 
 
 def _polynomials(system: SecondOrder, lossy: SecondOrder | None) -> list[Complex[Array, "3 i j"]]:

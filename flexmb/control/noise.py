@@ -198,29 +198,38 @@ def noise_budget(
         _check_white(entering, by_states)
     # Poles of a controller that is known by frequency alone are not known: those of the mechanism tell where it vibrates.
     system, orders = plain(second_order(lin))
-    entries = entering.inputs, entering.sensors if by_states else ()
-    matrices, places = (loop.matrices, (loop.measured, loop.driven)) if loop is not None and by_states else (None, None)
-    whole, poles = _loop(system, matrices, orders=orders, places=places, entries=entries)
-    ends = jnp.stack([jnp.max(jnp.real(poles)), jnp.max(jnp.abs(poles))])
-    settles = ends[0] < (-DECAYS if exact else GROWS) * ends[1]
+    entries = entering.inputs, entering.sensors
+    places = None if loop is None else (loop.measured, loop.driven)
+    whole, poles, settles, grid = _loop(
+        system,
+        loop.matrices if loop is not None and by_states else None,
+        orders=orders,
+        places=places if by_states else None,
+        entries=entries if by_states else (entering.inputs, ()),
+        band=None if band is None else _band(band),
+        exact=exact,
+    )
     if by_states and is_concrete(poles):
         _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
-    grid = check_hertz(hertz) if hertz is not None else _grid(poles, *(_band(band) if band is not None else (None, None)))
-    if hertz is not None and is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid)) < 0)):
-        raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
-    densities = jnp.stack([_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)], axis=1)
+    if hertz is not None:
+        grid = check_hertz(hertz)
+        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid)) < 0)):
+            raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
+    densities = [_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)]
     plant = response_of(lin, grid, None, None, None, None).response
     gain = None if loop is None else loop.by_frequency(grid)
-    places = None if loop is None else (loop.measured, loop.driven)
-    spectra = _spectra(plant, gain, densities, places=places, entries=(entering.inputs, entering.sensors))
-    if exact:
-        variances = _white(whole, densities[0])
-    else:
-        variances = jnp.sum(jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2, axis=0)
-    if by_states:
-        variances = jnp.where(settles, variances, jnp.inf)
-    own = np.array(wanted)
-    found = NoiseBudget(grid, spectra[:, own], variances[own], tuple(outs[i] for i in wanted), entering.names)
+    spectra, variances = _budget(
+        plant,
+        gain,
+        densities,
+        grid,
+        settles if by_states else np.array(True),
+        whole if exact else None,
+        places=places,
+        entries=entries,
+        wanted=tuple(wanted),
+    )
+    found = NoiseBudget(grid, spectra, variances, tuple(outs[i] for i in wanted), entering.names)
     if is_concrete(found):
         _tell_of_infinite(found)
     return found
@@ -281,13 +290,10 @@ def _band(band: Any) -> tuple[float, float]:
 def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "n_f"]:
     """Density of a source at all frequencies."""
     found = given(grid) if callable(given) else given
-    if np.ndim(found):
-        check_numbers(f"Density of source '{name}'", found, grid.shape)
-    else:
-        check_numbers(f"Density of source '{name}'", found, ())
+    check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
     if is_concrete(found) and np.any(np.asarray(found) < 0):
         raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(found)}.")
-    return jnp.broadcast_to(jnp.asarray(found, float), grid.shape)
+    return np.asarray(found, float) if is_concrete(found) else found  # type: ignore
 
 
 def _refuse_unstable(poles: np.ndarray, settles: bool, closed: bool) -> None:
@@ -324,20 +330,29 @@ def _tell_of_infinite(found: NoiseBudget) -> None:
 
 
 @jit
-def _loop(system: SecondOrder, matrices: Any, *, orders, places, entries):
-    """State space from noise to outputs, and its poles, which are not differentiated."""
+def _loop(system: SecondOrder, matrices: Any, *, orders, places, entries, band, exact: bool):
+    """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies."""
     whole = closed(energy_form(system, orders), matrices, places, *entries)
-    return whole, jnp.linalg.eigvals(jax.lax.stop_gradient(whole.A))
+    poles = jnp.linalg.eigvals(jax.lax.stop_gradient(whole.A))
+    settles = jnp.max(jnp.real(poles)) < (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles))
+    return whole, poles, settles, _grid(poles, *(band or (None, None)))
 
 
 @jit
-def _spectra(plant, gain, densities, *, places, entries):
-    responses = closed_by_frequency(plant, gain, places, *entries)
+def _budget(plant, gain, densities, grid, settles, whole: EnergyForm | None, *, places, entries, wanted):
+    """Spectra, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or of a state space exactly."""
+    own = np.array(wanted)
+    density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
+    responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
-    return jnp.where(densities[:, None, :] > 0, size * densities[:, None, :], 0.0)
+    spectra = jnp.where(density > 0, size * density, 0.0)
+    if whole is None:
+        variances = jnp.sum(jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2, axis=0)
+    else:
+        variances = _white(whole, density[0, 0])[own]
+    return spectra, jnp.where(settles, variances, jnp.inf)
 
 
-@jit
 def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n_y n_s"]:
     """Variances under white noise of one-sided densities, by the covariance of the states."""
     b = whole.B.T[:, :, None]
