@@ -31,6 +31,9 @@ SPREAD, BESIDE, WIDEST = 300, 121, 300.0
 # bounds at rest. A pole below that other share of its end is none.
 FIRST, STILL = 1e-4, 1e-9
 
+# Eigenvectors are told apart whose inverse is no larger than this.
+TOLD = 1e6
+
 Density = float | Sequence[float] | Float[Array, "n_f"] | Callable[[Any], Any]
 
 
@@ -331,11 +334,25 @@ def _tell_of_infinite(found: NoiseBudget) -> None:
 
 @jit
 def _loop(system: SecondOrder, matrices: Any, *, orders, places, entries, band, exact: bool):
-    """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies."""
+    """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies.
+
+    The frequencies move with the poles, and so do those of a derivative: on a grid that stands still its error would be
+    that of the sum times the sharpness of a resonance.
+    """
     whole = closed(energy_form(system, orders), matrices, places, *entries)
-    poles = jnp.linalg.eigvals(jax.lax.stop_gradient(whole.A))
+    poles = _poles(whole.A)
     settles = jnp.max(jnp.real(poles)) < (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles))
     return whole, poles, settles, _grid(poles, *(band or (None, None)))
+
+
+def _poles(a: Float[Array, "n n"]) -> Complex[Array, "n"]:
+    """Eigenvalues; their derivatives are those of simple ones, and zero where vectors are not told apart."""
+    still = jax.lax.stop_gradient(a)
+    values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
+    inverse = jnp.linalg.inv(vectors)
+    told = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < TOLD)
+    moved = jnp.where(told, inverse, 0.0) @ (a - still).astype(complex)
+    return values + jnp.sum(moved * vectors.T, axis=1)
 
 
 @jit
@@ -366,7 +383,6 @@ def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n
 
 def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> Float[Array, "n_f"]:
     """Frequencies of a band, or where none is given of all poles: in equal ratios, and closer beside each pole."""
-    poles = jax.lax.stop_gradient(poles)
     sizes = jnp.abs(poles) / (2 * np.pi)
     end = 3 * jnp.max(sizes) if high is None else jnp.asarray(high)
     slowest = jnp.min(jnp.where(sizes > STILL * end, sizes, end))
