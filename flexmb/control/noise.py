@@ -24,9 +24,9 @@ from .second_order_form import SecondOrder, second_order
 # A motion decays, or grows, whose pole has a real part beyond this share of the largest pole: round-off leaves less, of
 # a free motion, whose pole is double, its root.
 DECAYS, GROWS = 1e-13, 1e-10
-# Frequencies of a band: so many in equal ratios, and so many for each pole, spread as a resonance is: of a curve
-# 1/(1 + x^2) each has an equal share, out to x = WIDEST.
-SPREAD, BESIDE, WIDEST = 300, 121, 300.0
+# Frequencies of a band: so many in equal ratios, and so many for each pole, spread as a resonance is, of a curve
+# 1/(1 + x^2) to each an equal share; first tried out to x = WIDEST.
+SPREAD, BESIDE, WIDEST = 200, 80, 100.0
 # A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved without
 # bounds at rest. A pole below that other share of its end is none.
 FIRST, STILL = 1e-4, 1e-9
@@ -43,6 +43,7 @@ class NoiseBudget(Result, Record):
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
         spectra: Power spectral density of each output by each source, (n_f, n_y, n_s) [unit^2/Hz].
+        below: What each adds up to between the lowest frequency and each, (n_f, n_y, n_s) [unit^2].
         variances: Square of the root mean square of each, (n_y, n_s) [unit^2].
         outputs: Names of the outputs.
         sources: Names of the sources.
@@ -50,6 +51,7 @@ class NoiseBudget(Result, Record):
 
     hertz: Float[Array, "n_f"]
     spectra: Float[Array, "n_f n_y n_s"]
+    below: Float[Array, "n_f n_y n_s"]
     variances: Float[Array, "n_y n_s"]
     outputs: tuple[str, ...] = static()
     sources: tuple[str, ...] = static()
@@ -68,8 +70,11 @@ class NoiseBudget(Result, Record):
         Raises:
             KeyError: There is no such output or source.
         """
-        own = self.variances[..., one_of("output", self.outputs, output), :]
-        return _root(jnp.sum(own, axis=-1) if source is None else own[..., one_of("source", self.sources, source)])
+        return _root(self._part(self.variances, output, source))
+
+    def _part(self, values: Any, output: str | None, source: str | None) -> Any:
+        own = values[..., one_of("output", self.outputs, output), :]
+        return jnp.sum(own, axis=-1) if source is None else own[..., one_of("source", self.sources, source)]
 
     def spectrum(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
         """Power spectral density of an output, one-sided.
@@ -81,8 +86,7 @@ class NoiseBudget(Result, Record):
         Returns:
             (n_f,) [unit^2/Hz].
         """
-        own = self.spectra[..., one_of("output", self.outputs, output), :]
-        return jnp.sum(own, axis=-1) if source is None else own[..., one_of("source", self.sources, source)]
+        return self._part(self.spectra, output, source)
 
     def cumulative(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
         """Root mean square of what an output does between the lowest frequency and each.
@@ -94,9 +98,7 @@ class NoiseBudget(Result, Record):
         Returns:
             (n_f,) [unit of the output].
         """
-        own = self.spectrum(output, source)
-        areas = jnp.diff(self.hertz) * (own[1:] + own[:-1]) / 2
-        return _root(jnp.concatenate([jnp.zeros(1), jnp.cumsum(areas)]))
+        return _root(self._part(self.below, output, source))
 
     def summary(self) -> Summary:
         """Root mean square of each output, and the share that each source has in its square."""
@@ -138,8 +140,9 @@ def noise_budget(
 ) -> NoiseBudget:
     """What independent sources of noise make of the outputs, through the mechanism and a controller around it.
 
-    With ``hertz`` or ``band`` the root mean square is that within, by the trapezoidal rule. With neither, sources are
-    white, and it is exact, over all frequencies, by Lyapunov's equation.
+    With ``hertz`` the root mean square is that between the first and the last, by the trapezoidal rule, with ``band`` that
+    within, at frequencies that are chosen. With neither, sources are white, and it is exact, over all frequencies, by
+    Lyapunov's equation.
 
     Args:
         model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
@@ -203,7 +206,7 @@ def noise_budget(
     system, orders = plain(second_order(lin))
     entries = entering.inputs, entering.sensors
     places = None if loop is None else (loop.measured, loop.driven)
-    whole, poles, settles, grid = _loop(
+    whole, poles, settles, (grid, widths) = _loop(
         system,
         loop.matrices if loop is not None and by_states else None,
         orders=orders,
@@ -215,24 +218,25 @@ def noise_budget(
     if by_states and is_concrete(poles):
         _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
     if hertz is not None:
-        grid = check_hertz(hertz)
+        grid, widths = check_hertz(hertz), None
         if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid)) < 0)):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     densities = [_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)]
     plant = response_of(lin, grid, None, None, None, None).response
     gain = None if loop is None else loop.by_frequency(grid)
-    spectra, variances = _budget(
+    spectra, below, variances = _budget(
         plant,
         gain,
         densities,
         grid,
+        widths,
         settles if by_states else np.array(True),
         whole if exact else None,
         places=places,
         entries=entries,
         wanted=tuple(wanted),
     )
-    found = NoiseBudget(grid, spectra, variances, tuple(outs[i] for i in wanted), entering.names)
+    found = NoiseBudget(grid, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
     if is_concrete(found):
         _tell_of_infinite(found)
     return found
@@ -356,18 +360,20 @@ def _poles(a: Float[Array, "n n"]) -> Complex[Array, "n"]:
 
 
 @jit
-def _budget(plant, gain, densities, grid, settles, whole: EnergyForm | None, *, places, entries, wanted):
-    """Spectra, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or of a state space exactly."""
+def _budget(plant, gain, densities, grid, widths, settles, whole: EnergyForm | None, *, places, entries, wanted):
+    """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or of a state space exactly."""
     own = np.array(wanted)
     density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
     spectra = jnp.where(density > 0, size * density, 0.0)
-    if whole is None:
-        variances = jnp.sum(jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2, axis=0)
+    if widths is None:
+        parts = jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2
+        below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])
     else:
-        variances = _white(whole, density[0, 0])[own]
-    return spectra, jnp.where(settles, variances, jnp.inf)
+        below = _areas(spectra * widths[:, None, None])
+    variances = below[-1] if whole is None else _white(whole, density[0, 0])[own]
+    return spectra, below, jnp.where(settles, variances, jnp.inf)
 
 
 def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n_y n_s"]:
@@ -381,8 +387,12 @@ def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n
     return jnp.where(unbounded, jnp.inf, found)
 
 
-def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> Float[Array, "n_f"]:
-    """Frequencies of a band, or where none is given of all poles: in equal ratios, and closer beside each pole."""
+def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> tuple[Any, Any]:
+    """Frequencies of a band, or where none is given of all poles, and the width in hertz that each stands for.
+
+    They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE by
+    each of the latter. So a density over dN/df is smooth, however sharp the resonances are.
+    """
     sizes = jnp.abs(poles) / (2 * np.pi)
     end = 3 * jnp.max(sizes) if high is None else jnp.asarray(high)
     slowest = jnp.min(jnp.where(sizes > STILL * end, sizes, end))
@@ -390,7 +400,31 @@ def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> 
     # Of each pair one.
     upper = poles[jnp.argsort(-jnp.imag(poles))][: (len(poles) + 1) // 2]
     place, width = jnp.imag(upper) / (2 * np.pi), jnp.abs(jnp.real(upper)) / (2 * np.pi)
-    angles = np.linspace(-1, 1, BESIDE) * np.arctan(WIDEST)
-    beside = place[:, None] + width[:, None] * np.tan(angles)
+    width = jnp.maximum(width, STILL * end)
+    octaves = jnp.log(end / first)
+
+    def counted(f):
+        phases = jnp.arctan((f[:, None] - place) / width) - jnp.arctan((first - place) / width)
+        return SPREAD * jnp.log(f / first) / octaves + BESIDE / np.pi * jnp.sum(phases, axis=1)
+
+    def rate(f):
+        beside = width / (width**2 + (f[:, None] - place) ** 2)
+        return SPREAD / octaves / f + BESIDE / np.pi * jnp.sum(beside, axis=1)
+
+    beside = place[:, None] + width[:, None] * np.tan(np.linspace(-1, 1, BESIDE) * np.arctan(WIDEST))
     even = first * (end / first) ** np.linspace(0, 1, SPREAD)
-    return jnp.sort(jnp.concatenate([jnp.clip(beside.ravel(), first, end), even]))
+    near = jnp.sort(jnp.concatenate([jnp.clip(beside.ravel(), first, end), even]))
+    ends = counted(end[None])[0] * np.linspace(0, 1, len(near))
+    found = jax.lax.stop_gradient(jnp.interp(ends, counted(near), near))
+    for _ in range(3):
+        # From fixed frequencies, so that the last step carries the whole derivative.
+        found = jax.lax.stop_gradient(found)
+        found = jnp.clip(found - (counted(found) - ends) / rate(found), first, end)
+    return found, (ends[1] - ends[0]) / rate(found)
+
+
+def _areas(values: Float[Array, "n y s"]) -> Float[Array, "n y s"]:
+    """What values at equal steps add up to from the first to each, by a parabola through each three of them."""
+    slopes = jnp.concatenate([values[1:2] - values[:1], (values[2:] - values[:-2]) / 2, values[-1:] - values[-2:-1]])
+    between = (values[1:] + values[:-1]) / 2 - (slopes[1:] - slopes[:-1]) / 12
+    return jnp.concatenate([jnp.zeros_like(values[:1]), jnp.cumsum(between, axis=0)])

@@ -42,18 +42,21 @@ def test_white_noise_on_one_mass():
     assert found.rms("tension", "push") ** 2 == pytest.approx(tension, rel=1e-12)
     assert found.rms("stretch") ** 2 == pytest.approx(float(np.sum(found.variances[2])), rel=1e-14)
     assert "rms of tip: inf" in repr(found) and "% push" in repr(found)
-    # Within a band that has nearly all of it, by the trapezoidal rule of 120 points a resonance.
+    # Within a band that has nearly all of it: what lies below the first frequency is missing.
     own = {"outputs": ["stretch", "speed"], "sources": {"floor": lambda f: FLOOR + 0 * f, "push": FORCE}}
     banded = fm.control.noise_budget(model, band=(0, 1e3), **own)
-    assert banded.rms("stretch") == pytest.approx(float(found.rms("stretch")), rel=1e-3)
+    assert banded.rms("stretch") == pytest.approx(float(found.rms("stretch")), rel=1e-4)
     assert banded.cumulative("stretch")[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
     # Up to the resonance: |H|^2 = m^2/|k - m w^2 + i d w|^2 of the floor, and without m^2 of the force.
     top = np.sqrt(K / M) / (2 * np.pi)
-    passed = lambda f: (M**2 * FLOOR + FORCE) / abs(K - M * (2 * np.pi * f) ** 2 + 2j * np.pi * f * D) ** 2
-    half = np.interp(top, banded.hertz, banded.cumulative("stretch"))
-    assert half**2 == pytest.approx(scipy.integrate.quad(passed, 0, top)[0], rel=2e-3)
+    passed = scipy.integrate.quad(
+        lambda f: (M**2 * FLOOR + FORCE) / abs(K - M * (2 * np.pi * f) ** 2 + 2j * np.pi * f * D) ** 2, 0, top
+    )
+    below = np.interp(top, banded.hertz, banded.cumulative("stretch"))
+    assert below**2 == pytest.approx(passed[0], rel=1e-3)
+    # By the trapezoidal rule at the same frequencies, some eighty a resonance.
     again = fm.control.noise_budget(model, banded.hertz, **own)
-    np.testing.assert_allclose(again.variances, banded.variances, rtol=1e-12)
+    np.testing.assert_allclose(again.variances, banded.variances, rtol=5e-3)
     upper, lower = fm.plot.noise(banded, "stretch").axes
     assert lower.lines[-1].get_ydata()[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
     assert [text.get_text() for text in upper.get_legend().get_texts()] == ["floor", "push", "all"]
@@ -95,12 +98,12 @@ def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
         assert found**2 == pytest.approx((c @ covariance @ c.T).item(), rel=1e-8)
     # By frequency, where the controller may be a function, too.
     banded = fm.control.noise_budget(model, controller=regulator(), band=(0, 2e3), **around)
-    np.testing.assert_allclose(banded.variances, closed.variances, rtol=2e-3)
+    np.testing.assert_allclose(banded.variances, closed.variances, rtol=1e-3)
     s = 2j * np.pi * np.asarray(banded.hertz)
     by_hand = fm.control.noise_budget(
         model, banded.hertz, controller=lambda f: -(400 + 1.5 * s) / (1 + 1e-3 * s), sign=1, driven=PUSH, **around
     )
-    np.testing.assert_allclose(by_hand.variances, banded.variances, rtol=1e-10)
+    np.testing.assert_allclose(by_hand.spectra, banded.spectra, rtol=1e-9, atol=1e-12 * np.max(banded.spectra))
     with pytest.raises(fm.AnalysisError, match=r"loop of mechanism and controller is unstable: its pole .* Hz, grows"):
         fm.control.noise_budget(model, controller=loop, sign=1, **around)
 
