@@ -18,6 +18,7 @@ SCRIPTS = (
     "threads",
     "first_impression",
     "compiling",
+    "response",
     "lean",
     "size",
     "designs",

@@ -6,7 +6,7 @@ from flexmb import spatial
 STEEL = {"E": 210e9, "G": 80e9, "rho": 7850.0}
 
 
-def guide(thickness=0.0005, width=0.018, beams=2, dofs=None):
+def guide(thickness=0.0005, width=0.018, beams=2, dofs=None, signals=()):
     """Spatial guide: two leaf springs 0.1 m long and 0.1 m apart, all deformations free, a rigid bar on top.
 
     Args:
@@ -14,6 +14,7 @@ def guide(thickness=0.0005, width=0.018, beams=2, dofs=None):
         width: Of the leaf springs [m].
         beams: Beams a leaf spring.
         dofs: Names of degrees of freedom, such as ``model.q_labels`` of another build; found if None.
+        signals: Components of the right end of the bar that are inputs and outputs.
     """
     leaf = fm.Rectangle(width, thickness, fm.Material(**STEEL))
     b = fm.Builder()
@@ -29,4 +30,7 @@ def guide(thickness=0.0005, width=0.018, beams=2, dofs=None):
     for name in dofs or ():
         of, _, component = name.rpartition(".")
         b.dof(of, component.removeprefix("e") if of not in b.nodes else component)
+    for component in signals:
+        b.input(f"right{beams}", component)
+        b.output(f"right{beams}", component)
     return b.build()

@@ -3,10 +3,13 @@
 from .closed_loop import ClosedLoop as ClosedLoop
 from .closed_loop import Margins as Margins
 from .closed_loop import closed_loop as closed_loop
+from .frequency_response import FrequencyResponse as FrequencyResponse
 from .loops import delayed as delayed
 from .loops import fed_forward as fed_forward
 from .loops import saturated as saturated
 from .loops import scheduled as scheduled
+from .noise import NoiseBudget as NoiseBudget
+from .noise import noise_budget as noise_budget
 from .nonlinear_system import to_nonlinear_system as to_nonlinear_system
 from .pid import notch as notch
 from .pid import pid as pid

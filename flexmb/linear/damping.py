@@ -26,6 +26,7 @@ from .spectrum import MASSLESS, shift_to_definite
 VIBRATES = 1e-6
 
 Ratio = float | Sequence[Any] | Float[Array, "*n"] | Callable[[Any], Any]
+Losses = float | Mapping[str | Material, float]
 
 
 def damped(
@@ -33,7 +34,7 @@ def damped(
     *,
     ratio: Ratio | None = None,
     rayleigh: Sequence[float] | None = None,
-    loss_factor: float | Mapping[str | Material, float] | None = None,
+    loss_factor: Losses | None = None,
     elements: bool = True,
 ) -> Linearization:
     """The linearised mechanism with damping stated for all of it, for poles, state spaces and Bode plots.
@@ -88,7 +89,7 @@ def damped(
         if is_concrete(m):
             refuse_negative_mass(lin)
         ratios = None if ratio is None else _ratios(lin, ratio)
-        losses = None if loss_factor is None else _losses(lin, loss_factor)
+        losses = None if loss_factor is None else loss_factors(lin, loss_factor)
         modal, result = _modal_damping(m, ratios, losses)
         check_spectrum(result, True, lin)
         added = added + modal
@@ -187,8 +188,20 @@ def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None,
         raise ValueError(f"Argument `{name}`{kind} cannot be negative, but is {shown(given)}.")
 
 
-def _losses(lin: Linearization, given: Any) -> Float[Array, "n_e"]:
-    """Loss factor of each deformation."""
+def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
+    """Loss factor of each deformation, as :func:`damped` takes them.
+
+    Args:
+        lin: Linearization.
+        given: One for all elements, or by name of an element or by Material.
+
+    Returns:
+        (n_e,) [-].
+
+    Raises:
+        ValueError: One is negative or not finite, or of what has no stiffness, or no element has that name.
+        TypeError: A key that is neither a name nor a Material.
+    """
     losses = jnp.zeros(lin.model.topology.n_e)
     if not isinstance(given, Mapping):
         _check_positive("loss_factor", given, ())

@@ -9,6 +9,7 @@ from .frequencies import frequencies as frequencies
 from .history import history as history
 from .mechanism import mechanism as mechanism
 from .modes import modes as modes
+from .noise import noise as noise
 from .path import path as path
 from .self_stress import self_stress as self_stress
 from .sensitivities import sensitivities as sensitivities

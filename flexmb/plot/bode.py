@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..control.frequency_response import FrequencyResponse
 from ..control.state_space import to_statespace
 from ..linear.linearize import Linearization
 from ..model.model import Model
@@ -42,7 +43,8 @@ def bode(
 
     Args:
         found: Model or Linearization with inputs and outputs, such as ``fm.damped(model, ratio=0.01)``, or a
-            control.StateSpace.
+            control.StateSpace; or the FrequencyResponse of :func:`flexmb.frequency_response`, drawn as it is at its
+            frequencies, of which 0 Hz and those with an infinite response have no place.
         outputs: Names of outputs as the state-space model has them; those that respond unless given.
         inputs: Names of inputs likewise; those that something responds to unless given.
         hertz: Frequencies, (n,) [Hz], between which others are put where a phase turns quickly; unless given from a
@@ -54,34 +56,44 @@ def bode(
 
     Raises:
         TypeError: ``found`` is none of these.
-        ValueError: No such output or input, no output responds, or frequencies that are not positive.
+        ValueError: No such output or input, no output responds, frequencies that are not positive, or frequencies
+            given beside those of a FrequencyResponse.
         ModelError: The model names no inputs or no outputs.
 
     Source:
         C (i omega - A)^-1 B + D, by python-control.
     """
-    import control
-
-    farthest = np.inf
-    if isinstance(found, Model | Linearization):
-        found, farthest = to_statespace(found), FARTHEST
-    if not isinstance(found, control.StateSpace):
-        raise TypeError(
-            f"A Bode plot is drawn of a Model, a Linearization or a control.StateSpace, not of a"
-            f" {type(found).__name__}."
-        )
-    rows = _chosen("output", found.output_labels, outputs)
-    columns = _chosen("input", found.input_labels, inputs)
-    frequencies, beyond = _around_poles(found, farthest) if hertz is None else (np.unique(np.asarray(hertz, float)), 0)
-    if not len(frequencies) or not np.all(np.isfinite(frequencies) & (frequencies > 0)):
-        raise ValueError("Argument `hertz` must be frequencies above zero.")
-    frequencies, responses, moved = _responses(found[rows, columns], frequencies)
+    if isinstance(found, FrequencyResponse):
+        if hertz is not None:
+            raise ValueError("A FrequencyResponse has its frequencies: leave `hertz` out.")
+        names = [[name.replace(".", " ") for name in known] for known in (found.outputs, found.inputs)]
+        rows, columns = _chosen("output", names[0], outputs), _chosen("input", names[1], inputs)
+        above = (np.asarray(found.hertz) > 0) & np.all(np.isfinite(np.asarray(found.response)), axis=(1, 2))
+        frequencies, beyond = np.asarray(found.hertz)[above], 0
+        order = np.argsort(frequencies)
+        frequencies, responses = frequencies[order], np.asarray(found.response)[above][order]
+        if len(frequencies) < 2:
+            raise ValueError("A Bode plot needs finite responses at two frequencies above zero or more.")
+        responses = responses[:, rows][:, :, columns]
+        largest = np.max(np.abs(responses), axis=0)
+        moved = largest > RESPONDS * np.max(largest, axis=0)
+    else:
+        system, farthest = _system(found)
+        names = [system.output_labels, system.input_labels]
+        rows, columns = _chosen("output", names[0], outputs), _chosen("input", names[1], inputs)
+        if hertz is None:
+            frequencies, beyond = _around_poles(system, farthest)
+        else:
+            frequencies, beyond = np.unique(np.asarray(hertz, float)), 0
+        if not len(frequencies) or not np.all(np.isfinite(frequencies) & (frequencies > 0)):
+            raise ValueError("Argument `hertz` must be frequencies above zero.")
+        frequencies, responses, moved = _responses(system[rows, columns], frequencies)
     if not np.any(moved):
         raise ValueError("No output responds to the inputs: there is nothing to draw.")
     # What was not asked for by name takes no place where it is not moved, or moves nothing.
     ys = [i for i in range(len(rows)) if outputs is not None or np.any(moved[i])]
     us = [j for j in range(len(columns)) if inputs is not None or np.any(moved[:, j])]
-    names = [[found.output_labels[i] for i in rows], [found.input_labels[j] for j in columns]]
+    names = [[names[0][i] for i in rows], [names[1][j] for j in columns]]
     figure = _drawn(frequencies, responses, moved, ys, us, *names)
     said = [
         f"{what}: {', '.join(name for i, name in enumerate(every) if i not in own)}"
@@ -93,6 +105,20 @@ def bode(
     if said:
         figure.supxlabel(textwrap.fill("; ".join(said), int(13 * figure.get_figwidth())), fontsize=8)
     return figure
+
+
+def _system(found: Any) -> tuple[Any, float]:
+    """The state-space model to draw, and up to how many times its lowest pole."""
+    import control
+
+    if isinstance(found, Model | Linearization):
+        return to_statespace(found), FARTHEST
+    if not isinstance(found, control.StateSpace):
+        raise TypeError(
+            f"A Bode plot is drawn of a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not of a"
+            f" {type(found).__name__}."
+        )
+    return found, np.inf
 
 
 def _responses(system: Any, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

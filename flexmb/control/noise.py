@@ -1,0 +1,432 @@
+"""Noise budgets: spectrum, cumulative spectrum and root mean square of outputs, source by source."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..compilation.compile import jit
+from ..compilation.record import Record, static
+from ..display import Result, Summary, listed, short, span
+from ..errors import AnalysisError, ModelError, clean, warn
+from ..linear.linearize import Linearization, ManyStates, Where, linearized
+from ..math.lyapunov import lyapunov
+from ..model.model import Model
+from .energy_form import EnergyForm, energy_form
+from .feedback import Controller, closed, closed_by_frequency, controller_of
+from .frequency_response import check_hertz, chosen, one_of, plain, response_of
+from .second_order_form import SecondOrder, second_order
+
+# A motion decays, or grows, whose pole has a real part beyond this share of the largest pole: round-off leaves less, of
+# a free motion, whose pole is double, its root.
+DECAYS, GROWS = 1e-13, 1e-10
+# Frequencies of a band: so many in equal ratios, and so many for each pole, spread as a resonance is, of a curve
+# 1/(1 + x^2) to each an equal share; first tried out to x = WIDEST.
+SPREAD, BESIDE, WIDEST = 200, 80, 100.0
+# A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved without
+# bounds at rest. A pole below that other share of its end is none.
+FIRST, STILL = 1e-4, 1e-9
+
+# Eigenvectors are told apart whose inverse is no larger than this.
+TOLD = 1e6
+
+Density = float | Sequence[float] | Float[Array, "n_f"] | Callable[[Any], Any]
+
+
+class NoiseBudget(Result, Record):
+    """Noise of outputs, source by source; densities are one-sided, per Hz.
+
+    Attributes:
+        hertz: Frequencies, (n_f,) [Hz].
+        spectra: Power spectral density of each output by each source, (n_f, n_y, n_s) [unit^2/Hz].
+        below: What each adds up to between the lowest frequency and each, (n_f, n_y, n_s) [unit^2].
+        variances: Square of the root mean square of each, (n_y, n_s) [unit^2].
+        outputs: Names of the outputs.
+        sources: Names of the sources.
+    """
+
+    hertz: Float[Array, "n_f"]
+    spectra: Float[Array, "n_f n_y n_s"]
+    below: Float[Array, "n_f n_y n_s"]
+    variances: Float[Array, "n_y n_s"]
+    outputs: tuple[str, ...] = static()
+    sources: tuple[str, ...] = static()
+    one_axis = "hertz"
+
+    def rms(self, output: str | None = None, source: str | None = None) -> Float[Array, ""]:
+        """Root mean square of an output.
+
+        Args:
+            output: Name of the output; may be left out where there is one.
+            source: Of one source alone; of all together unless given.
+
+        Returns:
+            () [unit of the output].
+
+        Raises:
+            KeyError: There is no such output or source.
+        """
+        return _root(self._part(self.variances, output, source))
+
+    def _part(self, values: Any, output: str | None, source: str | None) -> Any:
+        own = values[..., one_of("output", self.outputs, output), :]
+        return jnp.sum(own, axis=-1) if source is None else own[..., one_of("source", self.sources, source)]
+
+    def spectrum(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
+        """Power spectral density of an output, one-sided.
+
+        Args:
+            output: As of :meth:`rms`.
+            source: As of :meth:`rms`.
+
+        Returns:
+            (n_f,) [unit^2/Hz].
+        """
+        return self._part(self.spectra, output, source)
+
+    def cumulative(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
+        """Root mean square of what an output does between the lowest frequency and each.
+
+        Args:
+            output: As of :meth:`rms`.
+            source: As of :meth:`rms`.
+
+        Returns:
+            (n_f,) [unit of the output].
+        """
+        return _root(self._part(self.below, output, source))
+
+    def summary(self) -> Summary:
+        """Root mean square of each output, and the share that each source has in its square."""
+        rows = {"frequencies": span(self.hertz, "Hz"), "sources": listed(self.sources)}
+        for name, own in zip(self.outputs, np.asarray(self.variances), strict=True):
+            total = float(np.sum(own))
+            if not np.isfinite(total) or total == 0:
+                rows[f"rms of {name}"] = short(np.sqrt(total))
+                continue
+            shares = [
+                f"{100 * part / total:.1f} % {source}" for part, source in zip(own, self.sources, strict=True) if part
+            ]
+            rows[f"rms of {name}"] = f"{short(np.sqrt(total))}: {', '.join(shares)}"
+        title = f"NoiseBudget: {len(self.outputs)} outputs, {len(self.sources)} sources"
+        return Summary(title, rows, "noise", {} if len(self.outputs) == 1 else None)
+
+
+def _root(variance: Any) -> Any:
+    """Square root, with a derivative of zero where there is nothing."""
+    there = variance > 0
+    return jnp.where(there, jnp.sqrt(jnp.where(there, variance, 1.0)), 0.0)
+
+
+def noise_budget(
+    model: Model | Linearization,
+    hertz: Float[Array, "n_f"] | Sequence[float] | None = None,
+    *,
+    sources: Mapping[str, Density],
+    band: tuple[float, float] | None = None,
+    controller: Any = None,
+    measured: Sequence[str] | str | None = None,
+    driven: Sequence[str] | str | None = None,
+    sign: int = -1,
+    outputs: Sequence[str] | str | None = None,
+    at: Linearization | ManyStates | None = None,
+    step: int | None = None,
+    time: float | None = None,
+    increment: float | None = None,
+) -> NoiseBudget:
+    """What independent sources of noise make of the outputs, through the mechanism and a controller around it.
+
+    With ``hertz`` the root mean square is that between the first and the last, by the trapezoidal rule, with ``band`` that
+    within, at frequencies that are chosen. With neither, sources are white, and it is exact, over all frequencies, by
+    Lyapunov's equation.
+
+    Args:
+        model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
+            parameters.
+        hertz: Frequencies, ascending, (n_f,) [Hz], close enough to each other to draw every resonance.
+        sources: Power spectral densities, one-sided, [unit^2/Hz], by the name of an input, for what adds to it, such as
+            motion of a floor or noise of an actuator, or by "sensor " and the name of an output, for what adds to what
+            a controller reads of it: a number, an array, (n_f,), that goes with ``hertz``, or a function of
+            frequencies, (n_f,) [Hz].
+        band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole; from 0 Hz
+            it begins at 1e-4 of the slowest pole.
+        controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
+            n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
+            of one by one. Matrices and what functions return may be traced, so that gains are dimensions like others.
+            Whether a loop is stable is not known of a function of frequencies.
+        measured: Names of the outputs that the controller reads, in its order; those that it names itself, or all.
+        driven: Names of the inputs that it drives likewise.
+        sign: -1 for u = -K y, as of ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
+        outputs: Names of the outputs wanted; all unless given.
+        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        step: Number of the state of a path or a motion, from 0; -1 for the last.
+        time: Time of the state of a motion, one of its output times [s].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+
+    Returns:
+        NoiseBudget. A root mean square is infinite where white noise passes at once, as from a force to an
+        acceleration, or makes an output drift; under a trace also where the loop is not stable.
+
+    Raises:
+        AnalysisError: unstable where the mechanism, or the loop, does not come to rest, so that its noise has no end;
+            what the linearisation failed by.
+        ModelError: Noise of a sensor that no controller reads; no outputs; an input that moves nothing.
+        KeyError: A source, an output or an input that there is not.
+        ValueError: No sources; a density that is negative or has another shape; neither ``hertz`` nor ``band`` where a
+            density is no number; a controller that does not fit.
+
+    Warns:
+        FlexmbWarning: A root mean square is infinite.
+
+    Source:
+        THEORY.md 14, eq. (14.33) to (14.37).
+    """
+    if hertz is not None and band is not None:
+        raise ValueError("Give either `hertz` or `band`: a budget is that between the first and the last frequency.")
+    if sign not in (-1, 1):
+        raise ValueError(f"Argument `sign` must be -1 or 1, but is {shown(sign)}.")
+    lin = linearized(model, "noise_budget", where=Where(at, step, time, increment))
+    ins, outs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
+    wanted = chosen("output", outs, outputs)
+    loop = None
+    if controller is not None:
+        loop = controller_of(controller, measured, driven, outs, ins, sign)
+    elif measured is not None or driven is not None:
+        raise ValueError("Arguments `measured` and `driven` go with a controller.")
+    entering = _sources(sources, ins, outs, loop)
+    by_states = loop is None or loop.matrices is not None
+    exact = hertz is None and band is None
+    if exact:
+        _check_white(entering, by_states)
+    # Poles of a controller that is known by frequency alone are not known: those of the mechanism tell where it vibrates.
+    system, orders = plain(second_order(lin))
+    entries = entering.inputs, entering.sensors
+    places = None if loop is None else (loop.measured, loop.driven)
+    whole, poles, settles, (grid, widths) = _loop(
+        system,
+        loop.matrices if loop is not None and by_states else None,
+        orders=orders,
+        places=places if by_states else None,
+        entries=entries if by_states else (entering.inputs, ()),
+        band=None if band is None else _band(band),
+        exact=exact,
+    )
+    if by_states and is_concrete(poles):
+        _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
+    if hertz is not None:
+        grid, widths = check_hertz(hertz), None
+        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid)) < 0)):
+            raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
+    densities = [_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)]
+    plant = response_of(lin, grid, None, None, None, None).response
+    gain = None if loop is None else loop.by_frequency(grid)
+    spectra, below, variances = _budget(
+        plant,
+        gain,
+        densities,
+        grid,
+        widths,
+        settles if by_states else np.array(True),
+        whole if exact else None,
+        places=places,
+        entries=entries,
+        wanted=tuple(wanted),
+    )
+    found = NoiseBudget(grid, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
+    if is_concrete(found):
+        _tell_of_infinite(found)
+    return found
+
+
+class _Entering(NamedTuple):
+    """Where noise enters: numbers of inputs, numbers of outputs with a noisy sensor, and of all names and densities."""
+
+    inputs: tuple[int, ...]
+    sensors: tuple[int, ...]
+    names: tuple[str, ...]
+    densities: tuple[Any, ...]
+
+
+def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controller | None) -> _Entering:
+    """Inputs, then sensors, whatever their order."""
+    if not isinstance(sources, Mapping) or not sources:
+        raise ValueError("Argument `sources` must be densities by name, such as {'floor': 1e-9}, at least one.")
+    at_inputs, of_sensors = {}, {}
+    for name, density in sources.items():
+        known = {*inputs, *(own.replace(".", " ") for own in inputs)}
+        if name in known:
+            at_inputs[one_of("input", inputs, name)] = density
+        elif isinstance(name, str) and name.startswith("sensor "):
+            number = one_of("output", outputs, name.removeprefix("sensor "))
+            if loop is None or number not in loop.measured:
+                reads = "there is no controller" if loop is None else "the controller does not read it"
+                raise ModelError(f"Source '{clean(name)}': {reads}, so that noise of this sensor does nothing.")
+            of_sensors[number] = density
+        else:
+            raise KeyError(
+                f"There is no source '{clean(name)}': it is an input, {', '.join(inputs)}, or 'sensor' and an output,"
+                f" {', '.join(outputs)}."
+            )
+    names = [inputs[i] for i in at_inputs] + [f"sensor {outputs[i]}" for i in of_sensors]
+    if len(names) < len(sources):
+        raise ValueError("Argument `sources` names one source twice.")
+    return _Entering(tuple(at_inputs), tuple(of_sensors), tuple(names), (*at_inputs.values(), *of_sensors.values()))
+
+
+def _check_white(entering: _Entering, by_states: bool) -> None:
+    """Refuse what has no root mean square over all frequencies, or none that is found without a band."""
+    for name, density in zip(entering.names, entering.densities, strict=True):
+        if callable(density) or np.ndim(density):
+            raise ValueError(f"Source '{name}' is not white: give `hertz` or `band`, over which its noise is summed.")
+    if not by_states:
+        raise ValueError(
+            "Of a controller that is a function of frequencies the poles are not known: give `hertz` or `band`."
+        )
+
+
+def _band(band: Any) -> tuple[float, float]:
+    check_numbers("Argument `band`", band, (2,))
+    low, high = (float(end) for end in band)
+    if not 0 <= low < high:
+        raise ValueError(f"Argument `band` must be two ascending frequencies, not negative, but is {shown(band)}.")
+    return low, high
+
+
+def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "n_f"]:
+    """Density of a source at all frequencies."""
+    found = given(grid) if callable(given) else given
+    check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
+    if is_concrete(found) and np.any(np.asarray(found) < 0):
+        raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(found)}.")
+    return np.asarray(found, float) if is_concrete(found) else found  # type: ignore
+
+
+def _refuse_unstable(poles: np.ndarray, settles: bool, closed: bool) -> None:
+    """Refuse what does not come to rest.
+
+    Raises:
+        AnalysisError: unstable.
+    """
+    if settles:
+        return
+    worst = poles[np.argmax(poles.real)]
+    hertz = abs(worst.imag) / (2 * np.pi)
+    what = "The loop of mechanism and controller" if closed else "The mechanism"
+    how = f"its pole {worst.real:.4g} ± {abs(worst.imag):.4g}i rad/s, at {hertz:.4g} Hz,"
+    if worst.real > GROWS * np.max(np.abs(poles)):
+        remedy = "Change the controller, or its sign (`sign`)." if closed else "Support it, or close a loop around it."
+        raise AnalysisError("unstable", f"{what} is unstable: {how} grows, so that noise has no end. {remedy}")
+    raise AnalysisError(
+        "unstable",
+        f"{what} does not come to rest: {how} has no damping, so that white noise has no end. Damp it, as by"
+        " fm.damped(model, ratio=0.01), or give a `band`.",
+    )
+
+
+def _tell_of_infinite(found: NoiseBudget) -> None:
+    infinite = np.argwhere(~np.isfinite(np.asarray(found.variances)))
+    if len(infinite):
+        i, j = infinite[0]
+        warn(
+            f"The root mean square of '{found.outputs[i]}' by '{found.sources[j]}' is infinite: white noise passes at"
+            " once, or makes it drift, or a resonance without damping is hit. Give a `band` within which to sum, or"
+            " damp the resonance."
+        )
+
+
+@jit
+def _loop(system: SecondOrder, matrices: Any, *, orders, places, entries, band, exact: bool):
+    """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies.
+
+    The frequencies move with the poles, and so do those of a derivative: on a grid that stands still its error would be
+    that of the sum times the sharpness of a resonance.
+    """
+    whole = closed(energy_form(system, orders), matrices, places, *entries)
+    poles = _poles(whole.A)
+    settles = jnp.max(jnp.real(poles)) < (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles))
+    return whole, poles, settles, _grid(poles, *(band or (None, None)))
+
+
+def _poles(a: Float[Array, "n n"]) -> Complex[Array, "n"]:
+    """Eigenvalues; their derivatives are those of simple ones, and zero where vectors are not told apart."""
+    still = jax.lax.stop_gradient(a)
+    values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
+    inverse = jnp.linalg.inv(vectors)
+    told = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < TOLD)
+    moved = jnp.where(told, inverse, 0.0) @ (a - still).astype(complex)
+    return values + jnp.sum(moved * vectors.T, axis=1)
+
+
+@jit
+def _budget(plant, gain, densities, grid, widths, settles, whole: EnergyForm | None, *, places, entries, wanted):
+    """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or of a state space exactly."""
+    own = np.array(wanted)
+    density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
+    responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
+    size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
+    spectra = jnp.where(density > 0, size * density, 0.0)
+    if widths is None:
+        parts = jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2
+        below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])
+    else:
+        below = _areas(spectra * widths[:, None, None])
+    variances = below[-1] if whole is None else _white(whole, density[0, 0])[own]
+    return spectra, below, jnp.where(settles, variances, jnp.inf)
+
+
+def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n_y n_s"]:
+    """Variances under white noise of one-sided densities, by the covariance of the states."""
+    b = whole.B.T[:, :, None]
+    covariance = lyapunov(whole.A, b * b.swapaxes(1, 2))
+    variances = jnp.einsum("yi,sij,yj->ys", whole.C, covariance, whole.C)
+    # Two-sided, a density is half of that one-sided.
+    found = jnp.maximum(variances, 0.0) * densities / 2
+    unbounded = (whole.rough | (whole.D != 0)) & (densities > 0)
+    return jnp.where(unbounded, jnp.inf, found)
+
+
+def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> tuple[Any, Any]:
+    """Frequencies of a band, or where none is given of all poles, and the width in hertz that each stands for.
+
+    They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE by
+    each of the latter. So a density over dN/df is smooth, however sharp the resonances are.
+    """
+    sizes = jnp.abs(poles) / (2 * np.pi)
+    end = 3 * jnp.max(sizes) if high is None else jnp.asarray(high)
+    slowest = jnp.min(jnp.where(sizes > STILL * end, sizes, end))
+    first = slowest / 30 if low is None else jnp.asarray(low) if low else jnp.minimum(slowest, end) * FIRST
+    # Of each pair one.
+    upper = poles[jnp.argsort(-jnp.imag(poles))][: (len(poles) + 1) // 2]
+    place, width = jnp.imag(upper) / (2 * np.pi), jnp.abs(jnp.real(upper)) / (2 * np.pi)
+    width = jnp.maximum(width, STILL * end)
+    octaves = jnp.log(end / first)
+
+    def counted(f):
+        phases = jnp.arctan((f[:, None] - place) / width) - jnp.arctan((first - place) / width)
+        return SPREAD * jnp.log(f / first) / octaves + BESIDE / np.pi * jnp.sum(phases, axis=1)
+
+    def rate(f):
+        beside = width / (width**2 + (f[:, None] - place) ** 2)
+        return SPREAD / octaves / f + BESIDE / np.pi * jnp.sum(beside, axis=1)
+
+    beside = place[:, None] + width[:, None] * np.tan(np.linspace(-1, 1, BESIDE) * np.arctan(WIDEST))
+    even = first * (end / first) ** np.linspace(0, 1, SPREAD)
+    near = jnp.sort(jnp.concatenate([jnp.clip(beside.ravel(), first, end), even]))
+    ends = counted(end[None])[0] * np.linspace(0, 1, len(near))
+    found = jax.lax.stop_gradient(jnp.interp(ends, counted(near), near))
+    for _ in range(3):
+        # From fixed frequencies, so that the last step carries the whole derivative.
+        found = jax.lax.stop_gradient(found)
+        found = jnp.clip(found - (counted(found) - ends) / rate(found), first, end)
+    return found, (ends[1] - ends[0]) / rate(found)
+
+
+def _areas(values: Float[Array, "n y s"]) -> Float[Array, "n y s"]:
+    """What values at equal steps add up to from the first to each, by a parabola through each three of them."""
+    slopes = jnp.concatenate([values[1:2] - values[:1], (values[2:] - values[:-2]) / 2, values[-1:] - values[-2:-1]])
+    between = (values[1:] + values[:-1]) / 2 - (slopes[1:] - slopes[:-1]) / 12
+    return jnp.concatenate([jnp.zeros_like(values[:1]), jnp.cumsum(between, axis=0)])

@@ -1,0 +1,56 @@
+"""Noise of an output over frequency, source by source, and what it adds up to."""
+
+from typing import Any
+
+import numpy as np
+
+from ..control.noise import NoiseBudget
+
+
+def noise(found: NoiseBudget, output: str | None = None) -> Any:
+    """Density of the noise of an output, source by source, and its cumulative root mean square.
+
+    Args:
+        found: NoiseBudget of :func:`flexmb.control.noise_budget`.
+        output: Name of the output; may be left out where there is one.
+
+    Returns:
+        matplotlib Figure: roots of the power spectral densities, and below them the root mean square between the lowest
+        frequency and each, both over frequency in hertz.
+
+    Raises:
+        TypeError: ``found`` is no NoiseBudget.
+        KeyError: There is no such output, or several and none is named.
+
+    Source:
+        THEORY.md 14, eq. (14.33).
+    """
+    import matplotlib.pyplot as plt
+
+    if not isinstance(found, NoiseBudget):
+        raise TypeError(f"The noise of a NoiseBudget is drawn, not that of a {type(found).__name__}.")
+    total = np.asarray(found.cumulative(output))
+    hertz = np.asarray(found.hertz)
+    # Zero has no place on a logarithmic axis.
+    shown = hertz > 0
+    figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.6), layout="constrained")
+    several = len(found.sources) > 1
+    for source in found.sources:
+        density = np.sqrt(np.asarray(found.spectrum(output, source)))
+        upper.loglog(hertz[shown], density[shown], label=source, lw=1)
+        if several:
+            lower.semilogx(hertz[shown], np.asarray(found.cumulative(output, source))[shown], lw=1)
+    if several:
+        upper.loglog(
+            hertz[shown], np.sqrt(np.asarray(found.spectrum(output)))[shown], "k", lw=1.5, label="all", zorder=0
+        )
+    lower.semilogx(hertz[shown], total[shown], "k", lw=1.5)
+    name = found.outputs[0] if output is None else output
+    upper.set_title(f"{name}: rms {float(found.rms(output)):.4g}", fontsize=10)
+    upper.set_ylabel("density [unit/√Hz]")
+    lower.set_ylabel("cumulative rms")
+    lower.set_xlabel("frequency [Hz]")
+    upper.legend(fontsize=8)
+    for ax in (upper, lower):
+        ax.grid(visible=True, which="major", alpha=0.3)
+    return figure

@@ -1,0 +1,179 @@
+"""Noise budgets against closed forms and Lyapunov's equation by python-control, and as answers of designs."""
+
+import control
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.linalg
+from cases.mechanisms import planar_guide
+from cases.motions import sprung_mass
+
+import flexmb as fm
+
+K, D, M = 90.0, 1.2, 0.4
+# One-sided densities: 1e-4 N^2/Hz of force, 1e-3 (m/s^2)^2/Hz of the floor.
+FORCE, FLOOR = 1e-4, 1e-3
+
+
+def shaken(stiffness=K, damping=D):
+    """A mass on a spring on a floor that shakes."""
+    b = sprung_mass(stiffness=stiffness, damping=damping, mass=M)
+    b.input("mass", "x", name="push")
+    b.input("foot", "x", "acceleration", name="floor")
+    b.output("mass", "x", name="tip")
+    b.output("mass", "x", "velocity", name="speed")
+    b.output("s", 1, name="stretch")
+    b.output("s", 1, "stress", name="tension")
+    return b.build()
+
+
+def test_white_noise_on_one_mass():
+    """Of a force of two-sided density S the position has S/(2 d k), the velocity S/(2 d m); a floor acts by m a."""
+    model, s = shaken(), FORCE / 2
+    with pytest.warns(fm.FlexmbWarning, match="'tip' by 'floor' is infinite.*makes it drift"):
+        found = fm.control.noise_budget(model, sources={"floor": FLOOR, "push": FORCE})
+    assert found.rms("tip", "push") ** 2 == pytest.approx(s / (2 * D * K), rel=1e-12)
+    assert found.rms("speed", "push") ** 2 == pytest.approx(s / (2 * D * M), rel=1e-12)
+    assert found.rms("stretch", "floor") ** 2 == pytest.approx(FLOOR / 2 * M**2 / (2 * D * K), rel=1e-12)
+    # k^2 of the stretch and d^2 of its rate, which are not correlated.
+    tension = (K**2 / (2 * D * K) + D**2 / (2 * D * M)) * s
+    assert found.rms("tension", "push") ** 2 == pytest.approx(tension, rel=1e-12)
+    assert found.rms("stretch") ** 2 == pytest.approx(float(np.sum(found.variances[2])), rel=1e-14)
+    assert "rms of tip: inf" in repr(found) and "% push" in repr(found)
+    # Within a band that has nearly all of it: what lies below the first frequency is missing.
+    own = {"outputs": ["stretch", "speed"], "sources": {"floor": lambda f: FLOOR + 0 * f, "push": FORCE}}
+    banded = fm.control.noise_budget(model, band=(0, 1e3), **own)
+    assert banded.rms("stretch") == pytest.approx(float(found.rms("stretch")), rel=1e-4)
+    assert banded.cumulative("stretch")[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
+    # Up to the resonance: |H|^2 = m^2/|k - m w^2 + i d w|^2 of the floor, and without m^2 of the force.
+    top = np.sqrt(K / M) / (2 * np.pi)
+    passed = scipy.integrate.quad(
+        lambda f: (M**2 * FLOOR + FORCE) / abs(K - M * (2 * np.pi * f) ** 2 + 2j * np.pi * f * D) ** 2, 0, top
+    )
+    below = np.interp(top, banded.hertz, banded.cumulative("stretch"))
+    assert below**2 == pytest.approx(passed[0], rel=1e-3)
+    # By the trapezoidal rule at the same frequencies, some eighty a resonance.
+    again = fm.control.noise_budget(model, banded.hertz, **own)
+    np.testing.assert_allclose(again.variances, banded.variances, rtol=5e-3)
+    upper, lower = fm.plot.noise(banded, "stretch").axes
+    assert lower.lines[-1].get_ydata()[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
+    assert [text.get_text() for text in upper.get_legend().get_texts()] == ["floor", "push", "all"]
+
+
+def guide(thickness=5e-4):
+    """The tutorial's guide with all deformations free."""
+    b = planar_guide(thickness, elongation=True, ratio=0.01, dofs=False)
+    b.dof("left 1", 1, 2, 3)
+    return b.build(dofs="named")
+
+
+PUSH, TIP = "force right1.x", "position left1.x"
+
+
+def regulator(kp=400.0, kd=1.5, lag=1e-3):
+    """Force by position, with a lag, as A, B, C and D."""
+    return jnp.array([[-1 / lag]]), jnp.array([[1.0]]), jnp.array([[(kp - kd / lag) / lag]]), jnp.array([[kd / lag]])
+
+
+def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
+    model = guide()
+    plant = fm.to_statespace(model)[[0], [0]]
+    open_loop = fm.control.noise_budget(model, sources={PUSH: FORCE}, outputs=TIP)
+    loop = control.ss(*(np.asarray(part) for part in regulator()))
+    sources = {f"sensor {TIP}": 1e-14, PUSH: FORCE}
+    around = {"sources": sources, "measured": TIP, "outputs": TIP}
+    closed = fm.control.noise_budget(model, controller=loop, **around)
+    by_push, by_sensor = control.feedback(plant, loop), -control.feedback(plant * loop, 1)
+    for found, system, density in (
+        (open_loop.rms(), plant, FORCE),
+        (closed.rms(TIP, PUSH), by_push, FORCE),
+        (closed.rms(TIP, f"sensor {TIP}"), by_sensor, 1e-14),
+    ):
+        # Scaled, or round-off of the highest frequency squared leaves seven digits.
+        a, scale = scipy.linalg.matrix_balance(system.A)
+        b, c = np.linalg.solve(scale, system.B), system.C @ scale
+        covariance = control.lyap(a, density / 2 * b @ b.T)
+        assert found**2 == pytest.approx((c @ covariance @ c.T).item(), rel=1e-8)
+    # By frequency, where the controller may be a function, too.
+    banded = fm.control.noise_budget(model, controller=regulator(), band=(0, 2e3), **around)
+    np.testing.assert_allclose(banded.variances, closed.variances, rtol=1e-3)
+    s = 2j * np.pi * np.asarray(banded.hertz)
+    by_hand = fm.control.noise_budget(
+        model, banded.hertz, controller=lambda f: -(400 + 1.5 * s) / (1 + 1e-3 * s), sign=1, driven=PUSH, **around
+    )
+    np.testing.assert_allclose(by_hand.spectra, banded.spectra, rtol=1e-9, atol=1e-12 * np.max(banded.spectra))
+    with pytest.raises(fm.AnalysisError, match=r"loop of mechanism and controller is unstable: its pole .* Hz, grows"):
+        fm.control.noise_budget(model, controller=loop, sign=1, **around)
+
+
+def test_derivatives_of_a_loop():
+    """Thickness and gain against central differences, forward and in reverse, exactly and within a band."""
+
+    def answers(at, band=None):
+        found = fm.control.noise_budget(
+            guide(at[0]),
+            sources={PUSH: FORCE, f"sensor {TIP}": 1e-12},
+            controller=regulator(at[1]),
+            measured=TIP,
+            outputs=(TIP, "position left1.y"),
+            band=band,
+        )
+        return jnp.stack([found.rms(TIP), found.rms("position left1.y")])
+
+    at, step = np.array([5e-4, 400.0]), 1e-4
+    for band in (None, (1.0, 50.0)):
+        own = jax.jit(lambda at, band=band: answers(at, band))
+        forward, back = jax.jit(jax.jacfwd(own))(at), jax.jit(jax.jacrev(own))(at)
+        np.testing.assert_allclose(forward, back, rtol=1e-9)
+        for i in range(2):
+            moved = at * (1 + step * np.eye(2)[i]), at * (1 - step * np.eye(2)[i])
+            difference = (own(moved[0]) - own(moved[1])) / (2 * step * at[i])
+            # Error of a central difference: the square of its step.
+            np.testing.assert_allclose(forward[:, i], difference, rtol=1e-6)
+    unstable = jax.jit(answers)(np.array([5e-4, -1e6]))
+    assert np.all(np.isinf(unstable))
+
+
+def test_an_answer_of_designs():
+    """The variance S/(2 d k) is inverse to stiffness and to damping."""
+    answers = {"rms": lambda m: fm.control.noise_budget(m, sources={"push": FORCE}, outputs="tip").rms("tip")}
+    start = {"stiffness": K, "damping": D}
+    found = fm.sensitivities(shaken, answers, start)
+    np.testing.assert_allclose(found.values, [[-0.5, -0.5]], rtol=1e-10)
+    swept = fm.sweep(shaken, answers, {"stiffness": np.array([45.0, 90.0]), "damping": np.array([D, 2 * D])})
+    expected = np.sqrt(FORCE / 2 / (2 * np.outer([45.0, 90.0], [D, 2 * D])))
+    np.testing.assert_allclose(np.ravel(swept.answers["rms"]), expected.ravel(), rtol=1e-10)
+    wanted = np.sqrt(FORCE / 2 / (2 * D * 300.0))
+    tuned = fm.tune(
+        lambda stiffness: shaken(stiffness),
+        answers,
+        {"stiffness": K},
+        {"stiffness": (10.0, 1e3)},
+        targets={"rms": wanted},
+    )
+    assert tuned.dimensions["stiffness"] == pytest.approx(300.0, rel=1e-8)
+
+
+def test_what_is_refused():
+    model, white = shaken(), {"push": FORCE}
+    still = fm.damped(model, ratio=0.0, elements=False)
+    for fault, message, words in (
+        (ValueError, "at least one", {"sources": {}}),
+        (KeyError, "no source 'tap': it is an input, push, floor", {"sources": {"tap": 1.0}}),
+        (fm.ModelError, "there is no controller", {"sources": {"sensor tip": 1.0}}),
+        (ValueError, "cannot be negative", {"sources": {"push": -1.0}, "band": (1, 2)}),
+        (ValueError, "'push' is not white", {"sources": {"push": lambda f: 1 / f}}),
+        (ValueError, "ascend", {"hertz": [2.0, 1.0]}),
+        (ValueError, "`band` must be two ascending", {"band": (2, 1)}),
+        (ValueError, "either `hertz` or `band`", {"band": (1, 2), "hertz": [1.0, 2.0]}),
+        (ValueError, "1 inputs, but 4 outputs", {"controller": 3.0}),
+        (ValueError, "sampled", {"controller": control.ss(0.5, 1, 1, 0, 0.01)}),
+        (TypeError, "A controller is", {"controller": "pid"}),
+        (ValueError, "go with a controller", {"driven": "push"}),
+        (fm.AnalysisError, "does not come to rest.* no damping", {"model": still}),
+    ):
+        own = {"sources": white, "model": model, **words}
+        with pytest.raises(fault, match=message):
+            fm.control.noise_budget(own.pop("model"), own.pop("hertz", None), **own)
