@@ -23,7 +23,7 @@ from .about_motion import about, freedoms_of, outputs_of
 from .cubic import Spline, spline
 from .radau import march
 from .refined import refined
-from .slow_modes import check_modes, slow_modes
+from .slow_modes import amplitudes, check_modes, projected, slow_modes
 
 if TYPE_CHECKING:
     import control
@@ -49,7 +49,7 @@ class TimeVarying(Result, Record):
         y0: Its outputs, (n_t, n_y) [m, rad, ..].
         z0: Its states at the first time, (n_z,).
         sigma: Its stress resultants, (n_t, n_e) [N, N m].
-        basis: Degrees of freedom that carry mass by the first n states, one a column; None where these are they.
+        basis: Shapes of the first n states in the degrees of freedom, (n_t, n_q, n); None where they are these.
         error: Of a reduced system, the largest difference of its frequencies from those of the whole one at any of the
             times, over these, (n,) [-]; None of a whole one or under a trace.
         left_out: Of a reduced system, the lowest frequency that is not kept, (n_t,) [Hz]; None likewise.
@@ -68,7 +68,7 @@ class TimeVarying(Result, Record):
     y0: Float[Array, "n_t n_y"]
     z0: Float[Array, "n_z"]
     sigma: Float[Array, "n_t n_e"]
-    basis: Float[Array, "n_q n"] | None
+    basis: Float[Array, "n_t n_q n"] | None
     error: Float[Array, "n"] | None
     left_out: Float[Array, "n_t"] | None
     state_labels: tuple[str, ...] = static()
@@ -100,8 +100,7 @@ class TimeVarying(Result, Record):
             THEORY.md 7, eq. (7.2).
         """
         n = self.M.shape[1]
-        stiffness, mass = -np.asarray(self.M @ self.A[:, n : 2 * n, :n]), np.asarray(self.M)
-        return np.array([_frequencies(k, m) for k, m in zip(stiffness, mass, strict=True)])
+        return _frequencies_along(-self.M @ self.A[:, n : 2 * n, :n], self.M)
 
     def statespace(self, t: float) -> control.StateSpace:
         """The system as it is at one time, as if its matrices stayed so.
@@ -221,8 +220,8 @@ class TimeVarying(Result, Record):
         """The same in a few motions that vary slowly, which all others follow at once.
 
         Args:
-            modes: How many to keep. They span what the lowest modes at nine instants have most in common, and do not
-                change with time.
+            modes: How many to keep: what the lowest modes at nine instants have most in common, and what the rest adds
+                to that at rest.
 
         Returns:
             TimeVarying with ``error`` and ``left_out``.
@@ -235,19 +234,19 @@ class TimeVarying(Result, Record):
         """
         n = self.M.shape[1]
         check_modes(modes, n)
-        (a, b, c, d, mass), start, kept = _reduced(self, modes=modes)
+        (a, b, c, d, mass), start, shapes, still = _reduced(self, modes=modes)
         more = self.state_labels[2 * n :]
         names = [f"mode {i + 1}" for i in range(modes)]
         found = dataclasses.replace(
             self,
             **dict(zip("ABCDM", (a, b, c, d, mass), strict=True)),
             z0=start,
-            basis=kept if self.basis is None else self.basis @ kept,
+            basis=shapes if self.basis is None else self.basis @ shapes,
             state_labels=(*names, *(f"d {name}" for name in names), *more),
         )
         if not is_concrete(self):
             return found
-        whole, own = self.frequencies(), found.frequencies()
+        whole, own = self.frequencies(), _frequencies_along(still, mass)
         size = np.where(whole[:, :modes] == 0, 1.0, np.abs(whole[:, :modes]))
         left_out = whole[:, modes] if modes < n else np.full(len(whole), np.inf)
         error = np.max(np.abs(own - whole[:, :modes]) / size, axis=0)
@@ -280,6 +279,11 @@ class TimeVarying(Result, Record):
         }
         return Summary(f"{type(self).__name__}: linear system of {len(self.state_labels)} states along a motion", rows)
 
+    def _plain_names(self) -> list[list[str]]:
+        """Names of states, inputs and outputs as control takes them, without dots."""
+        labels = self.state_labels, self.input_labels, self.output_labels
+        return [[name.replace(".", " ") for name in own] for own in labels]
+
     def _splines(self) -> tuple[Spline, Spline, Spline, Spline]:
         return _splined(self.t, (self.A, self.B, self.C, self.D))
 
@@ -301,7 +305,7 @@ class TimeVarying(Result, Record):
         if times.ndim != 1 or len(times) < 2 or (is_concrete(times) and not np.all(np.diff(np.asarray(times)) > 0)):
             raise ValueError("Argument `times` must be at least two times, ascending, without a time twice.")
         self._within("times", times)
-        sizes = len(self.input_labels), times.shape[0]
+        sizes, known = (len(self.input_labels), times.shape[0]), ", ".join(self.input_labels) or "none"
         if isinstance(u, Mapping):
             unknown = [name for name in u if name not in self.input_labels]
             if unknown:
@@ -314,7 +318,7 @@ class TimeVarying(Result, Record):
         u = u[None] if u.ndim == 1 and sizes[0] == 1 else u
         if u.shape != sizes:
             raise ValueError(
-                f"Argument `u` must have a row for each input ({', '.join(self.input_labels) or 'none'}) and a column for"
+                f"Argument `u` must have a row for each input ({known}) and a column for"
                 f" each time, {sizes}, but has shape {u.shape}."
             )
         count = len(self.state_labels)
@@ -330,9 +334,12 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:6]) + (f", … ({len(names)})" if len(names) > 6 else "") if names else "none"
 
 
-def _frequencies(stiffness: np.ndarray, mass: np.ndarray) -> np.ndarray:
-    values, _ = general_spectrum(stiffness, mass)
-    return np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))
+def _frequencies_along(stiffness, mass) -> np.ndarray:
+    rows = []
+    for k, m in zip(np.asarray(stiffness), np.asarray(mass), strict=True):
+        values, _ = general_spectrum(k, m)
+        rows.append(np.sort(to_frequency(np.where(is_real(values), values.real, np.nan))))
+    return np.array(rows)
 
 
 @jit
@@ -363,27 +370,44 @@ def _solved(splines: tuple[Spline, ...], times, u, start, count, *, substeps: in
 
 @jit
 def _reduced(system: TimeVarying, *, modes: int):
-    """Matrices, mass, start and basis in a few motions; the others follow as if they had no mass."""
+    """Matrices, mass, start and shapes in a few motions, and stiffness; the others follow as if they had no mass."""
     n = system.M.shape[1]
-    stiffness = -system.M @ system.A[:, n : 2 * n, :n]
-    kept, rest = slow_modes(system.M, stiffness, modes)
-    more = system.A.shape[1] - 2 * n
-    whole = jax.scipy.linalg.block_diag(kept, kept, jnp.eye(more))
+    mass, below = system.M, slice(n, 2 * n)
+    by_q, by_rate = system.A[:, below, :n], system.A[:, below, below]
+    slow = slow_modes(system.t, mass, -mass @ by_q, modes)
+    shapes = slow.shapes
+    own, damping, stiffness = projected(slow, mass, -mass @ by_rate, -mass @ by_q)
 
-    def one(a, b, c, d, mass, stiffness):
-        momentum = mass @ kept
-        own = kept.T @ momentum
-        back = factorise(own).solve(momentum.T)
-        left = jax.scipy.linalg.block_diag(back, back, jnp.eye(more))
-        soft = rest.T @ stiffness @ rest
-        force = rest.T @ mass @ b[n : 2 * n]
-        follows = rest @ factorise(soft).solve(force)
-        return left @ a @ whole, left @ b, c @ whole, d + c[:, :n] @ follows, own
+    def one(a, b, c, d, mass, own, damping, stiffness, shapes, rates, second, rest):
+        more = a.shape[0] - 2 * n
+        still, beside = jnp.zeros_like(shapes), jnp.zeros((n, more))
+        velocity = jnp.concatenate([rates, shapes, beside], axis=1)
+        whole = jax.scipy.linalg.block_diag(jnp.block([[shapes, still], [rates, shapes]]), jnp.eye(more))
+        momenta, force = shapes.T @ mass, mass @ b[below]
+        factors = factorise(own)
+        forces = jnp.concatenate([-stiffness, -damping, momenta @ a[below, 2 * n :]], axis=1)
+        lower, drive = factors.solve(forces), factors.solve(momenta @ b[below])
+        upper = jnp.eye(modes, 2 * modes + more, k=modes)
+        # What is left out, at rest under inputs, damping and inertia of what is kept.
+        acceleration = jnp.concatenate([second, 2 * rates, beside], axis=1) + shapes @ lower
+        by_state = rest @ (mass @ (a[below, below] @ velocity - acceleration))
+        by_input = rest @ (force - mass @ (shapes @ drive))
+        seen = c[:, :n]
+        return (
+            jnp.concatenate([upper, lower, a[2 * n :] @ whole]),
+            jnp.concatenate([jnp.zeros((modes, b.shape[1])), drive, b[2 * n :]]),
+            c @ whole + seen @ by_state,
+            d + seen @ by_input,
+        )
 
-    parts = jax.lax.map(lambda of: one(*of), (system.A, system.B, system.C, system.D, system.M, stiffness))
-    mean = jnp.mean(system.M, axis=0) @ kept
-    start = jnp.concatenate([mean.T @ system.z0[:n], mean.T @ system.z0[n : 2 * n], system.z0[2 * n :]])
-    return parts, start, kept
+    parts = jax.lax.map(
+        lambda of: one(*of), (system.A, system.B, system.C, system.D, mass, own, damping, stiffness, *slow)
+    )
+    z0 = system.z0
+    start = jnp.concatenate([*amplitudes(slow, mass, z0[:n], z0[below]), z0[2 * n :]])
+    # As if the shapes stayed as they are in each moment.
+    still = jnp.swapaxes(shapes, 1, 2) @ (-mass @ by_q) @ shapes
+    return (*parts, own), start, shapes, still
 
 
 def time_varying(along: Any) -> TimeVarying:

@@ -15,7 +15,6 @@ from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record
 from ..display import Result, States, Summary, largest, short
 from ..linear.linearize import Matrices
-from ..math.linear import factorise
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import input_row
 from ..model.model import Labels, Model
@@ -27,7 +26,7 @@ from .about_motion import about, freedoms_of, released
 from .cubic import Spline, spline
 from .radau import march
 from .refined import refined
-from .slow_modes import check_modes, slow_modes
+from .slow_modes import amplitudes, check_modes, projected, slow_modes
 
 
 class Perturbation(Result, Record):
@@ -120,28 +119,26 @@ def _placed(topology, parameters, driven, t, x, near, change, q, qd):
 
 
 @jit
-def _equations(t, m: Matrices, force, kept: Array, basis, rest):
-    """Spline of [M, C, K, f], in the freedoms that are kept or in modes, and what the rest does at rest with its rate.
+def _equations(t, m: Matrices, force, start, kept: Array, *, modes: int | None):
+    """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; modes, and what the rest does.
 
     Args:
         force: Along all degrees of freedom, (n_t, n_q).
+        start: Deviations and rates of those that are kept, (kept,) each.
         kept: Which of them may vibrate.
-        basis: Shapes of modes, (kept, r), and those of the rest; None for all of them.
-        rest: See there.
+        modes: How many; None for all of the freedoms.
     """
-    own = [part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K)]
-    force = force[:, kept]
-    if basis is None:
-        still = jnp.zeros_like(force)
-        return spline(t, jnp.concatenate([*own, force[:, :, None]], axis=2)), still, still
-
-    def follows(stiffness, force):
-        return rest @ factorise(rest.T @ stiffness @ rest).solve(rest.T @ force)
-
-    still = jax.lax.map(lambda at: follows(*at), (own[2], force))
-    own = [basis.T @ part @ basis for part in own]
-    still_rate = spline(t, still).slopes
-    return spline(t, jnp.concatenate([*own, (force @ basis)[:, :, None]], axis=2)), still, still_rate
+    mass, damping, stiffness = (part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K))
+    force, slow, still = force[:, kept], None, None
+    parts = mass, damping, stiffness
+    if modes is not None:
+        slow = slow_modes(t, mass, stiffness, modes)
+        parts = projected(slow, mass, damping, stiffness)
+        at_rest = jnp.einsum("tij,tj->ti", slow.rest, force)
+        still = at_rest, spline(t, at_rest).slopes
+        start = amplitudes(slow, mass, *start)
+        force = jnp.einsum("tij,ti->tj", slow.shapes, force)
+    return spline(t, jnp.concatenate([*parts, force[:, :, None]], axis=2)), start, slow, still
 
 
 @jit
@@ -231,45 +228,38 @@ def perturbation(
     if u is not None:
         inputs = _as_inputs(u, len(t), len(model.labels.inputs))
         force = force + _pushed(model, m, inputs)
-    basis = rest = None
-    q0, qd0 = (value[kept] for value in start)
     if modes is not None:
         check_modes(modes, len(kept))
-        mass, stiffness = (of[:, kept][:, :, kept] for of in (m.M0, m.K))
-        basis, rest = slow_modes(mass, stiffness, modes)
-    equations, still, still_rate = _equations(t, m, force, kept, basis, rest)
-    if basis is not None:
-        onto = basis.T @ m.M0[0][kept][:, kept]
-        q0, qd0 = (factorise(onto @ basis).solve(onto @ value) for value in (q0, qd0))
+    start = tuple(value[kept] for value in start)
+    equations, start, slow, still = _equations(t, m, force, start, kept, modes=modes)
 
     def run(count):
         if isinstance(count, int):
-            return _vibrations(equations, q0, qd0, None, substeps=count)
-        return _vibrations(equations, q0, qd0, count)
+            return _vibrations(equations, *start, None, substeps=count)
+        return _vibrations(equations, *start, count)
 
-    def whole(found, beside):
-        own = found if basis is None else found @ basis.T + beside
-        return jnp.zeros((len(t), n_q)).at[:, kept].set(own)
+    def whole(p, pd):
+        """Deviations and rates of all degrees of freedom."""
+        if slow is not None:
+            shapes, rates, *_ = slow
+            p, pd = (
+                jnp.einsum("tij,tj->ti", shapes, p) + still[0],
+                jnp.einsum("tij,tj->ti", shapes, pd) + jnp.einsum("tij,tj->ti", rates, p) + still[1],
+            )
+        return tuple(jnp.zeros((len(t), n_q)).at[:, kept].set(of) for of in (p, pd))
 
     def apart(fine, coarse):
+        fine, coarse = whole(*fine)[0], whole(*coarse)[0]
         change, size = (
-            jnp.max(jnp.abs(_sway(model.topology, model.parameters, m.DFx, whole(value, 0.0))), initial=0.0)
-            for value in (fine[0] - coarse[0], fine[0])
+            jnp.max(jnp.abs(_sway(model.topology, model.parameters, m.DFx, of)), initial=0.0)
+            for of in (fine - coarse, fine)
         )
         return float(change / jnp.where(size > 0, size, 1.0))
 
-    traced = not is_concrete((m, q0, qd0, force))
+    traced = not is_concrete((m, start, force))
     (found, rates), error, count = refined(run, apart, substeps, rtol, traced, "The vibration")
-    return Perturbation(
-        t,
-        whole(found, still),
-        whole(rates, still_rate),
-        inputs,
-        holding,
-        motion,
-        jnp.asarray(error),
-        jnp.asarray(count),
-    )
+    moved, moving = whole(found, rates)
+    return Perturbation(t, moved, moving, inputs, holding, motion, jnp.asarray(error), jnp.asarray(count))
 
 
 def _as_freedoms(name: str, value: Any, names: list[str]) -> Float[Array, "n_q"]:
