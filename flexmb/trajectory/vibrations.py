@@ -13,11 +13,11 @@ from jaxtyping import Array, ArrayLike, Float, Int
 from ..arguments import check_numbers, is_concrete
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record
+from ..control.second_order_form import second_order
 from ..display import Result, States, Summary, largest, short
-from ..linear.linearize import Matrices
+from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
 from ..mechanics.extent import sizes_of
-from ..mechanics.signals import input_row
 from ..model.model import Labels, Model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.motion import Motion
@@ -178,18 +178,6 @@ def _vibrations(equations: Spline, q, qd, count, *, substeps: int | None = None)
 
 
 @jit
-def _pushed(model, m: Matrices, u):
-    """Forces of inputs along the degrees of freedom, (n_t, n_q)."""
-
-    def one(at):
-        m, u = at
-        rows = [input_row(s, m.x, m.DFx, m.DFe) for s in model.labels.inputs]
-        return u @ jnp.stack(rows)
-
-    return jax.lax.map(one, (m, u))
-
-
-@jit
 def _sway(topology, parameters, dfx, q):
     """Displacements in extents and radians, (n_t, n_x)."""
     return jnp.einsum("tij,tj->ti", dfx, q) / sizes_of(topology, parameters)
@@ -251,7 +239,7 @@ def perturbation(
     force, inputs = -holding, jnp.zeros((len(t), 0))
     if u is not None:
         inputs = _as_inputs(u, len(t), len(model.labels.inputs))
-        force = force + _pushed(model, m, inputs)
+        force = force + _pushed(lin, inputs)
     if modes is not None:
         check_modes(modes, len(kept))
     start = tuple(value[kept] for value in start)
@@ -301,6 +289,18 @@ def _as_inputs(u: Any, times: int, inputs: int) -> Float[Array, "n_t n_u"]:
             f" but has shape {found.shape}."
         )
     return found
+
+
+def _pushed(lin: Linearization, u) -> Float[Array, "n_t n_q"]:
+    """Forces of inputs along the degrees of freedom."""
+    form = second_order(lin)
+    moving = [s.name for s, moves in zip(lin.labels.inputs, form.moves, strict=True) if moves]
+    if moving:
+        raise ValueError(
+            f"Argument `u`: input '{moving[0]}' moves what is held, and is no small force. Let the nominal motion have"
+            " it."
+        )
+    return jnp.einsum("tij,tj->ti", form.B0, u)
 
 
 def _not_held(names: list[str], held: Sequence[str]) -> Array:
