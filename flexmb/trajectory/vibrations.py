@@ -77,7 +77,7 @@ class Perturbation(Result, Record):
             Motion.
 
         Source:
-            THEORY.md 14, eq. (14.26).
+            THEORY.md 14, eq. (14.23).
         """
         own = self.nominal
         model = own.model
