@@ -25,6 +25,7 @@ SCRIPTS = (
     "batch",
     "large_deflection",
     "viewer",
+    "along",
     "swing",
     "motion",
     "stability",
