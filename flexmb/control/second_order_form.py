@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import is_concrete
 from ..compilation.compile import jit
 from ..linear.linearize import Linearization, Matrices
 from ..mechanics.blocks import kernel
@@ -84,7 +85,13 @@ def second_order(lin: Linearization) -> SecondOrder:
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
     held = held_by((*terms_of(inputs), *terms_of(outputs)))
     whole = _with_held(model.topology, model.parameters, m, held=held, times=m.M0.ndim > 2) if held else m
-    found = _second_order(m, whole, model.parameters.weights, inputs=inputs, outputs=outputs, held=held)
+    weights = model.parameters.weights
+    if is_concrete((m, weights)) and m.M0.ndim == 2:
+        # For sizes that come but once, where compiling takes longer than computing.
+        numbers = jax.tree.map(np.asarray, (m, whole, weights))
+        found = _about_state(*numbers, inputs, outputs, held, np)
+    else:
+        found = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
     orders, moves = kinds_of(inputs)
     return SecondOrder(*found, orders=orders, moves=moves)
 
@@ -106,28 +113,30 @@ def _with_held(topology: Topology, parameters: Parameters, m: Matrices, *, held:
 @jit
 def _second_order(m: Matrices, whole: Matrices, weights: Any, *, inputs, outputs, held: tuple[Held, ...]) -> Any:
     def one(m: Matrices, whole: Matrices):
-        return _about_state(m, whole, weights, inputs, outputs, held)
+        return _about_state(m, whole, weights, inputs, outputs, held, jnp)
 
     return jax.vmap(one)(m, whole) if m.M0.ndim > 2 else one(m, whole)
 
 
-def _about_state(m: Matrices, whole: Matrices, weights, inputs, outputs, held) -> tuple[Any, ...]:
+def _about_state(m: Matrices, whole: Matrices, weights, inputs, outputs, held, xp: Any) -> tuple[Any, ...]:
+    """The twelve matrices of one state, by NumPy or by jax.numpy."""
     n = m.M0.shape[0]
     causes, sensed = terms_of(inputs), terms_of(outputs)
     parts = (whole.K, whole.C0 + whole.D0, whole.M0)
-    forces = jnp.zeros((n + len(held), len(causes)))
     motions = np.zeros((len(held), len(causes)))
+    columns: list[Any] = [None] * len(causes)
     for j, s in enumerate(causes):
         if s.order is None:
-            forces = forces.at[:, j].set(input_row(s, whole.x, whole.DFx, whole.DFe))
+            columns[j] = input_row(s, whole.x, whole.DFx, whole.DFe)
         else:
             motions[held.index(held_of(s)), j] = 1.0
+    forces = _stacked(columns, n + len(held), xp).T
     by_p = [-part[:n, n:] @ motions for part in parts]
     by_p[0] = by_p[0] + forces[:n]
     rows = [_output_rows(s, whole, held, parts, forces, causes) for s in sensed]
-    by_w = [_stacked([of[k] for of in rows], n + len(held)) for k in range(3)]
+    by_w = [_stacked([of[k] for of in rows], n + len(held), xp) for k in range(3)]
     through = [row[:, n:] @ motions for row in by_w]
-    through[0] = through[0] + _stacked([of[3] for of in rows], len(causes))
+    through[0] = through[0] + _stacked([of[3] for of in rows], len(causes), xp)
     by_q = [row[:, :n] for row in by_w]
     if weights is not None:
         mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
@@ -135,9 +144,10 @@ def _about_state(m: Matrices, whole: Matrices, weights, inputs, outputs, held) -
     return m.M0, m.C0 + m.D0, m.K, *by_p, *by_q, *through
 
 
-def _stacked(rows: list[Any], size: int) -> Float[Array, "rows size"]:
-    none = jnp.zeros(size)
-    return jnp.stack([none if row is None else row for row in rows]) if rows else jnp.zeros((0, size))
+def _stacked(rows: list[Any], size: int, xp: Any) -> Any:
+    """Rows below each other, zero where one is None."""
+    none = xp.zeros(size)
+    return xp.stack([none if row is None else row for row in rows]) if rows else xp.zeros((0, size))
 
 
 def _output_rows(s: Signal, m: Matrices, held, parts, forces, causes) -> tuple[Any, ...]:
@@ -162,14 +172,14 @@ def _output_rows(s: Signal, m: Matrices, held, parts, forces, causes) -> tuple[A
         rates = m.S_d[s.index]
         by_q = m.S[s.index] @ m.DFe
         # A stress that is an input adds to it.
-        passed = jnp.array([float(u.quantity == "stress" and u.index == s.index) for u in causes])
-        return by_q if moving is None else by_q + rates @ moving.DFe_d, rates @ m.DFe, None, passed
+        passed = np.array([float(u.quantity == "stress" and u.index == s.index) for u in causes])
+        return (by_q if moving is None else by_q + rates @ moving.DFe_d), rates @ m.DFe, None, passed
     of_e = s.quantity.startswith("deformation")
     order = ("position", "velocity", "acceleration")
     if of_e:
         order = ("deformation", "deformation rate", "deformation acceleration")
     place = order.index(s.quantity)
-    own, row = (jnp.array([s.index]), jnp.ones(1)) if of_e else along_coordinates(s, m.x)
+    own, row = (np.array([s.index]), np.ones(1)) if of_e else along_coordinates(s, m.x)
     along = row @ (m.DFe if of_e else m.DFx)[own]
     if place == 0 or moving is None:
         return (*(along if i == place else None for i in range(3)), None)

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..control.second_order_form import SecondOrder, second_order
 from ..errors import AnalysisError
 from ..linear.linearize import Linearization
 from ..linear.spectrum import symmetric_eigenvalues, to_frequency
 from ..mechanics.extent import extent_of
-from ..mechanics.signals import along_coordinates, input_row
 
 # Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
 POINTS = 40
@@ -48,21 +48,29 @@ class Response:
 
     Attributes:
         K, M, D: Stiffness, mass and damping, (n, n).
-        inputs: What each input does to the degrees of freedom, (n_u, n).
-        outputs: Each output by them, (n_y, n), rotations times the mechanism's extent.
+        B: What inputs and their two rates do to the degrees of freedom, (3, n, n_u), as B0, B1 and B2 of
+            :func:`flexmb.control.second_order`.
+        C: Outputs by the degrees of freedom and their two rates, (3, n_y, n), rotations times the mechanism's extent.
+        through: Outputs by inputs and their two rates, (3, n_y, n_u).
+        orders: Of which derivative of a displacement each input is, (n_u,).
         kinds: Quantity of each output.
         nodes: Coordinates of the nodes asked for by them, (k, n).
-        orders: Rates of each output: 0, 1 or 2.
     """
 
     K: np.ndarray
     M: np.ndarray
     D: np.ndarray
-    inputs: np.ndarray
-    outputs: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    through: np.ndarray
+    orders: np.ndarray
     kinds: tuple[str, ...]
     nodes: np.ndarray
-    orders: np.ndarray
+
+    @property
+    def directions(self) -> np.ndarray:
+        """What inputs do and what outputs see, along the degrees of freedom, one a row."""
+        return np.concatenate([*self.B.mT, *self.C, self.nodes])
 
     def restricted(self, z: np.ndarray) -> "Response":
         """The same where the degrees of freedom are z times new ones.
@@ -71,7 +79,8 @@ class Response:
             z: (n, k).
         """
         k, m, d = (z.T @ matrix @ z for matrix in (self.K, self.M, self.D))
-        return Response(k, m, d, self.inputs @ z, self.outputs @ z, self.kinds, self.nodes @ z, self.orders)
+        parts = {"B": z.T @ self.B, "C": self.C @ z, "nodes": self.nodes @ z}
+        return dataclasses.replace(self, K=k, M=m, D=d, **parts)
 
     def frequencies(self) -> np.ndarray:
         """Ascending [Hz]."""
@@ -79,8 +88,9 @@ class Response:
 
     def static(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs for inputs, and compliance of the nodes."""
-        positions = self.outputs * (self.orders == 0)[:, None]
-        return positions @ np.linalg.solve(self.K, self.inputs.T), self.nodes @ np.linalg.solve(self.K, self.nodes.T)
+        moved = self.C[0] @ np.linalg.solve(self.K, self.B[0]) + self.through[0]
+        # What the integrals of an input do has no end.
+        return moved * (self.orders == 0), self.nodes @ np.linalg.solve(self.K, self.nodes.T)
 
     def transfer(self, hertz: np.ndarray) -> np.ndarray:
         """Outputs for inputs at each frequency.
@@ -90,8 +100,10 @@ class Response:
         """
         found = []
         for w in 2 * np.pi * hertz:
-            h = self.outputs @ np.linalg.solve(self.K - w**2 * self.M + 1j * w * self.D, self.inputs.T)
-            found.append((1j * w) ** self.orders[:, None] * h)
+            rates = (1j * w) ** np.arange(3)
+            b, c, d = (np.tensordot(rates, of, 1) for of in (self.B, self.C, self.through))
+            h = c @ np.linalg.solve(self.K - w**2 * self.M + 1j * w * self.D, b) + d
+            found.append(h / (1j * w) ** self.orders)
         return np.array(found)
 
 
@@ -114,27 +126,26 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
             "A model is compared with leaner ones about a stable state, and here the stiffness K0 + N0 is not positive"
             " definite: support or stiffen the free motion, or lower the load.",
         )
-    dfx, dfe = np.asarray(m.DFx), np.asarray(m.DFe)
-    n = dfx.shape[1]
-    inputs = [np.asarray(input_row(s, m.x, dfx, dfe)) for s in labels.inputs]
+    whole, dfx = SecondOrder(*(np.asarray(of) for of in second_order(lin))), np.asarray(m.DFx)
     extent = extent_of(lin.model.topology, lin.model.parameters)
-    outputs, kinds, orders = [], [], []
-    for s in labels.outputs:
-        if s.quantity == "stress":
-            outputs.append((np.asarray(m.S) @ dfe)[s.index])
-        else:
-            own, row = (s.index, 1.0) if s.quantity.startswith("deformation") else along_coordinates(s, m.x)
-            outputs.append(dfe[own] if s.quantity.startswith("deformation") else np.asarray(row @ dfx[own]))
-            if not s.quantity.startswith("deformation") and labels.x[s.index].kind == "rotation":
-                outputs[-1] = extent * outputs[-1]
-        kinds.append(s.quantity)
-        orders.append(1 if s.quantity.endswith(("velocity", "rate")) else 2 if "acceleration" in s.quantity else 0)
+    turns = [not s.of_element and not s.parts and labels.x[s.index].kind == "rotation" for s in labels.outputs]
+    motions = [s.quantity in ("position", "velocity", "acceleration") for s in labels.outputs]
+    # What is measured in the same unit is of a kind; a sensor is one of its own.
+    kinds = [s.name if s.parts else s.quantity for s in labels.outputs]
+    kinds = [f"{kind} {turn and not of}" for kind, turn, of in zip(kinds, turns, motions, strict=True)]
+    size = np.where(np.logical_and(turns, motions), extent, 1.0)[:, None]
     rows = [dfx[[*labels.known(node), *labels.coordinates(f"{node}.rotation")]] for node in nodes]
     return Response(
-        K, np.asarray(m.M0), np.asarray(m.D0),
-        np.array(inputs).reshape(-1, n), np.array(outputs).reshape(-1, n), tuple(kinds),
-        np.concatenate(rows) if rows else np.zeros((0, n)), np.array(orders, int),
-    )  # fmt: skip
+        K=K,
+        M=whole.M,
+        D=np.asarray(m.D0),
+        B=np.array([whole.B0, whole.B1, whole.B2]),
+        C=size * np.array([whole.C0, whole.C1, whole.C2]),
+        through=size * np.array([whole.D0, whole.D1, whole.D2]),
+        orders=whole.orders,
+        kinds=tuple(kinds),
+        nodes=np.concatenate(rows) if rows else np.zeros((0, dfx.shape[1])),
+    )
 
 
 def in_band(frequencies: np.ndarray, bandwidth: float) -> int:

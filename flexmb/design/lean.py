@@ -115,7 +115,7 @@ def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[
     found = []
     for own, shapes in zip(full, bands, strict=True):
         z = shapes
-        candidates = np.linalg.solve(own.K, np.concatenate([own.inputs, own.outputs, own.nodes]).T)
+        candidates = np.linalg.solve(own.K, own.directions.T)
         while z.shape[1] < len(own.K):
             if deviation(own, own.restricted(z), bandwidth).worst <= tolerance:
                 break

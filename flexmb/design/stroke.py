@@ -209,7 +209,8 @@ def _named(model: Model, name: str) -> tuple[str, int]:
 def _of_model(model: Model) -> tuple[str, int]:
     """What the model itself says is driven."""
     top, more = model.topology, model.parameters.increment
-    found = [("e" if s.quantity == "stress" else "x", s.index) for s in model.labels.inputs if s.axis is None]
+    acting = [s for s in model.labels.inputs if s.axis is None and not s.held and not s.parts]
+    found = [("e" if s.of_element else "x", s.index) for s in acting]
     for kind in "xe" if more is not None else "":
         values = getattr(more, kind)
         moved = [] if values is None else np.asarray(getattr(top, kind).prescribed)[np.flatnonzero(values)].tolist()

@@ -42,7 +42,7 @@ def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Floa
         Indices, (k,), and row, (k,).
     """
     if signal.axis is None:
-        return jnp.array([signal.index]), jnp.ones(1)
+        return np.array([signal.index]), np.ones(1)
     own = signal.index + jnp.arange(4)
     return own, rotation_row(x[own], signal.axis, signal.local)
 

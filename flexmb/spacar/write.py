@@ -19,6 +19,7 @@ from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle
 from ..errors import ModelError, clean
 from ..files import write_whole
+from ..model.model import MOTIONS
 from ..model.roles import Role
 from . import outlines
 from . import series as series
@@ -434,7 +435,12 @@ class _Writer:
         keywords |= {"force": "INPUTF", "stress": "OUTS"}
         lines = []
         for side in ("input", "output"):
-            for i, (name, quantity, (kind, of, number), axis, _) in enumerate(self.builder.signals[side], 1):
+            for i, signal in enumerate(self.builder.signals[side], 1):
+                name, quantity, (kind, of, number), axis, *_ = signal
+                if signal.parts or quantity == "reaction" or (side == "input" and quantity in MOTIONS):
+                    raise ModelError(
+                        f"The {side} '{name}' is of the kind {quantity}, which a SPACAR input file cannot express."
+                    )
                 if axis is not None:
                     raise ModelError(
                         f"The {side} '{name}' is about an axis, which a SPACAR input file cannot express: there the"

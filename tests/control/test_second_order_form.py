@@ -221,3 +221,23 @@ def test_derivatives_of_a_pendulum_whose_pivot_shakes():
     central = (value(at + step * along) - value(at - step * along)) / (2 * step)
     # Truncation of the difference, 1e-10, and round-off over its step.
     np.testing.assert_allclose([forward, reverse], [central] * 2, rtol=1e-6)
+
+
+def test_what_cannot_be_a_signal_is_refused_by_name():
+    b = shaken_mass()
+    with pytest.raises(fm.ModelError, match=r"Sensor 'yaw' needs a dictionary"):
+        b.sensor("yaw", {})
+    with pytest.raises(fm.ModelError, match=r"Actuator 'push' has parts of several kinds, displacement, force"):
+        b.actuator("push", {"mass.x": 1.0, "displacement wall.x": 1.0})
+    for side, quantity in (("input", "displacement"), ("output", "reaction")):
+        other = b.copy()
+        getattr(other, side)("mass", "x", quantity)
+        with pytest.raises(fm.ModelError, match=f"'{quantity} mass.x' is the {quantity} of a coordinate that is dof"):
+            other.build()
+    b.output("mass", "x")
+    b.input("wall", "y", "displacement", name="across")
+    model = b.build()
+    with pytest.raises(fm.ModelError, match=r"Input 'across' \(a displacement\) moves nothing"):
+        fm.control.state_matrices(model)
+    with pytest.raises(fm.ModelError, match=r"input 'across' is the displacement of something held, wall\.y"):
+        fm.simulate(model, [0, 0.1], control=lambda t, y: y)
