@@ -252,11 +252,11 @@ class Observed(ByName, Result, Record):
 @jit_beside_options
 def _along(model, driven, t, x, xd, near, u):
     """Linearised equations at every time, under the inputs as they were then."""
-    undriven = coordinates_form(model.topology, model.parameters, driven)
+    without_inputs = coordinates_form(model.topology, model.parameters, driven)
 
     def one(at):
         t, x, xd, near, u = at
-        form = under_inputs(model, undriven, u)
+        form = under_inputs(model, without_inputs, u)
         state = form.state_of(x, xd, near)
         z, _ = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
