@@ -1,4 +1,4 @@
-"""Frequency response of the spatial guide: 2000 frequencies, six inputs by six outputs, beside python-control and SciPy.
+"""Frequency response of the spatial guide: 2000 frequencies, 6 x 6, beside python-control and SciPy.
 
 Errors are those against solutions with nineteen digits. ``python benchmarks/response.py`` prints and draws what README
 quotes and writes results/response.json and results/response.png.
@@ -30,7 +30,9 @@ def exact(lin, hertz):
         hertz: Frequencies, (n_f,) [Hz].
     """
     second = fm.control.second_order(lin)
-    k, d, m, b, c = (np.asarray(of).astype(np.clongdouble) for of in (second.K, second.C, second.M, second.B0, second.C0))
+    k, d, m, b, c = (
+        np.asarray(of).astype(np.clongdouble) for of in (second.K, second.C, second.M, second.B0, second.C0)
+    )
     found = []
     for w in 2 * np.pi * hertz.astype(np.longdouble):
         z = k + 1j * w * d - w**2 * m
@@ -71,9 +73,7 @@ def main() -> None:
 
     # In the same process, so that all have the same thread of LAPACK.
     inside = jax.jit(lambda lin, hertz: fm.frequency_response(lin, hertz).response)
-    slope = jax.jit(
-        jax.jacfwd(lambda eta, lin: jnp.abs(fm.frequency_response(lin, hertz, loss_factor=eta).response))
-    )
+    slope = jax.jit(jax.jacfwd(lambda eta, lin: jnp.abs(fm.frequency_response(lin, hertz, loss_factor=eta).response)))
     matrix = jnp.asarray(np.asarray(lin.K))
     eigh = jax.jit(jnp.linalg.eigh)
     variants = {

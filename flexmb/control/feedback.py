@@ -12,7 +12,6 @@ from ..compilation.compile import jit
 from .energy_form import EnergyForm
 from .frequency_response import one_of
 
-
 # Numbers of the outputs that a controller reads, and of the inputs that it drives.
 Places = tuple[tuple[int, ...], tuple[int, ...]]
 
@@ -80,7 +79,8 @@ def controller_of(
             gain = gain[:, None, None]
         if gain.shape != (len(hertz), *sizes):
             raise ValueError(
-                f"The controller, a function of frequencies, must return shape {(len(hertz), *sizes)}, not {gain.shape}."
+                f"The controller, a function of frequencies, must return shape {(len(hertz), *sizes)}, not"
+                f" {gain.shape}."
             )
         return gain if matrices is not None else sign * gain
 
@@ -94,12 +94,18 @@ def _told(given: Any) -> tuple[Any, Any, Any, Any]:
 
         if getattr(given, "isdtime", lambda **_: False)(strict=True):
             raise ValueError(
-                "A sampled controller has no response to noise that is continuous: give the continuous one it is made of."
+                "A sampled controller has no response to noise that is continuous: give the continuous one that it is"
+                " made of."
             )
         labels = list(given.input_labels), list(given.output_labels)
         shape = given.noutputs, given.ninputs
         if isinstance(given, control.FrequencyResponseData):
-            return shape, labels, None, lambda hertz: np.moveaxis(given(2j * np.pi * np.asarray(hertz), squeeze=False), -1, 0)
+            return (
+                shape,
+                labels,
+                None,
+                lambda hertz: np.moveaxis(given(2j * np.pi * np.asarray(hertz), squeeze=False), -1, 0),
+            )
         own: Any = control.ss(given)
         return shape, labels, tuple(jnp.asarray(part, float) for part in (own.A, own.B, own.C, own.D)), None
     if callable(given):

@@ -23,6 +23,7 @@ from ..math.linear import diagonal_of, pencil
 from ..model.model import Model
 from ..results import RESULTS
 from .second_order_form import SecondOrder, second_order
+from .state_space import refuse_idle_inputs
 
 # Damping couples two modes where what is between them is above this share of the mean of their own, or, beside it, of
 # the largest there is: both are far above round-off and far below what an answer would show.
@@ -233,9 +234,11 @@ def response_of(
         refuse_unsymmetric(m.symmetric)
         if not rests:
             raise NotImplementedError('About a state of motion there are no real modes: leave out method="modes".')
+    whole = second_order(lin)
     if is_concrete(m):
         refuse_negative_mass(lin)
-    whole, orders = plain(second_order(lin))
+        refuse_idle_inputs(lin, whole)
+    whole, orders = plain(whole)
     _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
     lossy = None if losses is None else _with_losses(lin, loss_factors(lin, losses))
     by_modes = method != "direct" and rests
@@ -449,9 +452,7 @@ def _sum_over_modes(w, factors, by_inputs, by_outputs):
     mu, shifted, vectors, damping, losses = factors
     vectors = vectors.astype(complex)
     column = w[:, None]
-    inverse = jax.lax.complex(
-        1 - shifted - column**2 * mu, column * diagonal_of(damping) + diagonal_of(losses)
-    )
+    inverse = jax.lax.complex(1 - shifted - column**2 * mu, column * diagonal_of(damping) + diagonal_of(losses))
     hit = jnp.abs(inverse) <= HIT * (1 + shifted + column**2 * mu)
     gains = jnp.where(hit, 0.0, 1 / jnp.where(hit, 1.0, inverse))
     if isinstance(by_inputs, tuple) or isinstance(by_outputs, tuple):
@@ -494,7 +495,9 @@ def _transfer_jvp(primals, tangents):
     felt = _transfer(factors, w, parts, every, (left,))
     found = left @ moved
     one, s, s2 = (power[:, None, None] for power in _powers(w))
-    of_z = sum(change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, one), (dloss, 1j)))
+    of_z = sum(
+        change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, one), (dloss, 1j))
+    )
     m, c = (part.astype(complex) for part in parts[:2])
     turned = (1j * dw.astype(complex))[:, None, None]
     of_z = of_z + turned * ((2 * s * m + c) @ moved)

@@ -33,9 +33,7 @@ def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "
         def column(i, y):
             j = i if adjoint else n - 1 - i
             known = right[:, :, j] - y @ around[:, j]
-            found = jax.lax.linalg.triangular_solve(
-                own + around[j, j] * eye, known.T, left_side=True, lower=adjoint
-            )
+            found = jax.lax.linalg.triangular_solve(own + around[j, j] * eye, known.T, left_side=True, lower=adjoint)
             return y.at[:, :, j].set(found.T)
 
         y = jax.lax.fori_loop(0, n, column, jnp.zeros_like(right))

@@ -41,7 +41,9 @@ def noise(found: NoiseBudget, output: str | None = None) -> Any:
         if several:
             lower.semilogx(hertz[shown], np.asarray(found.cumulative(output, source))[shown], lw=1)
     if several:
-        upper.loglog(hertz[shown], np.sqrt(np.asarray(found.spectrum(output)))[shown], "k", lw=1.5, label="all", zorder=0)
+        upper.loglog(
+            hertz[shown], np.sqrt(np.asarray(found.spectrum(output)))[shown], "k", lw=1.5, label="all", zorder=0
+        )
     lower.semilogx(hertz[shown], total[shown], "k", lw=1.5)
     name = found.outputs[0] if output is None else output
     upper.set_title(f"{name}: rms {float(found.rms(output)):.4g}", fontsize=10)
