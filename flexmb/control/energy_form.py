@@ -108,7 +108,8 @@ def _beside_what_follows(b, c, d, parts, orders: tuple[int, ...]):
     q = q' + r p with K r = B0: what is left acts by B1 - C r and B2 - M r, and outputs take C0 r + D0 and so on.
 
     Returns:
-        b and d by u and its rates, (3, n, n_u) and (3, n_y, n_u); whether outputs drift, and sizes of their terms, (n_y, n_u).
+        b and d by u and its rates, (3, n, n_u) and (3, n_y, n_u); whether outputs drift, and sizes of their terms,
+        (n_y, n_u).
     """
     factors = factorise(parts[0])
     is_rate = np.array([order > 0 for order in orders])

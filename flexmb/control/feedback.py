@@ -84,7 +84,7 @@ def controller_of(
             )
         return gain if matrices is not None else sign * gain
 
-    return Controller(*found, matrices, by_frequency)
+    return Controller(found[0], found[1], matrices, by_frequency)
 
 
 def _told(given: Any) -> tuple[Any, Any, Any, Any]:
@@ -104,7 +104,7 @@ def _told(given: Any) -> tuple[Any, Any, Any, Any]:
                 shape,
                 labels,
                 None,
-                lambda hertz: np.moveaxis(given(2j * np.pi * np.asarray(hertz), squeeze=False), -1, 0),
+                lambda hertz: np.moveaxis(np.asarray(given(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
             )
         own: Any = control.ss(given)
         return shape, labels, tuple(jnp.asarray(part, float) for part in (own.A, own.B, own.C, own.D)), None

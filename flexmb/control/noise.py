@@ -298,14 +298,14 @@ def _band(band: Any) -> tuple[float, float]:
 
 def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "n_f"]:
     """Density of a source at all frequencies."""
-    found = given(grid) if callable(given) else given
+    found: Any = given(grid) if callable(given) else given
     check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
     if is_concrete(found) and np.any(np.asarray(found) < 0):
         raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(found)}.")
     return np.asarray(found, float) if is_concrete(found) else found  # type: ignore
 
 
-def _refuse_unstable(poles: np.ndarray, settles: bool, closed: bool) -> None:
+def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
     """Refuse what does not come to rest.
 
     Raises:
@@ -313,7 +313,7 @@ def _refuse_unstable(poles: np.ndarray, settles: bool, closed: bool) -> None:
     """
     if settles:
         return
-    worst = poles[np.argmax(poles.real)]
+    worst = complex(poles[np.argmax(poles.real)])
     hertz = abs(worst.imag) / (2 * np.pi)
     what = "The loop of mechanism and controller" if closed else "The mechanism"
     how = f"its pole {worst.real:.4g} ± {abs(worst.imag):.4g}i rad/s, at {hertz:.4g} Hz,"

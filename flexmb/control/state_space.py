@@ -318,7 +318,8 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
     Raises:
         ModelError: An input moves nothing.
     """
-    _refuse_idle_inputs(lin, SecondOrder(*(np.asarray(of) for of in whole)), _all_massless(lin))
+    plain: Any = jax.tree.map(np.asarray, whole)
+    _refuse_idle_inputs(lin, plain, _all_massless(lin))
 
 
 def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple[int, ...]) -> None:

@@ -1,5 +1,7 @@
 """Noise budgets against closed forms and Lyapunov's equation by python-control, and as answers of designs."""
 
+from typing import Any
+
 import control
 import jax
 import jax.numpy as jnp
@@ -94,14 +96,15 @@ def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
     around = {"sources": sources, "measured": TIP, "outputs": TIP}
     closed = fm.control.noise_budget(model, controller=loop, **around)
     by_push, by_sensor = control.feedback(plant, loop), -control.feedback(plant * loop, 1)
-    for found, system, density in (
+    checked: Any = (
         (open_loop.rms(), plant, FORCE),
         (closed.rms(TIP, PUSH), by_push, FORCE),
         (closed.rms(TIP, f"sensor {TIP}"), by_sensor, 1e-14),
-    ):
+    )
+    for found, system, density in checked:
         # Scaled, or round-off of the highest frequency squared leaves seven digits.
         a, scale = scipy.linalg.matrix_balance(system.A)
-        b, c = np.linalg.solve(scale, system.B), system.C @ scale
+        b, c = np.linalg.solve(np.asarray(scale), system.B), system.C @ scale
         covariance = control.lyap(a, density / 2 * b @ b.T)
         assert found**2 == pytest.approx((c @ covariance @ c.T).item(), rel=1e-8)
     # By frequency, where the controller may be a function, too.
@@ -149,10 +152,10 @@ def test_an_answer_of_designs():
     answers = {"rms": lambda m: fm.control.noise_budget(m, sources={"push": FORCE}, outputs="tip").rms("tip")}
     start = {"stiffness": K, "damping": D}
     found = fm.sensitivities(shaken, answers, start)
-    np.testing.assert_allclose(found.values, [[-0.5, -0.5]], rtol=1e-10)
+    np.testing.assert_allclose(found.table, [[-0.5, -0.5]], rtol=1e-10)
     swept = fm.sweep(shaken, answers, {"stiffness": np.array([45.0, 90.0]), "damping": np.array([D, 2 * D])})
-    expected = np.sqrt(FORCE / 2 / (2 * np.outer([45.0, 90.0], [D, 2 * D])))
-    np.testing.assert_allclose(np.ravel(swept.answers["rms"]), expected.ravel(), rtol=1e-10)
+    expected = np.sqrt(FORCE / 2 / (2 * np.array([45.0 * D, 90.0 * 2 * D])))
+    np.testing.assert_allclose(swept.answers["rms"], expected, rtol=1e-10)
     wanted = np.sqrt(FORCE / 2 / (2 * D * 300.0))
     tuned = fm.tune(
         lambda stiffness: shaken(stiffness),
