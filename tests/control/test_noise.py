@@ -119,6 +119,41 @@ def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
         fm.control.noise_budget(model, controller=loop, sign=1, **around)
 
 
+def test_a_free_mass_held_by_its_controller_and_a_joint_without_mass():
+    """Gains k and d make of a free mass that on a spring and a damper; a joint follows it at once."""
+    k1, k2 = 30.0, 60.0
+    b = fm.Builder()
+    for name, x in (("free", 0.0), ("wall", 1.0), ("joint", 2.0), ("mass", 3.0)):
+        b.node(name, (x, 0))
+    b.add(planar.truss, "wall", "joint", section=fm.Rigidity(EA=k1))
+    b.add(planar.truss, "joint", "mass", section=fm.Rigidity(EA=k2))
+    b.add(planar.truss, "free", "wall", section=fm.Rigidity(EA=0.0), damping=fm.Damping(EA=0.0))
+    b.fix("wall")
+    for name in ("free", "joint", "mass"):
+        b.fix(name, "y")
+        b.dof(name, "x")
+        b.input(name, "x", name=f"push {name}")
+        b.output(name, "x", name=name)
+    b.output("free", "x", "velocity", name="speed")
+    for name in ("free", "mass"):
+        b.mass(name, M)
+    lin = fm.damped(b.build(), rayleigh=(D / M, 0.0))
+    hertz = np.array([0.5, 2.0, 7.0])
+    response = fm.frequency_response(lin, hertz, outputs=["joint", "mass"], inputs=["push joint", "push mass"]).response
+    w, share, k = 2 * np.pi * hertz, k2 / (k1 + k2), k1 * k2 / (k1 + k2)
+    mass = 1 / (k + 1j * w * D - M * w**2)
+    expected = np.array([[share**2 * mass + 1 / (k1 + k2), share * mass], [share * mass, mass]])
+    np.testing.assert_allclose(response, np.moveaxis(expected, -1, 0), rtol=1e-12)
+    hold = {"controller": np.array([[K, 0.5 * D]]), "measured": ["free", "speed"], "driven": "push free"}
+    found = fm.control.noise_budget(
+        lin, sources={"push free": FORCE, "push mass": FORCE}, outputs=["free", "joint"], **hold
+    )
+    assert found.rms("free", "push free") ** 2 == pytest.approx(FORCE / 2 / (2 * 1.5 * D * K), rel=1e-10)
+    assert found.rms("joint", "push mass") ** 2 == pytest.approx(share**2 * FORCE / 2 / (2 * D * k), rel=1e-12)
+    with pytest.warns(fm.FlexmbWarning, match="'joint' by 'push joint' is infinite"):
+        fm.control.noise_budget(lin, sources={"push joint": FORCE}, outputs="joint", **hold)
+
+
 def test_derivatives_of_a_loop():
     """Thickness and gain against central differences, forward and in reverse, exactly and within a band."""
 
