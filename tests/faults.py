@@ -448,7 +448,6 @@ FAULTS = [
     Fault(
         "control/energy_form.py", "* terms, b - taken, 0.0)", "* terms, b, 0.0)", "control/test_noise.py -k one_mass"
     ),
-    Fault("control/energy_form.py", "terms[:-1]) + noted", "terms[:-1])", "control/test_noise.py -k one_mass"),
     Fault("control/feedback.py", "[a + bd @ by_z, bd", "[a - bd @ by_z, bd", "control/test_noise.py -k lyapunov"),
     Fault("math/lyapunov.py", "lower=adjoint)", "lower=False)", "control/test_noise.py -k derivatives"),
     Fault(
