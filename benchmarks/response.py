@@ -1,4 +1,4 @@
-"""Frequency response of the spatial guide: 2000 frequencies, six inputs by six outputs, beside python-control and SciPy.
+"""Frequency response of the spatial guide: 2000 frequencies, 6 x 6, beside python-control and SciPy.
 
 Errors are those against solutions with nineteen digits. ``python benchmarks/response.py`` prints and draws what README
 quotes and writes results/response.json and results/response.png.
@@ -6,6 +6,7 @@ quotes and writes results/response.json and results/response.png.
 
 import time
 import warnings
+from typing import Any
 
 import control
 import jax
@@ -62,7 +63,7 @@ def main() -> None:
     warnings.simplefilter("ignore", fm.BeamTheoryWarning)
     builder = guide(signals=COMPONENTS)
     lin = fm.damped(builder, ratio=0.005)
-    hertz = np.logspace(0, 4, FREQUENCIES)
+    hertz: Any = np.logspace(0, 4, FREQUENCIES)
     plant = fm.to_statespace(lin)
     reference = exact(lin, hertz)
     size = np.linalg.norm(reference.astype(complex), axis=(1, 2))

@@ -450,6 +450,38 @@ FAULTS = [
     Fault("control/truncation.py", "IDLE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
     Fault("control/second_order_form.py", "s**2 * m, forces", "s * m, forces", "control/test_truncation.py -k error"),
     Fault("control/truncation.py", "np.abs(own - full)", "np.abs(own)", "control/test_truncation.py -k error"),
+    # Frequency responses and noise.
+    Fault(
+        "control/frequency_response.py",
+        "(2 * s * m + c) @ moved",
+        "(s * m + c) @ moved",
+        "control/test_frequency_response.py -k dimensions",
+    ),
+    Fault(
+        "control/frequency_response.py",
+        "change = -felt @ of_z",
+        "change = felt @ of_z",
+        "control/test_frequency_response.py -k repeated",
+    ),
+    Fault(
+        "control/frequency_response.py",
+        "np.array([1, 1j, -1, -1j, 1])",
+        "np.array([1, 1j, 1, -1j, 1])",
+        "control/test_frequency_response.py -k shakes",
+    ),
+    Fault(
+        "control/frequency_response.py",
+        "jnp.abs(inverse) <= HIT",
+        "jnp.abs(inverse) < 0 * HIT",
+        "control/test_frequency_response.py -k repeated",
+    ),
+    Fault("control/noise.py", "* densities / 2", "* densities", "control/test_noise.py -k one_mass"),
+    Fault("control/noise.py", "(-DECAYS if exact else GROWS)", "1", "control/test_noise.py -k loop"),
+    Fault(
+        "control/energy_form.py", "* terms, b - taken, 0.0)", "* terms, b, 0.0)", "control/test_noise.py -k one_mass"
+    ),
+    Fault("control/feedback.py", "[a + bd @ by_z, bd", "[a - bd @ by_z, bd", "control/test_noise.py -k lyapunov"),
+    Fault("math/lyapunov.py", "lower=adjoint)", "lower=False)", "control/test_noise.py -k derivatives"),
     Fault(
         "control/nonlinear_system.py",
         "state[:n] / form.sizes, state[n:] / form.sizes",

@@ -108,10 +108,10 @@ def _beside_what_follows(b, c, d, parts, orders: tuple[int, ...]):
     q = q' + r p with K r = B0: what is left acts by B1 - C r and B2 - M r, and outputs take C0 r + D0 and so on.
 
     Returns:
-        b and d by u and its rates, (3, n, n_u) and (3, n_y, n_u); whether outputs drift, (n_y, n_u); sizes of the terms.
+        b and d by u and its rates, (3, n, n_u) and (3, n_y, n_u); whether outputs drift, and sizes of their terms,
+        (n_y, n_u).
     """
-    stiffness, damping, mass = parts
-    factors = factorise(stiffness)
+    factors = factorise(parts[0])
     is_rate = np.array([order > 0 for order in orders])
     follows = jnp.where(is_rate & factors.regular(), factors.solve(jnp.where(is_rate, b[0], 0.0)), 0.0)
     follows = jnp.where(jnp.isfinite(follows), follows, 0.0)

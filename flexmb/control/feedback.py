@@ -79,11 +79,12 @@ def controller_of(
             gain = gain[:, None, None]
         if gain.shape != (len(hertz), *sizes):
             raise ValueError(
-                f"The controller, a function of frequencies, must return shape {(len(hertz), *sizes)}, not {gain.shape}."
+                f"The controller, a function of frequencies, must return shape {(len(hertz), *sizes)}, not"
+                f" {gain.shape}."
             )
         return gain if matrices is not None else sign * gain
 
-    return Controller(*found, matrices, by_frequency)
+    return Controller(found[0], found[1], matrices, by_frequency)
 
 
 def _told(given: Any) -> tuple[Any, Any, Any, Any]:
@@ -93,7 +94,8 @@ def _told(given: Any) -> tuple[Any, Any, Any, Any]:
 
         if getattr(given, "isdtime", lambda **_: False)(strict=True):
             raise ValueError(
-                "A sampled controller has no response to noise that is continuous: give the continuous one it is made of."
+                "A sampled controller has no response to noise that is continuous: give the continuous one that it is"
+                " made of."
             )
         labels = list(given.input_labels), list(given.output_labels)
         shape = given.noutputs, given.ninputs
@@ -102,7 +104,7 @@ def _told(given: Any) -> tuple[Any, Any, Any, Any]:
                 shape,
                 labels,
                 None,
-                lambda hertz: np.moveaxis(given(2j * np.pi * np.asarray(hertz), squeeze=False), -1, 0),
+                lambda hertz: np.moveaxis(np.asarray(given(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
             )
         own: Any = control.ss(given)
         return shape, labels, tuple(jnp.asarray(part, float) for part in (own.A, own.B, own.C, own.D)), None

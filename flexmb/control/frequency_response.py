@@ -23,6 +23,7 @@ from ..math.linear import diagonal_of, pencil
 from ..model.model import Model
 from ..results import RESULTS
 from .second_order_form import SecondOrder, second_order
+from .state_space import refuse_idle_inputs
 
 # Damping couples two modes where what is between them is above this share of the mean of their own, or, beside it, of
 # the largest there is: both are far above round-off and far below what an answer would show.
@@ -233,9 +234,11 @@ def response_of(
         refuse_unsymmetric(m.symmetric)
         if not rests:
             raise NotImplementedError('About a state of motion there are no real modes: leave out method="modes".')
+    whole = second_order(lin)
     if is_concrete(m):
         refuse_negative_mass(lin)
-    whole, orders = plain(second_order(lin))
+        refuse_idle_inputs(lin, whole)
+    whole, orders = plain(whole)
     _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
     lossy = None if losses is None else _with_losses(lin, loss_factors(lin, losses))
     by_modes = method != "direct" and rests

@@ -27,8 +27,8 @@ DECAYS, GROWS = 1e-13, 1e-10
 # Frequencies of a band: so many in equal ratios, and so many for each pole, spread as a resonance is, of a curve
 # 1/(1 + x^2) to each an equal share; first tried out to x = WIDEST.
 SPREAD, BESIDE, WIDEST = 200, 80, 100.0
-# A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved without
-# bounds at rest. A pole below that other share of its end is none.
+# A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved
+# without bounds at rest. A pole below that other share of its end is none.
 FIRST, STILL = 1e-4, 1e-9
 
 # Eigenvectors are told apart whose inverse is no larger than this.
@@ -140,9 +140,9 @@ def noise_budget(
 ) -> NoiseBudget:
     """What independent sources of noise make of the outputs, through the mechanism and a controller around it.
 
-    With ``hertz`` the root mean square is that between the first and the last, by the trapezoidal rule, with ``band`` that
-    within, at frequencies that are chosen. With neither, sources are white, and it is exact, over all frequencies, by
-    Lyapunov's equation.
+    With ``hertz`` the root mean square is that between the first and the last, by the trapezoidal rule, with ``band``
+    that within, at frequencies that are chosen. With neither, sources are white, and it is exact, over all frequencies,
+    by Lyapunov's equation.
 
     Args:
         model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
@@ -152,8 +152,8 @@ def noise_budget(
             motion of a floor or noise of an actuator, or by "sensor " and the name of an output, for what adds to what
             a controller reads of it: a number, an array, (n_f,), that goes with ``hertz``, or a function of
             frequencies, (n_f,) [Hz].
-        band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole; from 0 Hz
-            it begins at 1e-4 of the slowest pole.
+        band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole; from
+            0 Hz it begins at 1e-4 of the slowest pole.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
             n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
             of one by one. Matrices and what functions return may be traced, so that gains are dimensions like others.
@@ -202,7 +202,7 @@ def noise_budget(
     exact = hertz is None and band is None
     if exact:
         _check_white(entering, by_states)
-    # Poles of a controller that is known by frequency alone are not known: those of the mechanism tell where it vibrates.
+    # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
     system, orders = plain(second_order(lin))
     entries = entering.inputs, entering.sensors
     places = None if loop is None else (loop.measured, loop.driven)
@@ -298,14 +298,14 @@ def _band(band: Any) -> tuple[float, float]:
 
 def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "n_f"]:
     """Density of a source at all frequencies."""
-    found = given(grid) if callable(given) else given
+    found: Any = given(grid) if callable(given) else given
     check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
     if is_concrete(found) and np.any(np.asarray(found) < 0):
         raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(found)}.")
     return np.asarray(found, float) if is_concrete(found) else found  # type: ignore
 
 
-def _refuse_unstable(poles: np.ndarray, settles: bool, closed: bool) -> None:
+def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
     """Refuse what does not come to rest.
 
     Raises:
@@ -313,7 +313,7 @@ def _refuse_unstable(poles: np.ndarray, settles: bool, closed: bool) -> None:
     """
     if settles:
         return
-    worst = poles[np.argmax(poles.real)]
+    worst = complex(poles[np.argmax(poles.real)])
     hertz = abs(worst.imag) / (2 * np.pi)
     what = "The loop of mechanism and controller" if closed else "The mechanism"
     how = f"its pole {worst.real:.4g} ± {abs(worst.imag):.4g}i rad/s, at {hertz:.4g} Hz,"
@@ -363,7 +363,7 @@ def _poles(a: Float[Array, "n n"]) -> Complex[Array, "n"]:
 
 @jit
 def _budget(plant, gain, densities, grid, widths, settles, whole: EnergyForm | None, *, places, entries, wanted):
-    """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or of a state space exactly."""
+    """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or exactly."""
     own = np.array(wanted)
     density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
@@ -392,8 +392,11 @@ def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n
 def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> tuple[Any, Any]:
     """Frequencies of a band, or where none is given of all poles, and the width in hertz that each stands for.
 
-    They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE by
-    each of the latter. So a density over dN/df is smooth, however sharp the resonances are.
+    They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE
+    by each of the latter. So a density over dN/df is smooth, however sharp the resonances are.
+
+    Source:
+        THEORY.md 14, eq. (14.37).
     """
     sizes = jnp.abs(poles) / (2 * np.pi)
     end = 3 * jnp.max(sizes) if high is None else jnp.asarray(high)

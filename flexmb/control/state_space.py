@@ -308,6 +308,20 @@ def _all_massless(lin: Linearization) -> tuple[int, ...]:
     return found.pop()
 
 
+def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
+    """Refuse inputs that move nothing; of concrete numbers.
+
+    Args:
+        lin: Linearization.
+        whole: Its second-order form.
+
+    Raises:
+        ModelError: An input moves nothing.
+    """
+    plain: Any = jax.tree.map(np.asarray, whole)
+    _refuse_idle_inputs(lin, plain, _all_massless(lin))
+
+
 def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple[int, ...]) -> None:
     """Refuse inputs whose columns of B and D are zero but for round-off, at all times.
 

@@ -71,8 +71,8 @@ def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     largest = np.max(np.abs(expected), axis=0)
     moved = largest > 1e-6 * np.max(largest, axis=0)
     by_stiffness = np.asarray(fm.frequency_response(model, hertz, method="direct").response)
-    # Round-off of python-control, whose matrix has the highest frequency squared beside the lowest, 5e8 times less, at a
-    # resonance that is fifty times as high as the response at rest.
+    # Round-off of python-control, whose matrix has the highest frequency squared beside the lowest, 5e8 times less, at
+    # a resonance that is fifty times as high as the response at rest.
     assert np.max((np.abs(by_stiffness - expected) / largest)[:, moved]) < 1e-5
     found = np.asarray(fm.frequency_response(model, hertz).response)
     # Both solve the same equations from the side of the stiffness: round-off, and coupling of modes taken as none.
@@ -158,7 +158,8 @@ def test_where_frequencies_are_repeated_and_where_a_resonance_is_hit():
 def test_what_is_refused_and_what_is_said():
     model = shaken()
     found = fm.frequency_response(model, np.linspace(1, 10, 50))
-    assert "tip by push: at most" in repr(found) and "50, 1 to 10 Hz" in repr(found)
+    assert "tip by push: at most" in repr(found)
+    assert "50, 1 to 10 Hz" in repr(found)
     for fault, message, words in (
         (KeyError, "no output 'top': the outputs are tip, felt, tension", {"outputs": "top"}),
         (KeyError, "no input 'pull': the inputs are push, floor", {"inputs": ["pull"]}),
