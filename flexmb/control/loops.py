@@ -126,6 +126,9 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
 
     Raises:
         ModelError: The controller is none, or the law is no function or gives another number of numbers.
+
+    Source:
+        Two degrees of freedom: u = law(t) + controller(reference - y), with the nominal inputs of THEORY.md 14 as law.
     """
     given = controller_of(controller)
     if not callable(law):

@@ -326,7 +326,9 @@ def test_a_loop_differentiates_by_a_dimension_and_by_a_gain():
 
     at, step = np.array([STIFFNESS, 60.0]), 1e-2
     differences = [(exact(*(at + step * way)) - exact(*(at - step * way))) / (2 * step) for way in np.eye(2)]
-    forward = fm.jit(lambda k, g: jax.jvp(lambda k: answer(sprung(k), g, adjoint=diffrax.ForwardMode()), (k,), (1.0,))[1])
+    forward = fm.jit(
+        lambda k, g: jax.jvp(lambda k: answer(sprung(k), g, adjoint=diffrax.ForwardMode()), (k,), (1.0,))[1]
+    )
     reverse = fm.jit(jax.grad(lambda g: answer(MODEL, g)))
     # Ten times the tolerance of the integration.
     np.testing.assert_allclose(forward(*at), differences[0], rtol=1e-6)
