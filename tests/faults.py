@@ -1353,6 +1353,21 @@ FAULTS = [
         'increment=s.keyword == "ESIG"',
         "spacar/test_read.py -k round_trip",
     ),
+    Fault("spacar/trajectories.py", "start < other.end and ", "", "spacar/test_trajectories.py -k round_trip"),
+    Fault("spacar/trajectories.py", "and end <= start", "and end < start", "spacar/test_trajectories.py -k one_fault"),
+    Fault(
+        "spacar/trajectories.py",
+        "role is Role.PRESCRIBED and",
+        "role is Role.DOF and",
+        "spacar/test_trajectories.py -k one_fault",
+    ),
+    Fault(
+        "spacar/trajectories.py",
+        "if nominal and not outputs",
+        "if outputs and not nominal",
+        "spacar/test_trajectories.py -k one_fault",
+    ),
+    Fault("spacar/write.py", "way.start, way.end,", "way.end, way.start,", "spacar/test_trajectories.py -k round_trip"),
     Fault(
         "spacar/kinds.py",
         '_BEAM = ("EA", "GIt", "EIy", "EIz"',

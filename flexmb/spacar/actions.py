@@ -174,20 +174,21 @@ def release(r: Reading, s: Statement, p: Values) -> None:
 
 def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
     """DYNX, DYNE: degrees of freedom."""
-    kind, of, components = _target(p)
+    kind, of, components = target(p)
     r.builder.dof(str(of), *_take_role(r, s, of, components, kind, repeatable=False), kind=kind)
 
 
 def prescribed(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the kinematics block: what is prescribed, at its start value so far."""
-    kind, of, components = _target(p)
+    kind, of, components = target(p)
     for component in components:
         r.single(of, component, kind)
     for component in _take_role(r, s, of, components, kind, repeatable=True):
         r.builder.prescribe(str(of), component, kind=kind)
 
 
-def _target(p: Values) -> tuple[str, int, Any]:
+def target(p: Values) -> tuple[str, int, Any]:
+    """Whether a line is about a node or an element, which, and the number of its coordinate or deformation."""
     if "node" in p:
         return "node", p["node"], p["coordinate"]
     return "element", p["element"], p["deformation"]
@@ -235,7 +236,7 @@ def force(r: Reading, s: Statement, p: Values) -> None:
 
 def motion(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
-    kind, of, component = _target(p)
+    kind, of, component = target(p)
     r.require(of, component, kind, Role.PRESCRIBED)
     r.once(s, of, component)
     start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
@@ -248,7 +249,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:
     """DELINPX, DELINPE: increment of a prescribed value over the load path."""
-    kind, of, component = _target(p)
+    kind, of, component = target(p)
     r.require(of, component, kind, Role.PRESCRIBED)
     r.once(s, of, component)
     r.builder.prescribe(str(of), component, p["increment"], increment=True, kind=kind)
@@ -349,7 +350,7 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
     """STARTDX, STARTDE: start values of a degree of freedom."""
-    kind, of, component = _target(p)
+    kind, of, component = target(p)
     r.require(of, component, kind, Role.DOF)
     r.once(s, of, component)
     velocity = p.get("velocity", 0.0)
@@ -405,8 +406,8 @@ EULER = {
 
 def signal(r: Reading, s: Statement, p: Values) -> None:
     """INPUTF, INPUTS, OUTX, OUTE and the like: one input or output, added when all are known."""
-    kind, of, component = _target(p)
-    side = "input" if s.keyword.startswith("IN") else "output"
+    kind, of, component = target(p)
+    side = side_of(s.keyword)
     number_signal(r, s, p["number"])
     r.single(of, component, kind)
     if side == "input":
@@ -426,12 +427,16 @@ def signal(r: Reading, s: Statement, p: Values) -> None:
     r.signals[side][p["number"]] = s, add
 
 
+def side_of(keyword: str) -> str:
+    """Among what the number of a signal counts."""
+    sides = {"IN": "input", "NOM": "nominal input", "REF": "reference output"}
+    return next((side for start, side in sides.items() if keyword.startswith(start)), "output")
+
+
 def number_signal(r: Reading, s: Statement, number: int) -> None:
     """Take a number of an input or output, of which each is used once."""
-    side = "input" if s.keyword.startswith("IN") else "output"
+    side = side_of(s.keyword)
     first = r.signals[side].get(number)
     if first is not None:
-        raise Fault(
-            f"{side} {number} is defined already on line {first[0].line}; inputs share one numbering, so do outputs"
-        )
+        raise Fault(f"{side} {number} is defined already on line {first[0].line}; {side}s share one numbering")
     r.signals[side][number] = s, None

@@ -23,7 +23,7 @@ WHOLE: dict[str, int] = dict.fromkeys(
     ("element", "node", "xp", "rotp", "warpp", "xq", "rotq", "warpq", "p", "coordinate", "deformation", "number"), 1
 )
 WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0, "first": 0, "last": 0}
-TEXT = ("name",)
+TEXT = ("name", "law")
 # Real numbers are zero or between these: beyond, their squares and cubes leave double precision.
 SMALLEST, LARGEST = 1e-100, 1e50
 # A file of 100 000 beams has 12 MiB.

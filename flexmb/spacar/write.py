@@ -20,7 +20,7 @@ from ..elements.sections import MaterialDamping, Rectangle
 from ..errors import ModelError, clean
 from ..files import write_whole
 from ..model.roles import Role
-from . import outlines
+from . import outlines, trajectories
 from . import series as series
 from .actions import QUANTITIES
 from .kinds import KINDS, NOTHING, ElementKind
@@ -425,6 +425,15 @@ class _Writer:
             lines.append(_line(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
             lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
+        return lines + self._ways()
+
+    def _ways(self) -> list[str]:
+        """Where coordinates and deformations go."""
+        lines = []
+        for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
+            for way in self.settings.get(keyword, []):
+                times = way.start, way.end, way.value
+                lines.append(_line(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
         return lines
 
     # -- inputs and outputs ---------------------------------------------------------------------------------------
@@ -442,6 +451,10 @@ class _Writer:
                     )
                 keyword = "INPUTS" if (side, quantity) == ("input", "stress") else keywords[quantity]
                 lines.append(_line(keyword, i, (self.node if kind == "node" else self.element)[of], number))
+        for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
+            numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
+            for own in self.settings.get(keyword, []):
+                lines.append(_line(keyword, own.number, numbers[str(own.of)], own.component))
         return lines
 
 

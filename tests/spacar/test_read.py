@@ -623,7 +623,7 @@ BAD = [
     ("D", "GRAVITY 0 0 -9.81", "{D}: GRAVITY: a planar mechanism has no third axis: gz must be 0, but is -9.81"),
     ("D", "TIMESTEP 1", "{D}: TIMESTEP: too few parameters (1); expected: TIMESTEP end steps"),
     ("D", "USERINP hand", "{D}: USERINP: needs the user routine 'hand': pass read_spacar(..., callables="),
-    ("D", "TRABC 1", "{D}: TRABC: is refused: inverse dynamics and trajectories are not read from files"),
+    ("D", "TRABC 1", "{D}: TRABC: is refused, since its parameters are not known; say where a coordinate goes"),
     ("S", "INPUTF 2 3 1", "{S}: INPUTF: input 2: input 1 is missing; inputs are numbered from 1 without gap"),
     (
         "S",
