@@ -20,7 +20,7 @@ from ..model.model import Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
 from ..model.roles import Role
 from ..model.topology import Block, RoleIndices, Topology
-from .description import Description
+from .description import Description, NamedSignal
 
 UNIT_NORM = Element(unit_norm)
 
@@ -88,11 +88,24 @@ def assemble(builder: Description) -> Model:
         order = [d for d in builder.dofs if d[0] == "node"] + [d for d in builder.dofs if d[0] == "element"]
         pairs = [builder.starts.get(key, (0.0, 0.0)) for key in order]
         start = tuple(stack([pair[i] for pair in pairs]) for i in range(2)) if order else None
-    parameters = Parameters(reference, properties, initial, increment if has_increment else None, strain, start)
-    signals = {
-        kind: tuple(Signal(s.name, s.quantity, index(s.key), s.axis, s.local) for s in entries)
-        for kind, entries in builder.signals.items()
-    }
+    parameters = Parameters(
+        reference,
+        properties,
+        initial,
+        increment if has_increment else None,
+        strain,
+        start,
+        _weights(builder.signals),
+    )
+
+    def signal(s: NamedSignal) -> Signal:
+        if s.parts:
+            return Signal(s.name, s.quantity, -1, parts=tuple(signal(part) for part in s.parts))
+        of_element, at = s.key[0] == "element", index(s.key)
+        held = (e_roles if of_element else x_roles)[at] in (Role.FIXED, Role.PRESCRIBED)
+        return Signal(s.name, s.quantity, at, s.axis, s.local, of_element, held)
+
+    signals = {kind: tuple(signal(s) for s in entries) for kind, entries in builder.signals.items()}
     elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)
     labels = Labels(
         tuple(x_labels),
@@ -107,6 +120,17 @@ def assemble(builder: Description) -> Model:
     # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
     topology, parameters = jax.tree.map(lambda a: jax.device_put(a) if is_concrete(a) else a, (topology, parameters))
     return Model(topology, parameters, labels)
+
+
+def _weights(signals: dict[str, list[NamedSignal]]) -> tuple[Any, Any] | None:
+    """Of the terms of all inputs and of all outputs; None where there is no combination among them."""
+    if not any(s.parts for some in signals.values() for s in some):
+        return None
+    return tuple(_stacked([w for s in signals[side] for w in s.weights or (1.0,)]) for side in ("input", "output"))  # type: ignore
+
+
+def _stacked(weights: list[Any]) -> Any:
+    return stack(weights) if weights else np.zeros(0)
 
 
 class _Piece(NamedTuple):

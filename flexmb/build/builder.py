@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jax
@@ -14,7 +14,7 @@ from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
 from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
-from ..model.model import Model
+from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note
@@ -27,6 +27,11 @@ from .plain_beams import warn_of_plain_beams
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations, with_material_damping, with_options
 from .step import body_of_step
+
+# Quantities of inputs that act, of outputs of coordinates and rotations, and of outputs of deformations.
+FORCES = ("force", "moment", "stress")
+MEASURED = ("position", "velocity", "acceleration", "reaction")
+STRAINED = ("deformation", "deformation rate", "deformation acceleration", "stress")
 
 
 class Builder(Description):
@@ -511,29 +516,31 @@ class Builder(Description):
         self,
         of: str,
         component: str | int,
+        quantity: str = "",
         *,
         name: str | None = None,
         kind: str | None = None,
         local: bool = False,
     ) -> None:
-        """Name an input: a force on a coordinate, a moment on a rotation, or a stress in a deformation.
+        """Name an input: a force, a moment or a stress, or a motion of what is held, such as a floor that shakes.
 
         Args:
             of: Name of a node or an element.
             component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
-                "ry" or "rz", a moment about that global axis at every state.
+                "ry" or "rz", a moment about that global axis at every state, or a motion about it.
+            quantity: By default "force" on a coordinate, "moment" on a rotation in space or "stress" in a deformation,
+                which can move. "displacement", "velocity" or "acceleration" of one that is FIXED or PRESCRIBED, or of
+                a rotation that is fixed as a whole.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
             local: Of a rotation in space: about the axis that turns with the node, the global one where its Euler
                 parameters are (1, 0, 0, 0).
 
         Raises:
-            ModelError: Unknown node, element or component, an Euler parameter, or a label that is taken. An input on
-                what is FIXED or PRESCRIBED is refused by :meth:`build`.
+            ModelError: Unknown node, element or component, an Euler parameter, no such quantity, or a label that is
+                taken. A force on what is FIXED or PRESCRIBED, and a motion of what is not, is refused by :meth:`build`.
         """
-        entry, axis = self._signalled("Input", of, component, kind, local)
-        quantity = "stress" if entry[0] == "element" else "force" if axis is None else "moment"
-        self._add_signal("input", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local))
+        self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
     def output(
         self,
@@ -552,9 +559,11 @@ class Builder(Description):
             component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
                 "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is linearised
                 about, in a simulation the component of the rotation vector from its start, beside that from the
-                undeformed mechanism to the start; angular velocity and angular acceleration.
-            quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation; "deformation",
-                "deformation rate", "deformation acceleration" or "stress" of a deformation. By default the first.
+                undeformed mechanism to the start; angular velocity and angular acceleration; moment of a support.
+            quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation, or "reaction": force or
+                moment of the support on the mechanism, where it is FIXED or PRESCRIBED; "deformation", "deformation
+                rate", "deformation acceleration" or "stress" of a deformation, also of one that is FIXED, where it is
+                the force or moment that the constraint transmits. By default the first.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
             local: As for :meth:`input`.
@@ -562,16 +571,101 @@ class Builder(Description):
         Raises:
             ModelError: As for :meth:`input`; no such quantity.
         """
-        entry, axis = self._signalled("Output", of, component, kind, local)
-        allowed = ("position", "velocity", "acceleration")
-        if entry[0] == "element":
-            allowed = ("deformation", "deformation rate", "deformation acceleration", "stress")
-        quantity = quantity or allowed[0]
-        if not isinstance(quantity, str) or quantity not in allowed:
-            raise ModelError(f"Output '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(quantity)}.")
-        self._add_signal(
-            "output", name or f"{quantity} {of}.{component}", NamedSignal("", quantity, entry, axis, local)
-        )
+        self._add_signal("output", name, self._signal("output", of, component, quantity, kind, local))
+
+    def sensor(self, name: str, weights: Mapping[str, Any]) -> None:
+        """Name an output that is a linear combination of what outputs measure.
+
+        Example:
+            >>> b.sensor("yaw", {"left tip.y": 1 / w, "right tip.y": -1 / w})
+            >>> b.sensor("lag", {"velocity stage.x": 1.0, "velocity coil.x": -1.0})
+
+        Args:
+            name: Its label.
+            weights: Factor of each part, () [unit of the sensor over that of the part], differentiable. A part is said
+                as "node.component" or "element.number", with another quantity than the default of :meth:`output`
+                before it.
+
+        Raises:
+            ModelError: As for :meth:`output`; no parts.
+        """
+        self._combine("output", "sensor", name, weights)
+
+    def actuator(self, name: str, weights: Mapping[str, Any]) -> None:
+        """Name an input that acts on several things at once.
+
+        Example:
+            >>> b.actuator("push-pull", {"A.x": 1.0, "B.x": -1.0})
+            >>> b.actuator("floor", {"acceleration A.y": 1.0, "acceleration B.y": 1.0})
+
+        Args:
+            name: Its label.
+            weights: What each part does by a unit of the input, () [unit of the part over that of the input],
+                differentiable. A part is said as for :meth:`sensor`, with a quantity of :meth:`input`.
+
+        Raises:
+            ModelError: As for :meth:`input`; no parts; forces beside motions, or motions of several kinds.
+        """
+        self._combine("input", "actuator", name, weights)
+
+    def _combine(self, side: str, what: str, name: str, weights: Mapping[str, Any]) -> None:
+        name = named(f"A {what}" if side == "output" else f"An {what}", name)
+        if not isinstance(weights, Mapping) or not weights:
+            raise ModelError(
+                f"{what.capitalize()} '{name}' needs a dictionary of its parts and their factors, such as"
+                f" {{'A.x': 1.0, 'B.x': -1.0}}, not {shown(weights)}."
+            )
+        parts = []
+        for said, factor in weights.items():
+            check_numbers(f"{what.capitalize()} '{name}': the factor of '{said}'", factor, (), ModelError)
+            parts.append(self._part(side, f"{what.capitalize()} '{name}'", said))
+        if side == "input" and len(kinds := {p.quantity if p.quantity in MOTIONS else "force" for p in parts}) > 1:
+            raise ModelError(
+                f"Actuator '{name}' has parts of several kinds, {', '.join(sorted(kinds))}: forces, moments and"
+                " stresses go together, and motions of one quantity."
+            )
+        keys = [part[1:5] for part in parts]
+        if twice := [said for i, said in enumerate(weights) if keys[i] in keys[:i]]:
+            raise ModelError(f"{what.capitalize()} '{name}' has '{twice[0]}' twice: give the sum of its factors.")
+        signal = NamedSignal("", what, parts[0].key, parts=tuple(parts), weights=tuple(weights.values()))
+        self._add_signal(side, name, signal)
+
+    def _part(self, side: str, what: str, said: str) -> NamedSignal:
+        """A part of a combination, said as "node.component" with a quantity before it."""
+        of, _, component = str(said).rpartition(".")
+        quantity = ""
+        if of not in self.members and not self._is_node(of):
+            first = [q for q in (*FORCES, *MOTIONS, *MEASURED, *STRAINED) if of.startswith(f"{q} ")]
+            quantity = max(first, key=len, default="")
+            of = of.removeprefix(f"{quantity} ") if quantity else of
+        if not of:
+            raise ModelError(f"{what}: '{said}' is no part: say node and component as 'tip.y', element and number.")
+        if of in self.members and of not in self.nodes:
+            component = component.removeprefix("e")
+        return self._signal(side, of, component, quantity, None, False)
+
+    def _is_node(self, of: str) -> bool:
+        return of in self.nodes or of.removesuffix(".rotation") in self.nodes
+
+    def _signal(
+        self, side: str, of: str, component: str | int, quantity: str, kind: str | None, local: bool
+    ) -> NamedSignal:
+        """An input or output, with its label of what it is made of."""
+        entry, axis = self._signalled(side.capitalize(), of, component, kind, local)
+        angle = axis is None and entry[0] == "node" and self._kind_of(entry[1]) is ANGLE
+        if side == "output":
+            allowed = STRAINED if entry[0] == "element" else MEASURED
+        else:
+            own = ("stress",) if entry[0] == "element" else ("force",) if axis is None else ("moment",)
+            allowed = (*own, *(("moment",) if angle else ()), *MOTIONS)
+        given = quantity or allowed[0]
+        if not isinstance(given, str) or given not in allowed:
+            raise ModelError(
+                f"{side.capitalize()} '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(given)}."
+            )
+        # In the plane a moment is a force along the angle.
+        meant = "force" if angle and given == "moment" else given
+        return NamedSignal(f"{given} {of}.{component}", meant, entry, axis, local)
 
     def _signalled(self, side: str, of: str, component: Any, kind: str | None, local: bool) -> tuple[Key, int | None]:
         """What a signal is about, and its axis if that is a rotation in space."""
@@ -592,12 +686,13 @@ class Builder(Description):
             )
         return entry, None
 
-    def _add_signal(self, side: str, name: str, signal: NamedSignal) -> None:
-        name = named(f"An {side}", name)
+    def _add_signal(self, side: str, name: str | None, signal: NamedSignal) -> None:
+        name = named(f"An {side}", name or signal.name)
         # Where a control system is made of them, a point becomes a blank.
         if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
             raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
-        self._owner(signal.key)
+        for part in signal.parts or (signal,):
+            self._owner(part.key)
         self.signals[side].append(signal._replace(name=name))
 
     # -- the model ----------------------------------------------------------------------------------------------
@@ -616,7 +711,8 @@ class Builder(Description):
             Model.
 
         Raises:
-            ModelError: Nothing to analyse; an input on what is FIXED or PRESCRIBED; deformations that are not zero in
+            ModelError: Nothing to analyse; an input that acts on what is FIXED or PRESCRIBED, or moves what is not;
+                a reaction of what is not; deformations that are not zero in
                 the undeformed mechanism.
             MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
                 move or do not determine the rest.

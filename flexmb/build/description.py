@@ -35,6 +35,8 @@ class NamedSignal(NamedTuple):
     key: Key
     axis: int | None = None
     local: bool = False
+    parts: tuple["NamedSignal", ...] = ()
+    weights: tuple[Any, ...] = ()
 
 
 @dataclasses.dataclass

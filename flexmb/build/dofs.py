@@ -7,7 +7,7 @@ import numpy as np
 from ..checks.mobility import constraints, mobility, motions_of
 from ..errors import MechanismError, ModelError
 from ..math.subspace import independent_rows
-from ..model.model import Model
+from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble
 from .clamps import with_clamps
@@ -57,7 +57,7 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
 
 
 def check_inputs(model: Model, builder: Description | None = None) -> Model:
-    """Refuse inputs on what is held: there they do nothing.
+    """Refuse inputs that act on what is held, where they do nothing, and motions and reactions of what is not held.
 
     Args:
         model: Mechanism with its final roles.
@@ -67,25 +67,39 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
         The model.
 
     Raises:
-        ModelError: An input acts on a FIXED or PRESCRIBED coordinate, rotation or deformation.
+        ModelError: An input acts on a FIXED or PRESCRIBED coordinate, rotation or deformation, or moves one that is
+            neither; an output is the reaction of one that is neither.
     """
-    if not model.labels.inputs:
+    labels = model.labels
+    if not labels.inputs and not labels.outputs:
         return model
     if builder is None:
         x_roles, e_roles = model.roles()
     else:
         owners = builder.nodes, builder.members
         x_roles, e_roles = ([role for one in several.values() for role in one.roles] for several in owners)
-    for s in model.labels.inputs:
-        roles = e_roles[s.index : s.index + 1] if s.quantity == "stress" else x_roles[s.index : s.index + 1]
-        if s.axis is not None:
-            roles = x_roles[s.index : s.index + 4]
-        if all(role in (Role.FIXED, Role.PRESCRIBED) for role in roles):
-            what = {"stress": "deformation", "moment": "rotation"}.get(s.quantity, "coordinate")
-            raise ModelError(
-                f"Input '{s.name}' acts on a {what} that is {roles[0].value}, where it can do nothing. Let it act on"
-                " what can move, or leave it out."
-            )
+    for side, signals in (("Input", labels.inputs), ("Output", labels.outputs)):
+        for s, part in [(one, part) for one in signals for part in one.terms]:
+            what = "deformation" if part.of_element else "coordinate" if part.axis is None else "rotation"
+            count = 1 if part.axis is None else 4
+            roles = (e_roles if part.of_element else x_roles)[part.index : part.index + count]
+            held = all(role in (Role.FIXED, Role.PRESCRIBED) for role in roles)
+            moves = part.quantity in MOTIONS
+            called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
+            if side == "Input" and held and not moves:
+                raise ModelError(
+                    f"Input {called} acts on a {what} that is {roles[0].value}, where it can do nothing. Let it act on"
+                    " what can move, let it be its displacement, velocity or acceleration, or leave it out."
+                )
+            if not held and (part.quantity == "reaction" or (side == "Input" and moves)):
+                role = next(role for role in roles if role not in (Role.FIXED, Role.PRESCRIBED)).value
+                turn = "" if part.axis is None else f"turn of {labels.x[part.index].of.removesuffix('.rotation')}"
+                told = any(turn == element for element, *_ in labels.elements)
+                there = f" Its rotation is that of the element '{turn}', whose deformation 1 has it." if told else ""
+                raise ModelError(
+                    f"{side} {called} is the {part.quantity} of a {what} that is {role}, and only one that is FIXED or"
+                    f" PRESCRIBED has it.{there or ' Fix or prescribe it, or leave this out.'}"
+                )
     return model
 
 

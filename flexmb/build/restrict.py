@@ -70,7 +70,12 @@ class Restriction(Record):
             return dataclasses.replace(given, prestress=prestress, temperature=temperature)
 
         parameters = Parameters(
-            own.reference, properties, loads(own.loads) or Loads(), loads(own.increment), longer(own.strain), None
+            own.reference,
+            properties,
+            loads(own.loads) or Loads(),
+            loads(own.increment),
+            longer(own.strain),
+            weights=own.weights,
         )
         return Model(self.topology, parameters, self.labels)
 

@@ -71,6 +71,8 @@ class Matrices(Result, Record):
         result: Code of RESULTS.
         symmetric: Whether the stiffness is symmetric by the nature of the loads.
         moving: How the state moves; None where it is at rest.
+        factors: Of the two sets of loads there.
+        turning: Nodal forces by coordinates, of moments that are functions of time, (n_x, n_x); None without them.
     """
 
     M0: Float[Array, "n_q n_q"]
@@ -93,6 +95,8 @@ class Matrices(Result, Record):
     result: Int[Array, ""]
     symmetric: bool = static()
     moving: Rates | None = None
+    factors: LoadFactors | None = None
+    turning: Float[Array, "n_x n_x"] | None = None
 
     @property
     def K(self) -> Float[Array, "n_q n_q"]:
@@ -330,6 +334,7 @@ def matrices_at(
         iterations=iterations,
         result=result.astype(jnp.int32),
         symmetric=not lacks_potential(topology),
+        factors=LoadFactors(*(jnp.asarray(factor, float) for factor in factors)),
     )
 
 

@@ -4,8 +4,10 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
+from ..math.indices import put
 from ..math.rotation import lbar, lbody, rotation_since
 from ..model.model import Signal
 
@@ -61,6 +63,23 @@ def input_row(signal: Signal, x, dfx, dfe) -> Float[Array, "n_q"]:
         return -dfe[signal.index]
     own, row = along_coordinates(signal, x)
     return row @ dfx[own]
+
+
+def terms_of(signals: tuple[Signal, ...]) -> tuple[Signal, ...]:
+    """What inputs or outputs are made of, those of each after those of the one before."""
+    return tuple(term for s in signals for term in s.terms)
+
+
+def combined(signals: tuple[Signal, ...], weights: Any) -> Float[Array, "n terms"]:
+    """Weight of each term in each signal.
+
+    Args:
+        weights: Of all terms, in their order, (terms,), or None: one each.
+    """
+    counts = [len(s.terms) for s in signals]
+    rows: Any = np.repeat(np.arange(len(counts)), counts)
+    ones: Any = np.ones(len(rows)) if weights is None else weights
+    return put(jnp.zeros((len(counts), len(rows))), (rows, np.arange(len(rows))), ones)
 
 
 def rotation_measured(

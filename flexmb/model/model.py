@@ -9,12 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import is_concrete
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
 from ..errors import ModelError
 from .parameters import Parameters
 from .roles import Role
 from .topology import RoleIndices, Topology
+
+# Inputs that move what is held, in the order of their derivatives.
+MOTIONS = ("displacement", "velocity", "acceleration")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,12 +47,16 @@ class Signal:
 
     Attributes:
         name: Its label.
-        quantity: "force", "moment", "stress", "position", "velocity", "acceleration", "deformation", "deformation
-            rate", "deformation acceleration". Of a rotation in space the three of a coordinate are the rotation vector,
-            the angular velocity and the angular acceleration.
-        index: Index in x or e; of a rotation in space, that of its first Euler parameter.
+        quantity: Of an input "force", "moment", "stress", or "displacement", "velocity", "acceleration" of what is
+            held; of an output "position", "velocity", "acceleration", "reaction", "deformation", "deformation rate",
+            "deformation acceleration", "stress". Of a rotation in space the three of a coordinate are the rotation
+            vector, the angular velocity and the angular acceleration. "actuator" or "sensor" of what has parts.
+        index: Index in x or e; of a rotation in space, that of its first Euler parameter; -1 of what has parts.
         axis: About which axis of a rotation in space, 0, 1 or 2; None for what is a coordinate or a deformation.
         local: Whether the axis turns with the node.
+        of_element: Whether the index is one in e.
+        held: Whether what it is about is FIXED or PRESCRIBED.
+        parts: Signals of which this one is a linear combination, with the weights in ``Parameters.weights``.
     """
 
     name: str
@@ -56,6 +64,23 @@ class Signal:
     index: int
     axis: int | None = None
     local: bool = False
+    of_element: bool = False
+    held: bool = False
+    parts: tuple["Signal", ...] = ()
+
+    @property
+    def terms(self) -> tuple["Signal", ...]:
+        """What it is made of: its parts, or itself."""
+        return self.parts or (self,)
+
+    @property
+    def order(self) -> int | None:
+        """Of an input that moves what is held, how often its quantity is to be integrated to a displacement."""
+        return MOTIONS.index(self.quantity) if self.held and self.quantity in MOTIONS else None
+
+    def without_name(self) -> "Signal":
+        """The same as compiled code takes it."""
+        return dataclasses.replace(self, name="", parts=tuple(part.without_name() for part in self.parts))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -146,7 +171,7 @@ class Model(Result, Record):
     def without_names(self) -> Model:
         """The same mechanism as compiled code takes it, which is not to be compiled again for another name."""
         own = self.labels
-        inputs, outputs = (tuple(dataclasses.replace(s, name="") for s in some) for some in (own.inputs, own.outputs))
+        inputs, outputs = (tuple(s.without_name() for s in some) for some in (own.inputs, own.outputs))
         return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, own.dimension, ()))
 
     @property
@@ -158,6 +183,19 @@ class Model(Result, Record):
     def roles(self) -> tuple[list[Role], list[Role]]:
         """Role of every coordinate and of every deformation, unit norms included."""
         return _roles(self.topology.x), _roles(self.topology.e)
+
+    def signals(self) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
+        """Inputs and outputs, which know whether what they are about is held; they do so of the roles as they are."""
+        held = None
+        if is_concrete(self.topology):
+            held = [{*_list(own.fixed), *_list(own.prescribed)} for own in (self.topology.x, self.topology.e)]
+
+        def now(signal: Signal) -> Signal:
+            if signal.parts:
+                return dataclasses.replace(signal, parts=tuple(now(part) for part in signal.parts))
+            return signal if held is None else dataclasses.replace(signal, held=signal.index in held[signal.of_element])
+
+        return tuple(tuple(now(s) for s in some) for some in (self.labels.inputs, self.labels.outputs))  # type: ignore
 
     def counts(self) -> dict[str, int]:
         """The numbers of NDOF = NX - NXO - NEO, tutorial (2.13); a spatial rotation counts as 3.

@@ -39,6 +39,7 @@ class Parameters(Record):
         increment: Loads that a path or a buckling analysis scales while ``loads`` stay, or None: then all scale.
         strain: Deformations at which the elements are free of stress, (n_e,), or None: zero.
         start: Degrees of freedom and their rates at the start of a simulation, twice (n_q,), or None: zero.
+        weights: Of the terms of all inputs, and of those of all outputs, in their order, twice (k,), or None: one each.
         prepared: Within a compiled kernel, what elements make of reference and properties alone, by block
             (:func:`flexmb.mechanics.blocks.kernel`); None elsewhere.
     """
@@ -49,4 +50,5 @@ class Parameters(Record):
     increment: Loads | None = None
     strain: Float[Array, "n_e"] | None = None
     start: tuple[Float[Array, "n_q"], Float[Array, "n_q"]] | None = None
+    weights: tuple[Float[Array, "_k"], Float[Array, "_l"]] | None = None
     prepared: tuple[Any, ...] | None = None

@@ -134,6 +134,8 @@ def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices,
         result=result.astype(jnp.int32),
         symmetric=False,
         moving=Rates(v, a, turning, by_q, rate_of_dfe, second + jacobian @ by_q),
+        factors=LoadFactors(jnp.ones(()), jnp.asarray(drive.increment, float)),
+        turning=drive.turning,
     )
     return found, at.residual
 

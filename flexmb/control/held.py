@@ -1,0 +1,193 @@
+"""What is held as freedoms of its own: how equations about a state depend on its motion, and what holds it."""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..linear.linearize import Matrices, Rates
+from ..linear.spectrum import shift_to_definite
+from ..math.indices import put
+from ..math.linear import factorise
+from ..mechanics.deformation import deformation_curvature, deformation_jacobian
+from ..mechanics.inertia import mass_matrix, weight_stiffness
+from ..mechanics.loads import load_stiffness, without_gravity
+from ..mechanics.signals import rotation_row
+from ..mechanics.transfer import correction, transfer
+from ..model.model import Signal
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..motion.element_forces import Moving, force_derivatives, prepared_blocks
+
+# Damping beside that of the elements below this share of the whole is none.
+ROUND_OFF = 1e-12
+
+
+class Held(NamedTuple):
+    """A held coordinate, rotation about an axis, or deformation.
+
+    Attributes:
+        of_element: Whether it is a deformation.
+        at: Index in x or e; of a rotation in space, that of its first Euler parameter.
+        axis: About which axis of a rotation in space; None for others.
+        local: Whether the axis turns with the node.
+    """
+
+    of_element: bool
+    at: int
+    axis: int | None
+    local: bool
+
+
+def held_by(signals: tuple[Signal, ...]) -> tuple[Held, ...]:
+    """What is moved by inputs or what holds it is measured by outputs, each once, in their order."""
+    found = [held_of(s) for s in signals if s.held and (s.order is not None or s.quantity in ("reaction", "stress"))]
+    return tuple(dict.fromkeys(found))
+
+
+def held_of(signal: Signal) -> Held:
+    """What a signal moves, or what holds it."""
+    return Held(signal.of_element, signal.index, signal.axis, signal.local)
+
+
+def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tuple[Held, ...]) -> Matrices:
+    """Linearised equations in the degrees of freedom and in what is held, after them.
+
+    The degrees of freedom stay as they are where something held moves. What holds it is the force along it.
+
+    Args:
+        m: Matrices about a state, at rest or in motion.
+        held: What is to be free, k in number.
+
+    Returns:
+        Matrices of n_q + k freedoms: the force that must be put on what is held is M0 qdd + (C0 + D0) qd + K q along
+        it; of a deformation this is less its stress resultant.
+
+    Source:
+        THEORY.md 14, eq. (14.2) and (14.3).
+    """
+    if not held:
+        return m
+    near = jax.lax.stop_gradient(m.e)
+    n, x = m.M0.shape[0], m.x
+    _, jacobian = deformation_jacobian(topology, parameters, x, near)
+    tangent = transfer(topology, jacobian)
+    seed_x, seed_e = _seeds(topology, x, held)
+
+    def answer(excess, shift):
+        """Change of all coordinates, the degrees of freedom as they are."""
+        return jax.vmap(lambda *of: correction(topology, tangent, *of), (1, 1), 1)(excess, shift)
+
+    moved = answer(jacobian @ seed_x - seed_e, seed_x)
+    given = topology.e.given
+    deformed = put(jacobian @ moved, given, seed_e[given])
+    z, dfe = jnp.concatenate([m.DFx, moved], axis=1), jnp.concatenate([m.DFe, deformed], axis=1)
+    loads = load_stiffness(topology, _weightless(parameters), _factors(m), x)
+    if m.felt.gravity is not None:
+        loads = loads + weight_stiffness(topology, parameters, x, m.felt.gravity)
+    if m.turning is not None:
+        loads = loads + m.turning
+    # Of held deformations the whole stress resultant is a force that holds them: that of a stiffness is in it.
+    stiffness, damping = (put(of, topology.e.held, 0.0) for of in (m.S, m.S_d))
+    moving, velocity, dynamic = None, jnp.zeros((z.shape[1],) * 2), jnp.zeros((z.shape[1],) * 2)
+    curvature = deformation_curvature(topology, parameters, x, near, m.sigma)
+    if m.moving is None:
+        mass = mass_matrix(topology, parameters, x)
+    else:
+        v, a = m.moving.xd, m.moving.xdd
+        elements = prepared_blocks(topology, parameters)
+        by_x = force_derivatives(elements, Moving(x, v, a, near), None, lambda e, ed: m.sigma)
+        mass, still = by_x.mass, jnp.zeros_like(z)
+        rates = by_x.ed @ z
+        turning = answer(rates, still)
+        second = by_x.edd @ z + 2 * by_x.ed @ turning
+        by_q = answer(second, still)
+        rate_of_dfe = rates + jacobian @ turning
+        velocity = z.T @ (by_x.by_v @ z + 2 * mass @ turning)
+        dynamic = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + mass @ by_q)
+        dynamic = dynamic + dfe.T @ damping @ rate_of_dfe
+        moving = Rates(v, a, turning, by_q, rate_of_dfe, second + jacobian @ by_q)
+    geometric = z.T @ (curvature - loads) @ z + _about_axes(m, held, n)
+    structural = dfe.T @ stiffness @ dfe
+
+    def joined(own, whole):
+        """The degrees of freedom's own part as it is known."""
+        return whole.at[:n, :n].set(own)
+
+    k0, n0, g0 = joined(m.K0, structural), joined(m.N0, dynamic), joined(m.G0, geometric)
+    added = m.D0 - m.DFe.T @ damping @ m.DFe
+    dissipated = dfe.T @ damping @ dfe + _beside_elements(m, added, (k0 + n0 + g0)[:n, n:], (k0 + n0 + g0)[n:, :n])
+    return dataclasses.replace(
+        m,
+        M0=joined(m.M0, z.T @ mass @ z),
+        C0=joined(m.C0, velocity),
+        D0=joined(m.D0, dissipated),
+        K0=k0,
+        N0=n0,
+        G0=g0,
+        DFx=z,
+        DFe=dfe,
+        moving=moving,
+    )
+
+
+def _seeds(topology: Topology, x, held: tuple[Held, ...]) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
+    """Changes of held coordinates and deformations by a unit of each of what is held."""
+    seed_x, seed_e = jnp.zeros((topology.n_x, len(held))), jnp.zeros((topology.n_e, len(held)))
+    for i, of in enumerate(held):
+        if of.of_element:
+            seed_e = seed_e.at[of.at, i].set(1.0)
+        elif of.axis is None:
+            seed_x = seed_x.at[of.at, i].set(1.0)
+        else:
+            own = of.at + jnp.arange(4)
+            # Of omega = 2 Lbar d(lambda)/dt the inverse: d(lambda)/dt = Lbar^T omega / 2.
+            seed_x = seed_x.at[own, i].set(rotation_row(x[own], of.axis, of.local) / 4)
+    return seed_x, seed_e
+
+
+def _weightless(parameters: Parameters) -> Parameters:
+    """The same numbers without gravity of either set of loads."""
+    found = without_gravity(parameters)
+    if found.increment is None:
+        return found
+    return dataclasses.replace(found, increment=dataclasses.replace(found.increment, gravity=None))
+
+
+def _factors(m: Matrices) -> Any:
+    if m.factors is None:
+        raise ValueError("These matrices do not know the factors of their loads: take them from fm.linearize(model).")
+    return m.factors
+
+
+def _about_axes(m: Matrices, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
+    """What moments that hold a turned node change by since they are about axes: 2 Lbar(lambda) turns along."""
+    found = jnp.zeros((n + len(held), n + len(held)))
+    for i, of in enumerate(held):
+        for j, by in enumerate(held):
+            if of.axis is not None and by.axis is not None and of.at == by.at:
+                own = of.at + jnp.arange(4)
+                turned = rotation_row(m.x[own], by.axis, by.local) / 4
+                change = rotation_row(turned, of.axis, of.local) / 4 @ m.reactions[own]
+                found = found.at[n + i, n + j].set(change)
+    return found
+
+
+def _beside_elements(m: Matrices, added, by_held, of_held) -> Float[Array, "w w"]:
+    """Damping that is not of the elements: of what moves beyond that which follows at rest.
+
+    Args:
+        added: Along the degrees of freedom, (n_q, n_q).
+        by_held: Stiffness between them and what is held, (n_q, k).
+        of_held: And the other way, (k, n_q).
+    """
+    shift, _, _ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
+    # Round-off of what is not there would ask for a regular stiffness.
+    there = jnp.max(jnp.abs(added), initial=0.0) > ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
+    factors = factorise(jnp.where(there, m.K + shift * m.M0, jnp.eye(len(added))))
+    added = jnp.where(there, added, 0.0)
+    right = jnp.concatenate([jnp.eye(len(added)), factors.solve(by_held)], axis=1)
+    left = jnp.concatenate([jnp.eye(len(added)), factors.solve_transposed(of_held.T)], axis=1)
+    return left.T @ added @ right

@@ -1,0 +1,166 @@
+"""The linearised mechanism in second-order form, with all that its inputs do and its outputs measure."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..linear.linearize import Linearization, Matrices
+from ..mechanics.blocks import kernel
+from ..mechanics.signals import along_coordinates, combined, input_row, rotation_row, terms_of
+from ..model.model import Signal
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from .held import held_by, held_of, with_held
+
+
+class SecondOrder(NamedTuple):
+    """M q'' + C q' + K q = B0 p + B1 p' + B2 p'',  y = C0 q + C1 q' + C2 q'' + D0 p + D1 p' + D2 p''.
+
+    p is the input u itself, but of an input that is the velocity or the acceleration of what is held the displacement:
+    u is its derivative of the order ``orders`` says. In the frequency domain, with s = i w, of input j:
+    q = (s^2 M + s C + K)^-1 (B0 + s B1 + s^2 B2)[:, j] u_j / s^orders[j].
+
+    Attributes:
+        M, C, K: Mass, damping and stiffness of the degrees of freedom, (n_q, n_q) [SI].
+        B0, B1, B2: What acts on them by p and its rates, (n_q, n_u).
+        C0, C1, C2: Outputs by the degrees of freedom and their rates, (n_y, n_q).
+        D0, D1, D2: Outputs by p and its rates, (n_y, n_u).
+        orders: Of which derivative of p each input is, 0, 1 or 2, (n_u,); plain numbers.
+        moves: Which inputs move what is held, rather than being forces, (n_u,); plain booleans.
+    """
+
+    M: Float[Array, "*t n_q n_q"]
+    C: Float[Array, "*t n_q n_q"]
+    K: Float[Array, "*t n_q n_q"]
+    B0: Float[Array, "*t n_q n_u"]
+    B1: Float[Array, "*t n_q n_u"]
+    B2: Float[Array, "*t n_q n_u"]
+    C0: Float[Array, "*t n_y n_q"]
+    C1: Float[Array, "*t n_y n_q"]
+    C2: Float[Array, "*t n_y n_q"]
+    D0: Float[Array, "*t n_y n_u"]
+    D1: Float[Array, "*t n_y n_u"]
+    D2: Float[Array, "*t n_y n_u"]
+    orders: np.ndarray
+    moves: np.ndarray
+
+    def __repr__(self) -> str:
+        return "SecondOrder: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
+
+
+def second_order(lin: Linearization) -> SecondOrder:
+    """Second-order form of a linearised mechanism, for the model's named inputs and outputs.
+
+    Args:
+        lin: Linearization; that along a motion has the times in front. Differentiable in the model's parameters.
+
+    Returns:
+        SecondOrder.
+
+    Source:
+        THEORY.md 14, eq. (14.1) to (14.4): what is held is a freedom of its own in the equations about the state, the
+        constraint forces in their stiffness, and the columns of what moves it go to the right.
+    """
+    model = lin.model
+    inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
+    found = _second_order(
+        model.topology, model.parameters, lin.matrices, inputs=inputs, outputs=outputs, times=lin.matrices.M0.ndim > 2
+    )
+    orders, moves = kinds_of(inputs)
+    return SecondOrder(*found, orders=orders, moves=moves)
+
+
+def kinds_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Of which derivative of a displacement each input is, and which move what is held."""
+    orders = [s.terms[0].order for s in inputs]
+    return np.array([order or 0 for order in orders], int), np.array([order is not None for order in orders], bool)
+
+
+@kernel
+def _second_order(topology: Topology, parameters: Parameters, m: Matrices, *, inputs, outputs, times: bool) -> Any:
+    def one(m: Matrices):
+        return _about_state(topology, parameters, m, inputs, outputs)
+
+    return jax.vmap(one)(m) if times else one(m)
+
+
+def _about_state(topology: Topology, parameters: Parameters, m: Matrices, inputs, outputs) -> tuple[Any, ...]:
+    n = m.M0.shape[0]
+    causes, sensed = terms_of(inputs), terms_of(outputs)
+    held = held_by((*causes, *sensed))
+    whole = with_held(topology, parameters, m, held)
+    parts = (whole.K, whole.C0 + whole.D0, whole.M0)
+    forces = jnp.zeros((n + len(held), len(causes)))
+    motions = np.zeros((len(held), len(causes)))
+    for j, s in enumerate(causes):
+        if s.order is None:
+            forces = forces.at[:, j].set(input_row(s, whole.x, whole.DFx, whole.DFe))
+        else:
+            motions[held.index(held_of(s)), j] = 1.0
+    weights = parameters.weights or (None, None)
+    mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
+    by_p = [-part[:n, n:] @ motions for part in parts]
+    by_p[0] = by_p[0] + forces[:n]
+    rows = [_output_rows(s, whole, held, parts, forces, causes) for s in sensed]
+    by_w = [_stacked([of[k] for of in rows], n + len(held)) for k in range(3)]
+    through = [row[:, n:] @ motions for row in by_w]
+    through[0] = through[0] + _stacked([of[3] for of in rows], len(causes))
+    return (
+        m.M0,
+        m.C0 + m.D0,
+        m.K,
+        *(of @ mix for of in by_p),
+        *(read @ of[:, :n] for of in by_w),
+        *(read @ of @ mix for of in through),
+    )
+
+
+def _stacked(rows: list[Any], size: int) -> Float[Array, "rows size"]:
+    none = jnp.zeros(size)
+    return jnp.stack([none if row is None else row for row in rows]) if rows else jnp.zeros((0, size))
+
+
+def _output_rows(s: Signal, m: Matrices, held, parts, forces, causes) -> tuple[Any, ...]:
+    """Derivatives of an output by the freedoms, their rates and second rates, None where there is none, and by inputs.
+
+    Along a motion the rate of DFx q is DFx qd + DFx_d q, and a rotation's axes turn: of omega = 2 Lbar(lambda)
+    d(lambda)/dt the change is 2 Lbar(lambda) of the rate's less 2 Lbar(d(lambda)/dt) of the parameters'.
+
+    Args:
+        m: Equations with what is held.
+        held: What it is.
+        parts: Their stiffness, damping and mass.
+        forces: What inputs do along the freedoms, (w, terms).
+        causes: Inputs.
+    """
+    moving = m.moving
+    if s.held and s.quantity in ("reaction", "stress"):
+        # What is put on a deformation from outside is less its stress resultant.
+        own, sign = m.M0.shape[0] - len(held) + held.index(held_of(s)), -1 if s.of_element else 1
+        return (*(sign * part[own] for part in parts), -sign * forces[own])
+    if s.quantity == "stress":
+        rates = m.S_d[s.index]
+        by_q = m.S[s.index] @ m.DFe
+        # A stress that is an input adds to it.
+        passed = jnp.array([float(u.quantity == "stress" and u.index == s.index) for u in causes])
+        return by_q if moving is None else by_q + rates @ moving.DFe_d, rates @ m.DFe, None, passed
+    of_e = s.quantity.startswith("deformation")
+    order = ("position", "velocity", "acceleration")
+    if of_e:
+        order = ("deformation", "deformation rate", "deformation acceleration")
+    place = order.index(s.quantity)
+    own, row = (jnp.array([s.index]), jnp.ones(1)) if of_e else along_coordinates(s, m.x)
+    along = row @ (m.DFe if of_e else m.DFx)[own]
+    if place == 0 or moving is None:
+        return (*(along if i == place else None for i in range(3)), None)
+    first, second = (moving.DFe_d, moving.DFe_dd) if of_e else (moving.DFx_d, moving.DFx_dd)
+    turning = jnp.zeros_like(along)
+    if s.axis is not None:
+        rates = moving.xd if place == 1 else moving.xdd
+        turning = rotation_row(rates[own], s.axis, s.local) @ m.DFx[own]
+    if place == 1:
+        return row @ first[own] - turning, along, None, None
+    return row @ second[own] - turning, 2 * row @ first[own], along, None
