@@ -362,7 +362,10 @@ def run(
     plot: Plot = None,
     debug: Debug = False,
 ) -> None:
-    """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
+    """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path.
+
+    Along a trajectory: 2 inverse, 3 trajectory-linearisation, 5 perturbation, 6 superposition.
+    """
     with _foreseen(debug):
         _run(model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
 

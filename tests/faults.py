@@ -245,8 +245,8 @@ FAULTS = [
     ),
     Fault(
         "answers/motion.py",
-        '"velocities": _over_time(found.xd',
-        '"velocities": _over_time(found.x',
+        '"velocities": over_time(found.xd',
+        '"velocities": over_time(found.x',
         "test_cli.py -k json_of_a_motion",
     ),
     Fault(
@@ -1367,6 +1367,27 @@ FAULTS = [
         "if outputs and not nominal",
         "spacar/test_trajectories.py -k one_fault",
     ),
+    Fault(
+        "spacar/laws.py",
+        "legs, float(start), float(reference)",
+        "legs, 0.0, float(reference)",
+        "answers/test_trajectory.py",
+    ),
+    Fault(
+        "spacar/laws.py",
+        "leg.value - reference), leg.value",
+        "leg.value), leg.value",
+        "answers/test_trajectory.py -k follow",
+    ),
+    Fault("spacar/laws.py", "if leg.start > breaks[-1]:", "if True:", "answers/test_trajectory.py -k follow"),
+    Fault("spacar/laws.py", '"jerk": 60.75', '"jerk": 60.0', "answers/test_trajectory.py -k thirds"),
+    Fault(
+        "answers/inverse.py",
+        "(found.y0) + _origins(motion.model)",
+        "(found.y0)",
+        "answers/test_trajectory.py -k torques",
+    ),
+    Fault("answers/files.py", 'in ("path", "steps")', 'in ("path",)', "answers/test_trajectory.py -k saved"),
     Fault("spacar/write.py", "way.start, way.end,", "way.end, way.start,", "spacar/test_trajectories.py -k round_trip"),
     Fault(
         "spacar/kinds.py",

@@ -21,8 +21,6 @@ from .mode import Found, Mode, Question
 from .parts import number
 
 RESERVED = {
-    2: "inverse",
-    3: "trajectory-linearisation",
     5: "perturbation",
     6: "superposition",
 }

@@ -17,6 +17,7 @@ from . import trajectories
 from .kinds import FORMS, KINDS
 from .lines import DYNAMICS, KINEMATICS, SIGNALS, Statement
 from .reading import Reading
+from .signals import QUANTITIES, signal
 
 # When a line is acted on: nodes follow from elements, properties and positions must be known before they are built.
 DECLARE, DESCRIBE, APPLY = range(3)
@@ -93,13 +94,13 @@ ROWS = (
     *(Row("TRAJE", block, f"element deformation {WAY}", trajectories.leg) for block in (DYNAMICS, SIGNALS)),
     Row("USERSIG", DYNAMICS, "name", act.routine),
     Row("USERINP", DYNAMICS, "name", act.routine),
-    *(Row(keyword, SIGNALS, "number node coordinate", act.signal) for keyword in ("INPUTF", "OUTX", "OUTXP", "OUTXDP")),
     *(
-        Row(keyword, SIGNALS, "number element deformation", act.signal)
-        for keyword in ("INPUTS", "OUTE", "OUTEP", "OUTEDP", "OUTS")
+        Row(keyword, SIGNALS, "number node component" if kind == "node" else "number element deformation", signal)
+        for (_, kind), keywords in QUANTITIES.items()
+        for keyword in keywords
     ),
     *(
-        Row(keyword, SIGNALS, "number node coordinate", trajectories.channel)
+        Row(keyword, SIGNALS, "number node component", trajectories.channel)
         for keyword in ("NOMF", "REFX", "REFXP", "REFXDP")
     ),
     *(
@@ -132,8 +133,6 @@ REFUSED = {
     "ENHC": "is refused, since its meaning is not known",
     "TIMENORM": f"{_UNKNOWN_TIME}start and end of TRAJX and TRAJE are times [s]; TIMESTEP gives output times",
     "INTEGRAL": f"{_UNKNOWN_TIME}steps are chosen by the tolerances of ERROR absolute relative",
-    **dict.fromkeys(("INX", "INE"), f"(prescribed motion as an input of the state space) {_LATER}"),
-    "OUTF": f"(a force as an output of the state space) {_LATER}",
 }
 
 KEYWORDS = tuple(dict.fromkeys([row.keyword for row in ROWS] + [*REFUSED, *DRAWN, "END", "HALT"]))

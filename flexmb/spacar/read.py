@@ -34,7 +34,6 @@ from .lines import (
     placeholders,
     read_text,
     statements,
-    whole_number,
 )
 from .reading import AlreadyReported, Declared, Reading
 
@@ -215,8 +214,6 @@ class _Blocks:
         if s.keyword in DRAWN or (self.drawing and not _homes(s.keyword)):
             return act.drawing(self.reading, s)
         if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
-            if s.keyword in ("INX", "INE", "OUTF") and s.words and (number := whole_number(s.words[0])):
-                act.number_signal(self.reading, s, number)
             raise Fault(REFUSED.get(s.keyword, UNKNOWN_MOTION))
         if self.drawing:
             raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
@@ -252,7 +249,7 @@ def _homes(keyword: str) -> list[str]:
 def _form(keyword: str) -> str:
     """Form of a keyword; of a refused one, what it is about."""
     if keyword in REFUSED:
-        return "number" if keyword in ("INX", "INE", "OUTF") else "node" if keyword == "KINX" else "element"
+        return "node" if keyword == "KINX" else "element"
     return next((row.form for row in ROWS if row.keyword == keyword), "")
 
 

@@ -58,13 +58,13 @@ class Channel(NamedTuple):
     Attributes:
         number: Its place, from 1.
         of: Number of the node or element.
-        component: Number of the coordinate or deformation.
+        component: Number of the coordinate or deformation, or the axis of a rotation in space, "rx", "ry" or "rz".
         line: Number of its line.
     """
 
     number: int
     of: int
-    component: int
+    component: int | str
     line: int
 
 

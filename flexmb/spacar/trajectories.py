@@ -6,9 +6,10 @@ from typing import Any
 from ..elements.nodes import ROTATION3
 from ..errors import clean
 from ..model.roles import Role
-from .actions import EULER, number_signal, side_of, target
-from .lines import Fault, Statement, known
+from .actions import target
+from .lines import AXES, Fault, Statement, known
 from .reading import Channel, Leg, Reading
+from .signals import EULER, number_signal, place_of, side_of
 
 LAWS = ("quintic", "septic", "scurve")
 WAYS = ("TRAJX", "TRAJE")
@@ -57,21 +58,18 @@ def leg(r: Reading, s: Statement, p: dict[str, Any]) -> None:
 
 def channel(r: Reading, s: Statement, p: dict[str, Any]) -> None:
     """NOMF, NOMS, REFX, REFE and the like: one nominal input or reference output, kept when all are known."""
-    kind, of, component = target(p)
     number_signal(r, s, p["number"])
-    r.single(of, component, kind)
-    side = side_of(s.keyword)
-    if kind == "node" and r.kind_of(of) is ROTATION3:
+    kind, of, component, axis = place_of(r, s, p)
+    if kind == "node" and r.kind_of(of) is ROTATION3 and axis is None:
         r.warnings.append((s, EULER["input" if s.keyword in NOMINAL else "output"]))
+    word = p.get("component", component)
     if s.keyword in NOMINAL:
         r.not_warping(of, component, kind)
-        if r.entries(of, [component], kind)[0] is Role.FIXED:
+        if all(role is Role.FIXED for role in r.entries(of, [component] if axis is None else [1, 2, 3, 4], kind)):
             what = "coordinate" if kind == "node" else "deformation"
-            raise Fault(
-                f"{what} {component} is held, so that nothing can drive it; let the input act on one that moves"
-            )
-    own = Channel(p["number"], of, component, s.line)
-    r.signals[side][p["number"]] = s, lambda: r.settings.setdefault(s.keyword, []).append(own)
+            raise Fault(f"{what} {word} is held, so that nothing can drive it; let the input act on one that moves")
+    own = Channel(p["number"], of, word, s.line)
+    r.signals[side_of(s.keyword)][p["number"]] = s, lambda: r.settings.setdefault(s.keyword, []).append(own)
 
 
 def check(r: Reading, blame: Callable[[Statement, str, str], None]) -> None:
@@ -95,7 +93,7 @@ def check(r: Reading, blame: Callable[[Statement, str, str], None]) -> None:
     for keyword, way in zip(NOMINAL, WAYS, strict=True):
         kind = "node" if keyword == "NOMF" else "element"
         for number, of, component, _ in r.settings.get(keyword, []):
-            role = r.entries(of, [component], kind)[0]
+            role = None if component in AXES else r.entries(of, [component], kind)[0]
             if role is Role.PRESCRIBED and (way, of, component) not in r.given:
                 text = f"is prescribed and goes nowhere, so that nothing is driven: say where it goes with {way}"
                 blame(r.signals["nominal input"][number][0], text, "number")

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..build.clamps import parts_of, with_clamps
-from ..build.description import Member
+from ..build.description import TURNS, Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
@@ -22,10 +22,10 @@ from ..files import write_whole
 from ..model.roles import Role
 from . import outlines, trajectories
 from . import series as series
-from .actions import QUANTITIES
 from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
 from .read import SpacarModel
+from .signals import keyword_of
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
@@ -439,18 +439,16 @@ class _Writer:
     # -- inputs and outputs ---------------------------------------------------------------------------------------
 
     def _signals(self) -> list[str]:
-        keywords = {quantity: keyword for keyword, quantity in QUANTITIES.items()}
-        keywords |= {"force": "INPUTF", "stress": "OUTS"}
         lines = []
         for side in ("input", "output"):
-            for i, (name, quantity, (kind, of, number), axis, _) in enumerate(self.builder.signals[side], 1):
-                if axis is not None:
-                    raise ModelError(
-                        f"The {side} '{name}' is about an axis, which a SPACAR input file cannot express: there the"
-                        " components of a rotation in space are Euler parameters."
-                    )
-                keyword = "INPUTS" if (side, quantity) == ("input", "stress") else keywords[quantity]
-                lines.append(_line(keyword, i, (self.node if kind == "node" else self.element)[of], number))
+            for i, own in enumerate(self.builder.signals[side], 1):
+                if own.local or own.parts:
+                    told = "is about an axis that turns" if own.local else "is a linear combination"
+                    raise ModelError(f"The {side} '{own.name}' {told}, which a SPACAR input file cannot express.")
+                kind, of, number = own.key
+                component = number if own.axis is None else TURNS[own.axis]
+                numbers = self.node if kind == "node" else self.element
+                lines.append(_line(keyword_of(side, kind, own.quantity), i, numbers[of], component))
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
             for own in self.settings.get(keyword, []):

@@ -37,7 +37,8 @@ def text_of(**lines):
 
 WHOLE = text_of(
     dynamics="INPUTE 2 1 0.5\nTIMESTEP 2 20\nTRAJE 2 1 1 1.5 0.25 SCURVE",
-    signals="TRAJE 2 1 0 1 1.5\nREFX 2 3 2\nREFE 1 2 1\nNOMS 1 2 1\nREFEDP 3 2 1\nTRAJE 1 2 1 2 1D-3 septic\nTRAJE 2 1 1.5 2 0",
+    signals="TRAJE 2 1 0 1 1.5\nREFX 2 3 2\nREFE 1 2 1\nNOMS 1 2 1\nREFEDP 3 2 1\n"
+    "TRAJE 1 2 1 2 1D-3 septic\nTRAJE 2 1 1.5 2 0",
 )
 
 
