@@ -21,8 +21,8 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..motion.element_forces import Moving, force_derivatives, prepared_blocks
 
-# Damping beside that of the elements below this share of the whole is none.
-ROUND_OFF = 1e-12
+# What is below this share of what it could be is round-off.
+ROUND_OFF = 1e-13
 
 
 class Held(NamedTuple):
@@ -116,14 +116,15 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
         """The degrees of freedom's own part as it is known."""
         return whole.at[:n, :n].set(own)
 
-    k0, n0, g0 = joined(m.K0, structural), joined(m.N0, dynamic), joined(m.G0, geometric)
+    k0, n0, g0 = joined(m.K0, _exact(structural)), joined(m.N0, dynamic), joined(m.G0, geometric)
+    k = k0 + n0 + g0
+    by_elements = _exact(dfe.T @ damping @ dfe)
     added = m.D0 - m.DFe.T @ damping @ m.DFe
-    dissipated = dfe.T @ damping @ dfe + _beside_elements(m, added, (k0 + n0 + g0)[:n, n:], (k0 + n0 + g0)[n:, :n])
     return dataclasses.replace(
         m,
-        M0=joined(m.M0, z.T @ mass @ z),
+        M0=joined(m.M0, _exact(z.T @ mass @ z)),
         C0=joined(m.C0, velocity),
-        D0=joined(m.D0, dissipated),
+        D0=joined(m.D0, by_elements + _beside_elements(m, added, k[:n, n:], k[n:, :n])),
         K0=k0,
         N0=n0,
         G0=g0,
@@ -146,6 +147,16 @@ def _seeds(topology: Topology, x, held: tuple[Held, ...]) -> tuple[Float[Array, 
             # Of omega = 2 Lbar d(lambda)/dt the inverse: d(lambda)/dt = Lbar^T omega / 2.
             seed_x = seed_x.at[own, i].set(rotation_row(x[own], of.axis, of.local) / 4)
     return seed_x, seed_e
+
+
+def _exact(matrix: Float[Array, "w w"]) -> Float[Array, "w w"]:
+    """Nothing where there is but round-off, of a positive semidefinite matrix; its derivatives stay.
+
+    Whether an output takes a rate of an input, which no state space has, hangs on it.
+    """
+    size = jnp.sqrt(jnp.abs(jnp.diag(matrix)))
+    small = jnp.abs(matrix) <= ROUND_OFF * size[:, None] * size
+    return jnp.where(small, matrix - jax.lax.stop_gradient(matrix), matrix)
 
 
 def _weightless(parameters: Parameters) -> Parameters:
@@ -185,7 +196,7 @@ def _beside_elements(m: Matrices, added, by_held, of_held) -> Float[Array, "w w"
     """
     shift, _, _ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
     # Round-off of what is not there would ask for a regular stiffness.
-    there = jnp.max(jnp.abs(added), initial=0.0) > ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
+    there = jnp.max(jnp.abs(added), initial=0.0) > 10 * ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
     factors = factorise(jnp.where(there, m.K + shift * m.M0, jnp.eye(len(added))))
     added = jnp.where(there, added, 0.0)
     right = jnp.concatenate([jnp.eye(len(added)), factors.solve(by_held)], axis=1)

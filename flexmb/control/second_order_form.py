@@ -7,13 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import jit
 from ..linear.linearize import Linearization, Matrices
 from ..mechanics.blocks import kernel
 from ..mechanics.signals import along_coordinates, combined, input_row, rotation_row, terms_of
 from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .held import held_by, held_of, with_held
+from .held import Held, held_by, held_of, with_held
 
 
 class SecondOrder(NamedTuple):
@@ -47,6 +48,21 @@ class SecondOrder(NamedTuple):
     orders: np.ndarray
     moves: np.ndarray
 
+    def at(self, s: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """K, B, C and D at one s = i w of a form of one state: u does C K^-1 B + D.
+
+        Args:
+            s: i w [rad/s]; not zero where an input is a velocity or an acceleration.
+
+        Returns:
+            (n_q, n_q), (n_q, n_u), (n_y, n_q) and (n_y, n_u), complex.
+        """
+        k, c, m, b0, b1, b2, *rest = (np.asarray(of) for of in (self.K, self.C, self.M, *self[3:12]))
+        c0, c1, c2, d0, d1, d2 = rest
+        by_u = s ** -self.orders.astype(float)
+        forces, through = (b0 + s * b1 + s**2 * b2) * by_u, (d0 + s * d1 + s**2 * d2) * by_u
+        return k + s * c + s**2 * m, forces, c0 + s * c1 + s**2 * c2, through
+
     def __repr__(self) -> str:
         return "SecondOrder: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
 
@@ -64,11 +80,11 @@ def second_order(lin: Linearization) -> SecondOrder:
         THEORY.md 14, eq. (14.1) to (14.4): what is held is a freedom of its own in the equations about the state, the
         constraint forces in their stiffness, and the columns of what moves it go to the right.
     """
-    model = lin.model
+    model, m = lin.model, lin.matrices
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
-    found = _second_order(
-        model.topology, model.parameters, lin.matrices, inputs=inputs, outputs=outputs, times=lin.matrices.M0.ndim > 2
-    )
+    held = held_by((*terms_of(inputs), *terms_of(outputs)))
+    whole = _with_held(model.topology, model.parameters, m, held=held, times=m.M0.ndim > 2) if held else m
+    found = _second_order(m, whole, model.parameters.weights, inputs=inputs, outputs=outputs, held=held)
     orders, moves = kinds_of(inputs)
     return SecondOrder(*found, orders=orders, moves=moves)
 
@@ -80,18 +96,24 @@ def kinds_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
 
 
 @kernel
-def _second_order(topology: Topology, parameters: Parameters, m: Matrices, *, inputs, outputs, times: bool) -> Any:
+def _with_held(topology: Topology, parameters: Parameters, m: Matrices, *, held: tuple[Held, ...], times: bool):
     def one(m: Matrices):
-        return _about_state(topology, parameters, m, inputs, outputs)
+        return with_held(topology, parameters, m, held)
 
     return jax.vmap(one)(m) if times else one(m)
 
 
-def _about_state(topology: Topology, parameters: Parameters, m: Matrices, inputs, outputs) -> tuple[Any, ...]:
+@jit
+def _second_order(m: Matrices, whole: Matrices, weights: Any, *, inputs, outputs, held: tuple[Held, ...]) -> Any:
+    def one(m: Matrices, whole: Matrices):
+        return _about_state(m, whole, weights, inputs, outputs, held)
+
+    return jax.vmap(one)(m, whole) if m.M0.ndim > 2 else one(m, whole)
+
+
+def _about_state(m: Matrices, whole: Matrices, weights, inputs, outputs, held) -> tuple[Any, ...]:
     n = m.M0.shape[0]
     causes, sensed = terms_of(inputs), terms_of(outputs)
-    held = held_by((*causes, *sensed))
-    whole = with_held(topology, parameters, m, held)
     parts = (whole.K, whole.C0 + whole.D0, whole.M0)
     forces = jnp.zeros((n + len(held), len(causes)))
     motions = np.zeros((len(held), len(causes)))
@@ -100,22 +122,17 @@ def _about_state(topology: Topology, parameters: Parameters, m: Matrices, inputs
             forces = forces.at[:, j].set(input_row(s, whole.x, whole.DFx, whole.DFe))
         else:
             motions[held.index(held_of(s)), j] = 1.0
-    weights = parameters.weights or (None, None)
-    mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
     by_p = [-part[:n, n:] @ motions for part in parts]
     by_p[0] = by_p[0] + forces[:n]
     rows = [_output_rows(s, whole, held, parts, forces, causes) for s in sensed]
     by_w = [_stacked([of[k] for of in rows], n + len(held)) for k in range(3)]
     through = [row[:, n:] @ motions for row in by_w]
     through[0] = through[0] + _stacked([of[3] for of in rows], len(causes))
-    return (
-        m.M0,
-        m.C0 + m.D0,
-        m.K,
-        *(of @ mix for of in by_p),
-        *(read @ of[:, :n] for of in by_w),
-        *(read @ of @ mix for of in through),
-    )
+    by_q = [row[:, :n] for row in by_w]
+    if weights is not None:
+        mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
+        by_p, by_q, through = [of @ mix for of in by_p], [read @ of for of in by_q], [read @ of @ mix for of in through]
+    return m.M0, m.C0 + m.D0, m.K, *by_p, *by_q, *through
 
 
 def _stacked(rows: list[Any], size: int) -> Float[Array, "rows size"]:

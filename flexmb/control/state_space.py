@@ -16,10 +16,10 @@ from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import factorise
 from ..mechanics.extent import sizes_of
-from ..mechanics.signals import along_coordinates, input_row, rotation_row
-from ..model.model import Model, Signal
-from ..model.roles import Role
+from ..mechanics.signals import combined, terms_of
+from ..model.model import MOTIONS, Model
 from ..results import RESULTS
+from .second_order_form import SecondOrder, second_order
 from .truncation import chosen_modes, error_of, truncated
 
 if TYPE_CHECKING:
@@ -27,15 +27,20 @@ if TYPE_CHECKING:
 
 # What an input does below this share of what it could, as round-off leaves it, is nothing.
 IDLE = 1e-12
+# A rate of an input below this share of what it consists of is round-off.
+LEFT = 1e-9
 
 
 class StateMatrices(NamedTuple):
     """z_dot = A z + B u, y = C z + D u with z = (q, q_dot) of the degrees of freedom that carry mass.
 
+    Where inputs are velocities or accelerations of what is held, its displacements stand after q and, of accelerations,
+    its velocities after q_dot.
+
     Attributes:
-        A: (2 n, 2 n).
-        B: (2 n, n_u).
-        C: (n_y, 2 n).
+        A: (n_z, n_z); n_z is 2 n without such inputs.
+        B: (n_z, n_u).
+        C: (n_y, n_z).
         D: (n_y, n_u).
     """
 
@@ -48,100 +53,121 @@ class StateMatrices(NamedTuple):
         return "StateMatrices: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
 
 
+class _Realised(NamedTuple):
+    """State-space matrices, and what their names and their checks need.
+
+    Attributes:
+        matrices: A, B, C and D.
+        late: Which rate of an input an output takes that no state space has, 0 where it takes none, (n_y, n_u).
+        shifted: Whether the states that stand for the degrees of freedom, and those for their rates, are less what the
+            inputs move at once, (n,) and (n,).
+    """
+
+    matrices: StateMatrices
+    late: Float[Array, "n_y n_u"]
+    shifted: tuple[Any, Any]
+
+
 @jit
-def _state_matrices(
-    m: Matrices,
-    inputs: tuple[Signal, ...],
-    outputs: tuple[Signal, ...],
+def _realised(
+    parts: tuple[Array, ...],
+    *,
+    orders: tuple[int, ...],
+    moves: tuple[bool, ...],
     condensed: tuple[int, ...],
     modes: tuple[int, ...] = (),
-) -> StateMatrices:
-    """Second-order system with massless motions condensed statically, then in first-order form; along a motion each.
+) -> _Realised:
+    """First-order form of a second-order one, with massless motions condensed statically; along a motion each.
 
     Where modes are given, all others are condensed.
     """
 
-    def one(m: Matrices) -> StateMatrices:
-        return _state_matrices_at(m, inputs, outputs, condensed, modes)
+    def one(parts):
+        return _realised_at(parts, np.array(orders, int), np.array(moves, float), condensed, modes)
 
-    return one(m) if m.M0.ndim == 2 else jax.vmap(one)(m)
-
-
-def _forces(m: Matrices, inputs) -> Float[Array, "n_q n_u"]:
-    """What inputs do to the degrees of freedom, one a column."""
-    forces = [input_row(s, m.x, m.DFx, m.DFe) for s in inputs]
-    return jnp.stack(forces, axis=1) if forces else jnp.zeros((m.M0.shape[0], 0))
+    return one(parts) if parts[0].ndim == 2 else jax.vmap(one)(parts)
 
 
-def _passed(s: Signal, inputs) -> Float[Array, "n_u"]:
-    """What an output takes of the inputs themselves: a stress input adds to the stress."""
-    return jnp.array([float(s.quantity == u.quantity == "stress" and u.index == s.index) for u in inputs])
-
-
-def _state_matrices_at(m: Matrices, inputs, outputs, condensed, modes) -> StateMatrices:
-    n_q = m.M0.shape[0]
+def _realised_at(parts, orders, moves, condensed, modes) -> _Realised:
+    m, c, k, *by_p = parts[:6]
+    c_q, through = list(parts[6:9]), list(parts[9:12])
+    n_q, n_u = by_p[0].shape
     kept = np.array([i for i in range(n_q) if i not in condensed], int)
-    b = _forces(m, inputs)
-    damping = m.C0 + m.D0
-    keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, b.shape[1]))
+    keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, n_u))
     if modes:
-        keep, direct = truncated(m, b, modes)
+        keep, direct = truncated(k, m, by_p[0], modes)
     elif condensed:
-        moved = response_without_mass(m.M0, m.K, condensed, jnp.concatenate([b, m.K @ keep], axis=1))
-        direct, keep = moved[:, : b.shape[1]], keep - moved[:, b.shape[1] :]
-    mass, stiffness = keep.T @ m.M0 @ keep, keep.T @ m.K @ keep
-    inverse = factorise(mass)
+        moved = response_without_mass(m, k, condensed, jnp.concatenate([by_p[0], k @ keep], axis=1))
+        direct, keep = moved[:, :n_u], keep - moved[:, n_u:]
+    mass, damping, stiffness = (keep.T @ of @ keep for of in (m, c, k))
+    by_p[0], through[0] = by_p[0] - k @ direct, through[0] + c_q[0] @ direct
+    if np.any(moves):
+        # What follows at once follows a motion with its rates, too; rates of forces are not known.
+        for i, of in ((1, c), (2, m)):
+            by_p[i], through[i] = by_p[i] - of @ (direct * moves), through[i] + c_q[i] @ (direct * moves)
+        by_p, c_q = [keep.T @ of for of in by_p], [of @ keep for of in c_q]
+        return _first_order(mass, damping, stiffness, by_p, c_q, through, orders)
     n = keep.shape[1]
-    lower = jnp.concatenate([-inverse.solve(stiffness), -inverse.solve(keep.T @ damping @ keep)], axis=1)
-    upper = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n)], axis=1)
-    drive = inverse.solve(keep.T @ (b - m.K @ direct))
-    # Of the degrees of freedom, their rates and their second rates by the state.
-    none = jnp.zeros((n_q, n))
-    by_state = [jnp.concatenate([keep, none], axis=1), jnp.concatenate([none, keep], axis=1), keep @ lower]
-    by_input = [direct, jnp.zeros_like(direct), keep @ drive]
-    rows, feedthrough = [], []
-    for s in outputs:
-        parts = _output_rows(s, m)
-        row, through = (
-            sum(part @ matrix for part, matrix in zip(parts, of, strict=True) if part is not None)
-            for of in (by_state, by_input)
-        )
-        rows.append(row)
-        feedthrough.append(through + _passed(s, inputs))
-    c = jnp.stack(rows) if rows else jnp.zeros((0, 2 * n))
-    d = jnp.stack(feedthrough) if feedthrough else jnp.zeros((0, b.shape[1]))
-    drive = jnp.concatenate([jnp.zeros((n, b.shape[1])), drive])
-    return StateMatrices(jnp.concatenate([upper, lower]), drive, c, d)
+    lower = factorise(mass).solve(jnp.concatenate([-stiffness, -damping, keep.T @ by_p[0]], axis=1))
+    v_dot, pull = lower[:, : 2 * n], lower[:, 2 * n :]
+    z_dot = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n)], axis=1)
+    row = jnp.concatenate([c_q[0] @ keep, c_q[1] @ keep], axis=1) + c_q[2] @ keep @ v_dot
+    found = StateMatrices(
+        jnp.concatenate([z_dot, v_dot]),
+        jnp.concatenate([jnp.zeros((n, n_u)), pull]),
+        row,
+        through[0] + c_q[2] @ keep @ pull,
+    )
+    return _Realised(found, jnp.zeros(found.D.shape, jnp.int32), (jnp.zeros(n, bool), jnp.zeros(n, bool)))
 
 
-def _output_rows(s: Signal, m: Matrices) -> tuple[Any, ...]:
-    """Derivatives of an output by the degrees of freedom, their rates and their second rates; None where there is none.
+def _first_order(mass, damping, stiffness, by_p, c_q, through, orders) -> _Realised:
+    """States z, displacements that inputs are rates of, v, and velocities that inputs are rates of; (14.5)."""
+    n, n_u = by_p[0].shape
+    inverse = factorise(mass)
+    once, twice = np.flatnonzero(orders > 0), np.flatnonzero(orders == 2)
 
-    Along a motion the rate of DFx q is DFx qd + DFx_d q, and a rotation's axes turn: of omega = 2 Lbar(lambda)
-    d(lambda)/dt the change is 2 Lbar(lambda) of the rate's less 2 Lbar(d(lambda)/dt) of the parameters'.
-    """
-    moving = m.moving
-    if s.quantity == "stress":
-        rates = m.S_d[s.index]
-        by_q = m.S[s.index] @ m.DFe
-        return by_q if moving is None else by_q + rates @ moving.DFe_d, rates @ m.DFe, None
-    of_e = s.quantity.startswith("deformation")
-    order = ("position", "velocity", "acceleration")
-    if of_e:
-        order = ("deformation", "deformation rate", "deformation acceleration")
-    place = order.index(s.quantity)
-    own, row = (jnp.array([s.index]), jnp.ones(1)) if of_e else along_coordinates(s, m.x)
-    along = row @ (m.DFe if of_e else m.DFx)[own]
-    if place == 0 or moving is None:
-        return tuple(along if i == place else None for i in range(3))
-    first, second = (moving.DFe_d, moving.DFe_dd) if of_e else (moving.DFx_d, moving.DFx_dd)
-    turning = jnp.zeros_like(along)
-    if s.axis is not None:
-        rates = moving.xd if place == 1 else moving.xdd
-        turning = rotation_row(rates[own], s.axis, s.local) @ m.DFx[own]
-    if place == 1:
-        return row @ first[own] - turning, along, None
-    return row @ second[own] - turning, 2 * row @ first[own], along
+    def level(of, rate: int):
+        """What a rate of the inputs does, or where negative an integral of them, of what their displacements do."""
+        nothing = jnp.zeros(of[0].shape[0])
+        return jnp.stack([of[k + rate][:, j] if 0 <= k + rate < 3 else nothing for j, k in enumerate(orders)], axis=1)
+
+    b0, b1, b2 = (level(by_p, rate) for rate in range(3))
+    d0, d1, d2 = (level(through, rate) for rate in range(3))
+    at_once = inverse.solve(b2)
+    rates = inverse.solve(b1 - damping @ at_once)
+    integrals, sensed = ([level(of, -1)[:, once], level(of, -2)[:, twice]] for of in (by_p, through))
+    # Columns: z, v, the first integrals of inputs and the second ones.
+    by_state = jnp.concatenate([-stiffness, -damping, *integrals], axis=1)
+    lower = inverse.solve(jnp.concatenate([by_state, b0 - stiffness @ at_once - damping @ rates], axis=1))
+    v_dot, pull = jnp.split(lower, [by_state.shape[1]], axis=1)
+    (c0, c1, c2), more = c_q, len(once) + len(twice)
+    row = jnp.concatenate([c0, c1, *sensed], axis=1) + c2 @ v_dot
+    d = c0 @ at_once + c1 @ rates + c2 @ pull + d0
+    z_dot, eye = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n), np.zeros((n, more))], axis=1), np.eye(n_u)
+    # The rate of a second integral is the first one of the same input.
+    first = np.concatenate([np.zeros((len(twice), 2 * n)), eye[np.ix_(twice, once)], np.zeros((len(twice),) * 2)], 1)
+    a = jnp.concatenate([z_dot, v_dot, np.zeros((len(once), 2 * n + more)), first])
+    b = jnp.concatenate([rates, pull, eye[once], np.zeros((len(twice), n_u))])
+    # Into the order of names: displacements after z, velocities after v.
+    places = {j: 2 * n + i for i, j in enumerate(once)} | {j: 2 * n + len(once) + i for i, j in enumerate(twice)}
+    speeds = [2 * n + i for i, j in enumerate(once) if orders[j] == 2]
+    order = np.array([*range(n), *(places[j] for j in once), *range(n, 2 * n), *speeds], int)
+    late = _left(inverse, damping, (b1, b2), (at_once, rates), (c1, c2), (d1, d2))
+    shifted = jnp.any(at_once != 0, axis=1), jnp.any((rates != 0) | (at_once != 0), axis=1)
+    return _Realised(StateMatrices(a[order][:, order], b[order], row[:, order], d), late, shifted)
+
+
+def _left(inverse, damping, by_rates, moved, c, through):
+    """Which rate of an input is left in an output, 1 or 2, or 0; what is below round-off of its parts is nothing."""
+    (b1, b2), (at_once, rates), (c1, c2), (d1, d2) = by_rates, moved, c, through
+    size = jnp.abs(inverse.solve(jnp.eye(len(damping))))
+    most = size @ jnp.abs(b2)
+    most_rate = size @ (jnp.abs(b1) + jnp.abs(damping) @ most)
+    first, second = c1 @ at_once + c2 @ rates + d1, c2 @ at_once + d2
+    largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1), jnp.abs(c2) @ most + jnp.abs(d2)
+    there = [jnp.abs(of) > LEFT * size for of, size in zip((first, second), largest, strict=True)]
+    return jnp.where(there[1], 2, jnp.where(there[0], 1, 0))
 
 
 def state_matrices(
@@ -152,10 +178,16 @@ def state_matrices(
     Motions without mass are condensed statically (their damping is left out), so that the states are those of the
     degrees of freedom that carry mass.
 
+    An input that is the displacement of what is held adds no states: they are the degrees of freedom less what the
+    input moves at once by its inertia, and are then named "shifted". A velocity adds its integral to the states, an
+    acceleration both of its integrals, named "moved by" the input. An output that takes a rate of an input, such as the
+    acceleration of a mass where the displacement of a damper's end is the input, is refused by the quantity to take.
+
     Args:
         model: Mechanism, or its linearisation, also that along a motion: then the matrices have the times in front.
             Differentiable in its parameters for named inputs and outputs. Which motions carry no mass is decided on
-            concrete numbers; under a trace all are taken to carry mass.
+            concrete numbers; under a trace all are taken to carry mass, and D is NaN where an output takes a rate of an
+            input.
         modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes
             [m sqrt(kg)] and rates. All others follow inputs at once, as they do at rest: the response at rest of
             positions, deformations and stresses is right, and that in the band nearly so. Velocities and accelerations
@@ -169,7 +201,7 @@ def state_matrices(
         A, B, C, D (shapes in StateMatrices) [SI], and the names of the states.
 
     Raises:
-        ModelError: An output is the stress of a FIXED deformation, or an input moves nothing.
+        ModelError: An input moves nothing, or an output takes a rate of an input.
         AnalysisError: singular_mass where nothing carries mass, or some motion a negative one; what the linearisation
             failed by.
         ValueError: Both ``modes`` and ``bandwidth`` are given, there are no such modes, no mode is below the bandwidth,
@@ -182,7 +214,8 @@ def state_matrices(
 
     Source:
         THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I],
-        [-M0^-1 K, -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T.
+        [-M0^-1 K, -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T; motions of what is held and
+        constraint forces 14, eq. (14.1) to (14.5).
     """
     lin = model if _is_along_motion(model) else linearized(model, "state_matrices")
     found, names, _ = _matrices_of(lin, modes, bandwidth)
@@ -191,35 +224,59 @@ def state_matrices(
 
 def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
     """State-space matrices, names of the states, and of some modes the error in their band, unless under a trace."""
-    labels, m = lin.labels, lin.matrices
+    m = lin.matrices
     traced = not is_concrete(m)
     condensed: tuple[int, ...] = ()
     if not traced:
         _check_times(lin)
-        _check_outputs(lin)
         refuse_negative_mass(lin)
         condensed = _all_massless(lin)
-        _refuse_idle_inputs(lin, condensed)
-    if modes is not None or bandwidth is not None:
-        return _truncated(lin, condensed, modes, bandwidth)
-    names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed] if not traced else []
-    if not traced and not names:
-        raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
-    found = _state_matrices(m, inputs=labels.inputs, outputs=labels.outputs, condensed=condensed)
-    return found, names + [f"d {name}" for name in names], None
+    whole = second_order(lin)
+    if not traced:
+        whole = SecondOrder(*(np.asarray(of) for of in whole))
+        _refuse_idle_inputs(lin, whole, condensed)
+    kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
+    names = [f"mode {i + 1}" for i in kept]
+    if not traced and not kept:
+        names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
+        if not names:
+            raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
+    orders, moves = tuple(whole.orders.tolist()), tuple(whole.moves.tolist())
+    found = _realised(tuple(whole[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
+    if traced:
+        # No number stands where a rate of an input would have to.
+        d = jnp.where(found.late > 0, jnp.nan, found.matrices.D)
+        return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)), None
+    _refuse_rates(lin, np.asarray(found.late), orders)
+    shifted = [np.any(np.asarray(of).reshape(-1, len(names)), axis=0).tolist() for of in found.shifted]
+    error = error_of(lin, kept, bandwidth, whole, found.matrices) if kept else None
+    return found.matrices, _names(names, lin, orders, shifted), error
 
 
-def _truncated(lin: Linearization, condensed: tuple[int, ...], modes: Any, bandwidth: Any):
-    """As :func:`_matrices_of`, of some modes."""
-    labels, m = lin.labels, lin.matrices
-    kept = chosen_modes(lin, modes, bandwidth)
-    found = _state_matrices(m, inputs=labels.inputs, outputs=labels.outputs, condensed=condensed, modes=kept)
-    names, error = [f"mode {i + 1}" for i in kept], None
-    if is_concrete(m):
-        rows = [jax.tree.map(np.asarray, (*_output_rows(s, m), _passed(s, labels.inputs))) for s in labels.outputs]
-        forces = np.asarray(_forces(m, labels.inputs))
-        error = error_of(lin, kept, bandwidth, forces, rows, found)
-    return found, names + [f"d {name}" for name in names], error
+def _names(names: list[str], lin: Linearization, orders: tuple[int, ...], shifted: Any) -> list[str]:
+    """Names of the states: of degrees of freedom or modes, of displacements that inputs are rates of, and of rates."""
+    if not names:
+        return []
+    labels = lin.labels.inputs
+    moved = [(f"moved by {s.name}", order) for s, order in zip(labels, orders, strict=True) if order]
+    z, v = ([f"{name} shifted" if by else name for name, by in zip(names, of, strict=True)] for of in shifted)
+    speeds = [name for name, order in moved if order == 2]
+    return [*z, *(name for name, _ in moved), *(f"d {name}" for name in (*v, *speeds))]
+
+
+def _refuse_rates(lin: Linearization, late: np.ndarray, orders: tuple[int, ...]) -> None:
+    """Refuse an output that takes a rate of an input, by the quantity to take in its place."""
+    late = late.reshape(-1, *late.shape[-2:]).max(axis=0)
+    if not np.any(late):
+        return
+    y, u = np.argwhere(late)[0]
+    output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
+    has, takes, needs = (MOTIONS[orders[u] + int(rate)] for rate in (0, late[y, u], np.max(late[:, u])))
+    raise ModelError(
+        f"Output '{output}' takes the {takes} of what the input '{source}' moves, which a state space cannot tell from"
+        f' its {has}: let the input be the {needs}, quantity="{needs}", which adds the motion itself to the states; or'
+        " leave the output out."
+    )
 
 
 def _is_along_motion(model: Model | Linearization) -> TypeGuard[Linearization]:
@@ -232,17 +289,6 @@ def _check_times(lin: Linearization) -> None:
     if len(wrong) and lin.matrices.M0.ndim > 2:
         code = RESULTS(int(np.asarray(lin.matrices.result)[wrong[0]]))
         raise AnalysisError(code.name, f"At {len(wrong)} of the times, {wrong[0]} the first: {code.message}")
-
-
-def _check_outputs(lin: Linearization) -> None:
-    """Refuse outputs that are constraint forces."""
-    roles = lin.model.roles()[1]
-    for s in lin.labels.outputs:
-        if s.quantity == "stress" and roles[s.index] in (Role.FIXED, Role.PRESCRIBED):
-            raise ModelError(
-                f"Output '{s.name}' is the stress of a {roles[s.index].value} deformation, a constraint force,"
-                " which the state-space model does not give. Release the deformation and give it a stiffness."
-            )
 
 
 def _at_each_time(lin: Linearization) -> list[Matrices]:
@@ -262,45 +308,58 @@ def _all_massless(lin: Linearization) -> tuple[int, ...]:
     return found.pop()
 
 
-def _refuse_idle_inputs(lin: Linearization, condensed: tuple[int, ...]) -> None:
+def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple[int, ...]) -> None:
     """Refuse inputs whose columns of B and D are zero but for round-off, at all times.
 
     Args:
+        whole: Second-order form, in plain numbers.
         condensed: Degrees of freedom that are condensed.
 
     Raises:
         ModelError: An input moves nothing.
     """
+    if not len(whole.orders):
+        return
+    inputs, weights = lin.model.labels.inputs, lin.model.parameters.weights
+    factors = np.abs(np.asarray(combined(inputs, None if weights is None else weights[0])))
     sizes = sizes_of(lin.model.topology, lin.model.parameters)
-    idle = set(range(len(lin.labels.inputs)))
-    for m in _at_each_time(lin):
+    largest = np.max(sizes)
+    own = np.array([max(1.0, largest) if s.of_element else sizes[s.index] for s in terms_of(inputs)])
+    size = factors @ own
+    idle = set(range(len(inputs)))
+    numbers = whole[:12] if whole.M.ndim > 2 else [of[None] for of in whole[:12]]
+    for m, *parts in zip(_at_each_time(lin), *numbers, strict=True):
+        now = SecondOrder(*parts, whole.orders, whole.moves)
         # How far, in extents and radians, each degree of freedom moves what it moves most.
         reach = np.max(np.abs(m.DFx) / sizes[:, None], axis=0, initial=0.0)
         for i in sorted(idle):
-            s = lin.labels.inputs[i]
-            row = np.asarray(input_row(s, m.x, m.DFx, m.DFe))
-            size = max(1.0, np.max(sizes)) if s.quantity == "stress" else sizes[s.index]
-            if np.any(np.abs(row) > IDLE * size * reach) and not _drives_only_unseen(m, row, lin, condensed):
+            if whole.moves[i]:
+                acts = any(np.any(of[:, i]) for of in (now.B0, now.B1, now.B2))
+            else:
+                acts = np.any(np.abs(now.B0[:, i]) > IDLE * size[i] * reach)
+                acts = acts and not _drives_only_unseen(m, now, i, condensed)
+            seen = any(np.any(np.abs(of[:, i]) > IDLE * max(1.0, size[i])) for of in (now.D0, now.D1, now.D2))
+            if acts or seen:
                 idle.discard(i)
     if idle:
-        s = lin.labels.inputs[min(idle)]
+        s = inputs[min(idle)]
         raise ModelError(
             f"Input '{s.name}' (a {s.quantity}) moves nothing about this state: its columns of B and D are zero. Let it"
             " act on what can move, or leave it out."
         )
 
 
-def _drives_only_unseen(m: Matrices, force: np.ndarray, lin: Linearization, condensed: tuple[int, ...]) -> bool:
+def _drives_only_unseen(m: Matrices, whole: SecondOrder, i: int, condensed: tuple[int, ...]) -> bool:
     """Whether an input acts on massless motions alone, of which no output tells."""
     if not condensed:
         return False
-    kept = np.array([i for i in range(len(force)) if i not in condensed], int)
+    force = whole.B0[:, i]
+    kept = np.array([j for j in range(len(force)) if j not in condensed], int)
     direct = response_without_mass(m.M0, m.K, condensed, force, np.linalg.solve)
     left = np.abs(force - m.K @ direct)[kept] > IDLE * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept]
     if np.any(left):
         return False
-    rows = [part for s in lin.labels.outputs for part in _output_rows(s, m)[:1] if part is not None]
-    return not any(abs(np.asarray(r) @ direct) > IDLE * (np.abs(r) @ np.abs(direct)) for r in rows)
+    return not np.any(np.abs(whole.C0 @ direct) > IDLE * (np.abs(whole.C0) @ np.abs(direct)))
 
 
 def to_statespace(
@@ -334,7 +393,7 @@ def to_statespace(
         within half an octave to both sides, which keeps an antiresonance from counting.
 
     Raises:
-        ModelError: The model names no inputs or no outputs, or an output that cannot be given, or an input that moves
+        ModelError: The model names no inputs or no outputs, an output takes a rate of an input, or an input moves
             nothing; the linearisation is that at many times.
         AnalysisError: singular_mass.
         ValueError: As :func:`state_matrices`.

@@ -3,17 +3,17 @@
 from collections.abc import Sequence
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_whole, check_number, check_whole, is_concrete, shown
 from ..errors import warn
-from ..linear.linearize import Linearization, Matrices
+from ..linear.linearize import Linearization
 from ..linear.modes import check_spectrum, modal_frequencies, refuse_unsymmetric
 from ..linear.spectrum import shift_to_definite, spectrum
 from ..math.linear import factorise
+from .second_order_form import SecondOrder
 
 # Above this error a truncated state space is warned of.
 TOLERANCE = 0.01
@@ -88,12 +88,13 @@ def _numbered(modes: Any, count: int) -> tuple[int, ...]:
 
 
 def truncated(
-    m: Matrices, forces: Float[Array, "n_q n_u"], kept: tuple[int, ...]
+    k: Float[Array, "n_q n_q"], m: Float[Array, "n_q n_q"], forces: Float[Array, "n_q n_u"], kept: tuple[int, ...]
 ) -> tuple[Float[Array, "n_q k"], Float[Array, "n_q n_u"]]:
     """Mode shapes that are kept, and the displacements by which all other motions follow inputs at once.
 
     Args:
-        m: Matrices.
+        k: Stiffness, (n_q, n_q).
+        m: Mass, (n_q, n_q).
         forces: Of each input along the degrees of freedom, one a column, (n_q, n_u).
         kept: Numbers of the modes.
 
@@ -104,15 +105,15 @@ def truncated(
         THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move the modes that are kept, and plus what s takes
         from the others.
     """
-    shift, _, _ = shift_to_definite(m.K, m.M0)
-    values, shapes, _, _ = spectrum(m.K, m.M0)
+    shift, _, _ = shift_to_definite(k, m)
+    values, shapes, _, _ = spectrum(k, m)
     own, others = np.array(kept), np.array([i for i in range(len(values)) if i not in kept], int)
     keep, left = shapes[:, own], shapes[:, others]
-    inertia = m.M0 @ keep
+    inertia = m @ keep
     # Motions without mass have infinite values and no shape: they are in the first term.
     massive = jnp.isfinite(values[others])
     rest = jnp.where(massive, values[others], 1.0)
-    direct = factorise(m.K + shift * m.M0).solve(forces - inertia @ (keep.T @ forces))
+    direct = factorise(k + shift * m).solve(forces - inertia @ (keep.T @ forces))
     # What is kept would swamp the rest by its round-off, where it has little stiffness.
     direct = direct - keep @ (inertia.T @ direct)
     share = jnp.where(massive, shift / (rest * (rest + shift)), 0.0)
@@ -120,7 +121,7 @@ def truncated(
 
 
 def error_of(
-    lin: Linearization, kept: tuple[int, ...], bandwidth: float | None, forces: Any, rows: Sequence[Any], small: Any
+    lin: Linearization, kept: tuple[int, ...], bandwidth: float | None, whole: SecondOrder, small: Any
 ) -> Float[np.ndarray, "n_y n_u"]:
     """Largest error of a truncated state space in its band, measured against the full one, and told where it is large.
 
@@ -128,9 +129,7 @@ def error_of(
         lin: Linearization.
         kept: Numbers of the modes that are kept.
         bandwidth: End of the band [Hz]; the highest mode that is kept unless given.
-        forces: As of :func:`truncated`.
-        rows: Of each output, what it takes of the degrees of freedom, their rates and second rates, (n_q,) or None, and
-            what it takes of the inputs themselves, (n_u,).
+        whole: Second-order form of all modes, in plain numbers.
         small: A, B, C and D of the truncated state space.
 
     Returns:
@@ -152,14 +151,13 @@ def error_of(
     )
     # At an undamped resonance there is no response.
     grid = grid[np.all(np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None], axis=1)]
-    m = jax.tree.map(np.asarray, lin.matrices)
-    full, least = [], np.zeros((len(rows), forces.shape[1]))
+    shape = len(lin.labels.outputs), len(lin.labels.inputs)
+    full, least = [], np.zeros(shape)
     for f in grid:
         s = 2j * np.pi * f
-        stiffness = m.K + s * (m.C0 + m.D0) + s**2 * m.M0
-        by_q = np.array([sum(s**i * part for i, part in enumerate(parts) if part is not None) for *parts, _ in rows])
-        moved, sensed = np.split(np.linalg.solve(stiffness, np.column_stack([forces, by_q.T])), [forces.shape[1]], 1)
-        full.append(by_q @ moved + np.array([own for *_, own in rows]))
+        stiffness, forces, by_q, through = whole.at(s)
+        moved, sensed = np.split(np.linalg.solve(stiffness, np.column_stack([forces, by_q.T])), [shape[1]], 1)
+        full.append(by_q @ moved + through)
         sizes = np.abs(np.sum(by_q.T * sensed, axis=0)), np.abs(np.sum(forces * moved, axis=0))
         least = np.maximum(least, IDLE * np.sqrt(np.outer(*sizes)))
     a, b, c, d = (np.asarray(of) for of in small)
