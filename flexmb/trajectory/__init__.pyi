@@ -1,5 +1,7 @@
 """Names that this room offers beside those of flexmb itself."""
 
+from .flexible import StableInversion as StableInversion
+from .flexible import stable_inversion as stable_inversion
 from .inverse import Nominal as Nominal
 from .inverse import inverse_dynamics as inverse_dynamics
 from .laws import Law as Law

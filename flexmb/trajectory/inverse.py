@@ -322,7 +322,7 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
             )
         return chosen
     rest = [i for i in range(top.n_q) if i not in own]
-    stiff = _stiff(model)
+    stiff = _stiff(model) if followed else set()
     soft = [i for i in rest if i < len(x_dof) or e_dof[i - len(x_dof)] not in stiff]
     for chosen in ([] if not followed else soft, rest):
         if len(chosen) == len(followed):

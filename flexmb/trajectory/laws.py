@@ -51,14 +51,15 @@ class Law(Result, Record):
         Returns:
             () [m, rad].
         """
-        breaks, coefficients = jnp.asarray(self.breaks), jnp.asarray(self.coefficients)
-        t = jnp.asarray(t, float)
-        piece = jnp.clip(jnp.searchsorted(breaks, t, side="right") - 1, 0, coefficients.shape[0] - 1)
+        # Of concrete numbers by NumPy, for which nothing is compiled.
+        xp: Any = np if is_concrete((self, t)) else jnp
+        breaks, coefficients, t = (xp.asarray(own, float) for own in (self.breaks, self.coefficients, t))
+        piece = xp.clip(xp.searchsorted(breaks, t, side="right") - 1, 0, coefficients.shape[0] - 1)
         # At the ends themselves the derivatives are those of the pieces; beyond there is no motion.
-        beyond = jnp.where(t < breaks[0], breaks[0], breaks[-1])
+        beyond = xp.where(t < breaks[0], breaks[0], breaks[-1])
         inside = (t >= breaks[0]) & (t <= breaks[-1])
-        since = jnp.where(inside, t, beyond) - breaks[piece]
-        return jnp.polyval(coefficients[piece, ::-1], since)
+        since = xp.where(inside, t, beyond) - breaks[piece]
+        return jnp.asarray(xp.polyval(coefficients[piece, ::-1], since))
 
     @property
     def duration(self) -> Float[Array, ""]:
@@ -227,27 +228,28 @@ def scurve(
         check_number(name, value)
     for name, value in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
         check_number(name, value, above=0)
-    way = jnp.asarray(end, float) - start
-    v, a, j = (jnp.asarray(limit, float) for limit in (velocity, acceleration, jerk))
-    far = jnp.abs(way)
+    xp: Any = np if is_concrete((start, end, velocity, acceleration, jerk, begin)) else jnp
+    start, end, v, a, j = (xp.asarray(one, float) for one in (start, end, velocity, acceleration, jerk))
+    way = end - start
+    far = _positive(xp, xp.abs(way))
     # The acceleration that the velocity and the way allow to reach, and then the velocity that the way does.
-    a = jnp.minimum(jnp.minimum(a, jnp.sqrt(v * j)), jnp.cbrt(_positive(far) * j**2 / 2))
-    v = jnp.minimum(v, a * (jnp.sqrt(a**2 / j**2 / 4 + far / a) - a / j / 2))
-    rising, steady = a / j, jnp.maximum(v / a - a / j, 0.0)
-    cruise = jnp.maximum(far / v - (2 * rising + steady), 0.0)
-    lengths = jnp.stack([rising, steady, rising, cruise, rising, steady, rising])
-    at, pieces = [jnp.asarray(start, float), jnp.array(0.0), jnp.array(0.0)], []
+    a = xp.minimum(xp.minimum(a, xp.sqrt(v * j)), xp.cbrt(far * j**2 / 2))
+    v = xp.minimum(v, a * (xp.sqrt(a**2 / j**2 / 4 + far / a) - a / j / 2))
+    rising, steady = a / j, xp.maximum(v / a - a / j, 0.0)
+    cruise = xp.maximum(far / v - (2 * rising + steady), 0.0)
+    lengths = xp.stack([rising, steady, rising, cruise, rising, steady, rising])
+    at, pieces = [start, xp.zeros(()), xp.zeros(())], []
     for sign, length in zip(JERKS, lengths, strict=True):
-        third = sign * j * jnp.sign(way)
+        third = sign * j * xp.sign(way)
         x, xd, xdd = at
-        pieces.append(jnp.stack([x, xd, xdd / 2, third / 6]))
+        pieces.append(xp.stack([x, xd, xdd / 2, third / 6]))
         at = [
             x + length * (xd + length * (xdd / 2 + length * third / 6)),
             xd + length * (xdd + length * third / 2),
             xdd + length * third,
         ]
-    breaks = jnp.asarray(begin, float) + jnp.concatenate([jnp.zeros(1), jnp.cumsum(lengths)])
-    return Law(breaks, jnp.stack(pieces))
+    breaks = xp.asarray(begin, float) + xp.concatenate([xp.zeros(1), xp.cumsum(lengths)])
+    return Law(jnp.asarray(breaks), jnp.asarray(xp.stack(pieces)))
 
 
 def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
@@ -403,9 +405,9 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
     return taken
 
 
-def _positive(number):
+def _positive(xp: Any, number: Any) -> Any:
     """A number that is not negative, kept from zero, where roots have no derivative."""
-    return jnp.where(number > 0, number, 1e-300)
+    return xp.where(number > 0, number, 1e-300)
 
 
 def _limits(given) -> list[Any]:
@@ -422,25 +424,27 @@ def _rise(degree: int, start, end, duration, limits, begin) -> Law:
     """A move by one polynomial."""
     for name, value in (("start", start), ("end", end), ("begin", begin)):
         check_number(name, value)
-    way = jnp.asarray(end, float) - start
+    xp: Any = np if is_concrete((start, end, duration, limits, begin)) else jnp
+    start, end, begin = (xp.asarray(one, float) for one in (start, end, begin))
+    way = end - start
     if duration is not None:
         if any(limit is not None for limit in limits):
             raise ValueError("Give `duration`, or the limits that it shall be found from, not both.")
         check_number("duration", duration, above=0)
-        duration = jnp.asarray(duration, float)
+        duration = xp.asarray(duration, float)
     else:
         if all(limit is None for limit in limits):
             raise ValueError("Give `duration`, or a limit to find it from: `velocity`, `acceleration` or `jerk`.")
-        far = _positive(jnp.abs(way))
+        far = _positive(xp, xp.abs(way))
         needed = [
             (peak * far / limit) ** (1 / (k + 1))
             for k, (peak, limit) in enumerate(zip(PEAKS[degree], _limits(limits), strict=True))
             if limit is not None
         ]
-        duration = jnp.max(jnp.stack(needed))
-    rise = jnp.array(RISES[degree], float) / duration ** jnp.arange(degree + 1.0)
-    coefficients = (way * rise).at[0].set(jnp.asarray(start, float))
-    return Law(jnp.asarray(begin, float) + jnp.stack([jnp.array(0.0), duration]), coefficients[None])
+        duration = xp.max(xp.stack(needed))
+    coefficients = [start, *(way * rise / duration**k for k, rise in enumerate(RISES[degree]) if k)]
+    breaks = begin + xp.stack([xp.zeros(()), duration])
+    return Law(jnp.asarray(breaks), jnp.asarray(xp.stack(coefficients)[None]))
 
 
 def _through(times, values, degree: int, ends) -> Law:
@@ -496,8 +500,9 @@ def _shaped(law, frequency, damping, shares) -> Shaped:
     check_number("damping", damping, least=0)
     if is_concrete(damping) and not float(np.asarray(damping)) < 1:
         raise ValueError(f"Argument `damping` must be below 1, where something vibrates, but is {shown(damping)}.")
-    ratio = jnp.asarray(damping, float)
-    root = jnp.sqrt(1 - ratio**2)
-    parts = jnp.stack(shares(jnp.exp(-jnp.pi * ratio / root)))
-    half = 1 / (2 * jnp.asarray(frequency, float) * root)
-    return Shaped(taken, parts, half * jnp.arange(parts.shape[0]))
+    xp: Any = np if is_concrete((frequency, damping)) else jnp
+    ratio = xp.asarray(damping, float)
+    root = xp.sqrt(1 - ratio**2)
+    parts = xp.stack(shares(xp.exp(-np.pi * ratio / root)))
+    half = 1 / (2 * xp.asarray(frequency, float) * root)
+    return Shaped(taken, jnp.asarray(parts), jnp.asarray(half * xp.arange(float(len(parts)))))

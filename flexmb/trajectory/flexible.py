@@ -1,0 +1,399 @@
+"""Inputs of a linear system whose outputs follow laws, also where the inverse is unstable: before the output moves."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import ArrayLike, Float
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..compilation.record import Record, static
+from ..control.state_space import state_matrices
+from ..display import Result, Summary, listed, short, span
+from ..errors import FlexmbWarning, ModelError
+from ..linear.linearize import Linearization
+from ..model.model import Model
+from .laws import Law, Shaped, as_law, sampled
+
+# What is below this share of the sum of its terms' sizes is zero, as round-off leaves it.
+ZERO = 1e-11
+# A zero this close to the imaginary axis, as a share of its own size, is on it.
+ON_AXIS = 1e-9
+# What is wanted is a polynomial of this degree between two times: exactly so for the laws of this room.
+DEGREE = 9
+# A law jumps whose derivatives of both sides differ by more than this share of the sum of its terms.
+JUMP = 1e-7
+# Who starts from rest is told of an error of this share of the largest output.
+MISSED = 1e-3
+
+
+class StableInversion(Result, Record):
+    """Inputs under which the outputs of a linear system follow laws.
+
+    Attributes:
+        t: Times, (n_t,) [s].
+        u: Inputs, (n_t, n_u) [N, N m].
+        y: The outputs that follow laws, (n_t, n_y).
+        z: State, (n_t, n_z).
+        zeros: Zeros of the system, eigenvalues of its inverse, (n_z - sum of the relative degrees,) [1/s].
+        degrees: Relative degree of each output: of which derivative the input decides, (n_y,).
+        error: How far the outputs are off at most when the system starts from rest at the first of the times, because
+            what comes before is left out, () [SI].
+        inputs_of, outputs_of: Their names.
+    """
+
+    t: Float[np.ndarray, "n_t"]
+    u: Float[np.ndarray, "n_t n_u"]
+    y: Float[np.ndarray, "n_t n_y"]
+    z: Float[np.ndarray, "n_t n_z"]
+    zeros: Any
+    degrees: Any
+    error: Float[np.ndarray, ""]
+    inputs_of: tuple[str, ...] = static()
+    outputs_of: tuple[str, ...] = static()
+    one_axis = "t"
+
+    @property
+    def inputs(self) -> dict[str, Law]:
+        """Inputs as functions of time, by their names."""
+        return {name: sampled(self.t, self.u[:, i]) for i, name in enumerate(self.inputs_of)}
+
+    def summary(self) -> Summary:
+        """Range of each input, the zeros, and the error of a start from rest."""
+        unstable = self.zeros[self.zeros.real > 0].real
+        rows = {f"input {name}": span(self.u[:, i], "") for i, name in enumerate(self.inputs_of)}
+        rows |= {f"output {name}": span(self.y[:, i], "") for i, name in enumerate(self.outputs_of)}
+        rows["zeros"] = f"{len(self.zeros)}, in the right half plane {len(unstable)}"
+        if len(unstable):
+            rows["moves beforehand by"] = f"some {short(5 / np.min(unstable))} s"
+        rows["error from rest"] = short(self.error)
+        return Summary("Stable inversion", rows)
+
+
+def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: ArrayLike) -> StableInversion:
+    """Inputs under which the outputs of a flexible mechanism follow laws, bounded also where the inverse is unstable.
+
+    The linear system is solved for the inputs that give the outputs their laws, as a boundary value problem over all
+    time: the part of the inverse that decays is followed forwards from rest, the part that grows backwards from rest
+    at the end. So an input whose output is not collocated begins before the output does: let the times begin early
+    enough. ``error`` says how much of it is cut off there.
+
+    Args:
+        system: Mechanism, its linearisation, or a ``control.StateSpace`` with named inputs and outputs; of concrete
+            numbers.
+        trajectory: Law of outputs by their names, as many as there are inputs, counted from the state about which
+            the system is linear; at rest before the first of the times and after the last.
+        times: Times at which to give the inputs, ascending, (n_t,) [s].
+
+    Returns:
+        StableInversion.
+
+    Raises:
+        ValueError, TypeError: Times that do not ascend, a law that is none, or traced numbers.
+        ModelError: Unknown output; another number of outputs than inputs; an output that the inputs cannot move;
+            outputs that depend on one another; zeros on the imaginary axis; a law that is not smooth enough.
+
+    Warns:
+        FlexmbWarning: From rest at the first of the times the outputs are off by more than a thousandth.
+
+    Source:
+        Devasia, Chen, Paden (1996), as THEORY.md 14, eq. (14.16) to (14.18).
+    """
+    a, b, c, d, inputs, outputs = _system(system)
+    if not isinstance(trajectory, Mapping) or not trajectory:
+        raise ModelError(f"Argument `trajectory` must be a dictionary of outputs and laws, not {shown(trajectory)}.")
+    check_numbers("Argument `times`", times)
+    if not is_concrete(times):
+        raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
+    grid = np.asarray(times, float)
+    if grid.ndim != 1 or len(grid) < 2 or not np.all(np.diff(grid) > 0):
+        raise ValueError("Argument `times` must be at least two times, ascending.")
+    names = list(trajectory)
+    for name in names:
+        if name not in outputs:
+            raise ModelError(f"Trajectory '{name}' is of no output of the system. There are: {listed(outputs)}.")
+    if len(names) != len(inputs):
+        raise ModelError(
+            f"There must be as many laws as inputs, but there are {len(names)} ({listed(names)}) and"
+            f" {len(inputs)} ({listed(inputs)})."
+        )
+    laws = [as_law(f"Trajectory '{name}'", trajectory[name]) for name in names]
+    rows = [outputs.index(name) for name in names]
+    inverse = _inverse(a, b, c[rows], d[rows], names)
+    for name, degree in zip(names, inverse.degrees, strict=True):
+        _check_smooth(name, trajectory[name], degree)
+    z, u, y = _followed(inverse, laws, names, grid)
+    error = _error_from_rest(a, c[rows], z, grid)
+    if error > MISSED * np.max(np.abs(y)):
+        unstable = np.real(inverse.zeros)[np.real(inverse.zeros) > 0]
+        warnings.warn(
+            f"The inputs begin before the first of the times: from rest there the outputs are off by up to"
+            f" {short(error)}. Let the times begin earlier, by some {short(np.log(1 / ZERO) / np.min(unstable))} s"
+            " before the outputs move.",
+            FlexmbWarning,
+            stacklevel=2,
+        )
+    return StableInversion(
+        grid, u, y, z, inverse.zeros, np.array(inverse.degrees), np.asarray(error), tuple(inputs), tuple(names)
+    )
+
+
+class _Inverse(NamedTuple):
+    """Inverse of a linear system: z = lift xi + internal eta, eta' = q eta + p w, u = gain (y^(r) - row z).
+
+    Attributes:
+        degrees: Relative degree of each output.
+        lift: State of the outputs and their derivatives, (n_z, r).
+        internal: Basis of the states that these do not see, (n_z, n_z - r).
+        q, p: Equations of the internal states; p is of the outputs, their derivatives, and the last ones.
+        gain, row: Those of the inputs.
+        zeros: Eigenvalues of q.
+    """
+
+    degrees: list[int]
+    lift: np.ndarray
+    internal: np.ndarray
+    q: np.ndarray
+    p: np.ndarray
+    gain: np.ndarray
+    row: np.ndarray
+    zeros: Any
+
+
+def _system(system: Any):
+    """Matrices and names of a linear system."""
+    if isinstance(system, Model | Linearization):
+        labels = system.labels
+        if not is_concrete(jax.tree.leaves(system)):
+            raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
+        found, _ = state_matrices(system)
+        inputs, outputs = ([s.name for s in some] for some in (labels.inputs, labels.outputs))
+        parts = found
+    elif all(hasattr(system, name) for name in "ABCD"):
+        if getattr(system, "dt", 0):
+            raise ModelError("Stable inversion takes a continuous system, not a sampled one.")
+        parts = [getattr(system, name) for name in "ABCD"]
+        inputs, outputs = list(system.input_labels), list(system.output_labels)
+    else:
+        raise TypeError(
+            f"Stable inversion takes a Model, a Linearization or a control.StateSpace, not {shown(system)}."
+        )
+    a, b, c, d = (np.asarray(part, float) for part in parts)
+    if a.ndim != 2:
+        raise ModelError("This linearisation is along a motion: give lin.at_time(0), or that at another time.")
+    return a, b, c, d, inputs, outputs
+
+
+def _inverse(a, b, c, d, names: list[str]) -> _Inverse:
+    """Inverse of a system by its relative degrees.
+
+    Source:
+        THEORY.md 14, eq. (14.16) and (14.17).
+    """
+    import scipy.linalg
+
+    n, degrees, chains, rows, gains = len(a), [], [], [], []
+    for i, name in enumerate(names):
+        row, own, through = c[i], [], d[i]
+        size = np.abs(d[i])
+        while not np.any(np.abs(through) > ZERO * size):
+            own.append(row)
+            if len(own) > n:
+                raise ModelError(f"Output '{name}' is one that the inputs cannot move.")
+            through, size = row @ b, np.abs(row) @ np.abs(b)
+            row = row @ a
+        degrees.append(len(own))
+        chains += own
+        rows.append(row)
+        gains.append(through)
+    # Of an output of degree zero y = C z + D u; of the others y^(r) = C A^r z + C A^(r-1) B u.
+    plant, row = np.array(gains), np.array(rows)
+    scale = np.max(np.abs(plant), axis=1, keepdims=True)
+    if np.linalg.cond(plant / scale) > 1 / ZERO:
+        raise ModelError(
+            f"The plant is singular: the inputs move {listed(names)} in ways that depend on one another. Let them act"
+            " elsewhere, or give the law of another output."
+        )
+    gain = np.linalg.inv(plant)
+    chain = np.array(chains).reshape(-1, n)
+    # Rows of equal size, so that the states which they do not see are found to round-off.
+    size = np.linalg.norm(chain, axis=1, keepdims=True)
+    lift = np.linalg.pinv(chain / size) / size.T if len(chain) else np.zeros((n, 0))
+    internal = scipy.linalg.null_space(chain / size) if len(chain) else np.eye(n)
+    closed = a - b @ gain @ row
+    q = internal.T @ closed @ internal
+    p = np.concatenate([internal.T @ closed @ lift, internal.T @ b @ gain], axis=1)
+    zeros = np.linalg.eigvals(q) if len(q) else np.zeros(0)
+    on_axis = np.abs(zeros.real) <= ON_AXIS * np.abs(zeros) if len(zeros) else np.zeros(0, bool)
+    if np.any(on_axis):
+        hertz = sorted({float(f"{abs(z.imag) / (2 * np.pi):.4g}") for z in zeros[on_axis]})
+        raise ModelError(
+            f"The plant from the inputs to {listed(names)} has zeros on the imaginary axis, at"
+            f" {listed([short(f) for f in hertz])} Hz: there the mechanism vibrates unseen, for ever. Give it damping,"
+            " or another output."
+        )
+    return _Inverse(degrees, lift, internal, q, p, gain, row, zeros)
+
+
+def _check_smooth(name: str, law: Any, degree: int) -> None:
+    """Refuse a law whose derivatives jump below that of which the input decides: it would take an infinite input."""
+    if isinstance(law, Shaped):
+        law = getattr(law, "law", None)
+    if not isinstance(law, Law) or degree == 0:
+        return
+    breaks, coefficients = np.asarray(law.breaks), np.asarray(law.coefficients)
+    lengths = np.diff(breaks)
+    for order in range(degree):
+        begins, ends, largest = [], [], 0.0
+        for piece, length in zip(coefficients, lengths, strict=True):
+            own = np.polynomial.Polynomial(piece).deriv(order) if order else np.polynomial.Polynomial(piece)
+            begins.append(float(own(0.0)))
+            ends.append(float(own(length)))
+            largest = max(largest, float(np.sum(np.abs(own.coef) * length ** np.arange(len(own.coef)))))
+        before = [begins[0] if order == 0 else 0.0, *ends]
+        after = [*begins, ends[-1] if order == 0 else 0.0]
+        jumps = np.abs(np.array(before) - np.array(after))
+        if np.max(jumps) > JUMP * largest:
+            raise ModelError(
+                f"Trajectory '{name}' is not smooth enough: its derivative of order {order} jumps at"
+                f" {short(breaks[int(np.argmax(jumps))])} s, and the input decides of that of order {degree} (the"
+                " relative degree). Take a smoother law, such as fm.trajectory.septic."
+            )
+
+
+def _followed(inverse: _Inverse, laws, names, grid):
+    """States, inputs and outputs at the times.
+
+    Source:
+        THEORY.md 14, eq. (14.18).
+    """
+
+    def derivatives(t):
+        """Outputs and their derivatives to the relative degree, one a column, of each law."""
+        found = []
+        for law, own in zip(laws, inverse.degrees, strict=True):
+            functions = [law]
+            for _ in range(own):
+                functions.append(_derivative(functions[-1]))
+            found.append([f(t) for f in functions])
+        return jnp.stack([v for own in found for v in own[:-1]] + [own[-1] for own in found])
+
+    every = jax.jit(jax.vmap(derivatives))
+    at = np.asarray(every(jnp.asarray(grid)))
+    n_xi = sum(inverse.degrees)
+    for when, values in (("first", at[0]), ("last", at[-1])):
+        moving = np.abs(values - _at_rest(values, inverse.degrees))[:n_xi] > JUMP * np.max(np.abs(at[:, :n_xi]), axis=0)
+        if np.any(moving):
+            name = names[int(np.searchsorted(np.cumsum(inverse.degrees), np.argmax(moving), side="right"))]
+            raise ModelError(
+                f"Trajectory '{name}' is not at rest at the {when} of the times. Let the times hold all of the law."
+            )
+    eta = np.zeros((len(grid), len(inverse.q)))
+    if len(inverse.q):
+        eta = _internal(inverse, every, grid, at)
+    z = at[:, :n_xi] @ inverse.lift.T + eta @ inverse.internal.T
+    u = (at[:, n_xi:] - z @ inverse.row.T) @ inverse.gain.T
+    firsts = np.cumsum([0, *inverse.degrees[:-1]])
+    y = np.stack(
+        [at[:, k] if r else at[:, n_xi + i] for i, (k, r) in enumerate(zip(firsts, inverse.degrees, strict=True))]
+    )
+    return z, u, y.T
+
+
+def _derivative(f):
+    return lambda t: jax.jvp(f, (t,), (jnp.ones_like(t),))[1]
+
+
+def _internal(inverse: _Inverse, every, grid, at) -> np.ndarray:
+    """Internal states at the times: what decays from the first of them on, what grows from the last of them back."""
+    import scipy.linalg
+
+    found: Any = scipy.linalg.schur(inverse.q, sort="lhp")
+    t, z, stable = found
+    p = z.T @ inverse.p
+    # The two parts one by one: T11 X - X T22 = -T12.
+    x = scipy.linalg.solve_sylvester(t[:stable, :stable], -t[stable:, stable:], -t[:stable, stable:])
+    fast, slow = t[:stable, :stable], t[stable:, stable:]
+    decaying, growing = p[:stable] - x @ p[stable:], p[stable:]
+    lengths = np.diff(grid)
+    # Between two times what is wanted is a polynomial of the share of the interval, through Chebyshev's points.
+    nodes = (1 - np.cos(np.pi * (2 * np.arange(DEGREE + 1) + 1) / (2 * DEGREE + 2))) / 2
+    places = (grid[:-1, None] + nodes * lengths[:, None]).ravel()
+    wanted = np.asarray(every(jnp.asarray(places))).reshape(len(lengths), DEGREE + 1, -1)
+    to_powers = np.linalg.inv(np.polynomial.polynomial.polyvander(nodes - 0.5, DEGREE))
+    about_middle = np.einsum("pn,ind->ipd", to_powers, wanted)
+
+    def steps(q, p, backwards: bool):
+        """End of each interval from its beginning, in the direction that decays."""
+        direction = -1.0 if backwards else 1.0
+        # Derivatives by the share of the interval at the end where the step begins.
+        shift = np.array(
+            [
+                [math.perm(k, j) * (-0.5 * direction) ** (k - j) if k >= j else 0.0 for k in range(DEGREE + 1)]
+                for j in range(DEGREE + 1)
+            ]
+        )
+        ahead = (direction ** np.arange(DEGREE + 1))[:, None] * shift
+        begun = np.einsum("jp,ipd->ijd", ahead, about_middle)
+        state = np.zeros((len(grid), len(q)))
+        order = range(len(lengths))[::-1] if backwards else range(len(lengths))
+        first = at[-1 if backwards else 0].copy()
+        still = _at_rest(first, inverse.degrees)
+        state[-1 if backwards else 0] = -np.linalg.solve(q, p @ still)
+        kept: dict[float, np.ndarray] = {}
+        for i in order:
+            key = float(f"{lengths[i]:.12g}")
+            if key not in kept:
+                kept[key] = _transition(direction * q, direction * p, lengths[i])
+            start, end = (i + 1, i) if backwards else (i, i + 1)
+            state[end] = kept[key] @ np.concatenate([state[start], begun[i].ravel()])
+        return state
+
+    parts = [
+        steps(q, p, backwards) if len(q) else np.zeros((len(grid), 0))
+        for q, p, backwards in ((fast, decaying, False), (slow, growing, True))
+    ]
+    forwards, back = parts
+    return np.concatenate([forwards + back @ x.T, back], axis=1) @ z.T
+
+
+def _at_rest(values, degrees):
+    """The same outputs, at rest."""
+    still, n_xi = np.zeros_like(values), sum(degrees)
+    firsts = np.cumsum([0, *degrees[:-1]])
+    for i, (first, degree) in enumerate(zip(firsts, degrees, strict=True)):
+        place = first if degree else n_xi + i
+        still[place] = values[place]
+    return still
+
+
+def _transition(q, p, length) -> np.ndarray:
+    """State after an interval by that before it and by the scaled derivatives of what is wanted there."""
+    import scipy.linalg
+
+    n, m = p.shape
+    whole = np.zeros((n + (DEGREE + 1) * m,) * 2)
+    whole[:n, :n], whole[:n, n : n + m] = q * length, p * length
+    whole[n:-m, n + m :] = np.eye(DEGREE * m)
+    return scipy.linalg.expm(whole)[:n]
+
+
+def _error_from_rest(a, c, z, grid) -> float:
+    """Largest output of what the start from rest leaves out, followed freely."""
+    import scipy.linalg
+
+    missing, lengths, kept = -z[0], np.diff(grid), {}
+    largest = float(np.max(np.abs(c @ missing), initial=0.0))
+    for length in lengths:
+        key = float(f"{length:.12g}")
+        if key not in kept:
+            kept[key] = scipy.linalg.expm(a * length)
+        missing = kept[key] @ missing
+        largest = max(largest, float(np.max(np.abs(c @ missing), initial=0.0)))
+    return largest
