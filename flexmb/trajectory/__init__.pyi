@@ -14,3 +14,7 @@ from .laws import spline as spline
 from .laws import stretched as stretched
 from .laws import zv as zv
 from .laws import zvd as zvd
+from .linear_along import TimeVarying as TimeVarying
+from .linear_along import time_varying as time_varying
+from .vibrations import Perturbation as Perturbation
+from .vibrations import perturbation as perturbation

@@ -1,0 +1,123 @@
+"""A few shapes that hold the slow vibrations along a whole motion, and what follows them at once."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import check_whole
+from ..linear.spectrum import spectrum
+from ..math.linear import factorise
+from .cubic import spline
+
+# Modes are taken at so many instants of a motion.
+INSTANTS = 9
+
+
+def check_modes(modes: int, most: int) -> int:
+    """How many modes are kept, if there are so many."""
+    return check_whole("modes", modes, 1, most)
+
+
+class SlowModes(NamedTuple):
+    """Shapes of a few motions along a motion, how they change with time, and what is flexible beside them.
+
+    Attributes:
+        shapes: T, one shape a column, (n_t, n, count).
+        rates: Its rate, (n_t, n, count) [1/s].
+        second_rates: Its second rate, (n_t, n, count) [1/s^2].
+        rest: Displacements of all else by forces, at rest, (n_t, n, n).
+    """
+
+    shapes: Float[Array, "n_t n count"]
+    rates: Float[Array, "n_t n count"]
+    second_rates: Float[Array, "n_t n count"]
+    rest: Float[Array, "n_t n n"]
+
+
+def slow_modes(
+    t: Float[Array, "n_t"], mass: Float[Array, "n_t n n"], stiffness: Float[Array, "n_t n n"], count: int
+) -> SlowModes:
+    """Shapes close to the lowest modes, that change with time as slowly as the mechanism does.
+
+    A set of shapes is common to all times: those that have most in common with the lowest modes at several instants. To
+    them the rest adds at each time what it does at rest. So no mode has to be told from its neighbour, or its sign from
+    the opposite, and frequencies may cross. Derivatives take the common shapes as given.
+
+    Args:
+        t: Times, (n_t,) [s].
+        mass: M, (n_t, n, n).
+        stiffness: K, (n_t, n, n); the common shapes are taken of the symmetric part.
+        count: How many shapes.
+
+    Returns:
+        SlowModes.
+
+    Source:
+        THEORY.md 14, eq. (14.24).
+    """
+    own = jax.lax.stop_gradient((mass, (stiffness + jnp.swapaxes(stiffness, 1, 2)) / 2))
+    chosen = np.unique(np.linspace(0, mass.shape[0] - 1, INSTANTS).round().astype(int))
+    found = jax.lax.map(lambda at: spectrum(at[1], at[0])[1][:, :count], tuple(of[chosen] for of in own))
+    candidates = jnp.moveaxis(found, 0, 1).reshape(mass.shape[1], -1)
+    mean = jnp.mean(own[0], axis=0)
+    weights, vectors = jnp.linalg.eigh(candidates.T @ mean @ candidates)
+    common = candidates @ (vectors[:, -count:] / jnp.sqrt(weights[-count:]))[:, ::-1]
+    others = jnp.linalg.qr(mean @ common, mode="complete")[0][:, count:]
+
+    def one(stiffness):
+        rest = others @ factorise(others.T @ stiffness @ others).solve(others.T)
+        return common - rest @ stiffness @ common, rest
+
+    shapes, rest = jax.lax.map(one, stiffness)
+    rates = spline(t, shapes).slopes
+    return SlowModes(shapes, rates, spline(t, rates).slopes, rest)
+
+
+def projected(
+    modes: SlowModes,
+    mass: Float[Array, "n_t n n"],
+    damping: Float[Array, "n_t n n"],
+    stiffness: Float[Array, "n_t n n"],
+) -> tuple[Float[Array, "n_t count count"], ...]:
+    """Mass, damping and stiffness of the amplitudes p of q = T p.
+
+    Args:
+        modes: Shapes T.
+        mass: M, (n_t, n, n).
+        damping: C, (n_t, n, n).
+        stiffness: K, (n_t, n, n).
+
+    Returns:
+        T^T M T, T^T (C T + 2 M T_d) and T^T (K T + C T_d + M T_dd), (n_t, count, count) each.
+
+    Source:
+        THEORY.md 14, eq. (14.25).
+    """
+    first, second, third, _ = modes
+    left = jnp.swapaxes(first, 1, 2)
+    return (
+        left @ mass @ first,
+        left @ (damping @ first + 2 * mass @ second),
+        left @ (stiffness @ first + damping @ second + mass @ third),
+    )
+
+
+def amplitudes(
+    modes: SlowModes, mass: Float[Array, "n_t n n"], q: Float[Array, "n"], qd: Float[Array, "n"]
+) -> tuple[Float[Array, "count"], Float[Array, "count"]]:
+    """Amplitudes at the first time, and their rates, that come closest to given displacements in the norm of the mass.
+
+    Args:
+        modes: Shapes.
+        mass: M, (n_t, n, n).
+        q: Displacements, (n,).
+        qd: Their rates, (n,).
+    """
+    shapes = modes.shapes[0]
+    momenta = shapes.T @ mass[0]
+    factors = factorise(momenta @ shapes)
+    p = factors.solve(momenta @ q)
+    return p, factors.solve(momenta @ (qd - modes.rates[0] @ p))
