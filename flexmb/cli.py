@@ -168,7 +168,7 @@ def _prepare_jax() -> None:
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
-    from .answers.answers import RESERVED, modes
+    from .answers.answers import modes
 
     names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
@@ -182,8 +182,6 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     if number in modes():
         return number
     known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
-    if number in RESERVED or text in RESERVED.values():
-        _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
     _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
 
 

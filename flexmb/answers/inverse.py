@@ -42,15 +42,22 @@ def _origins(model: Model) -> np.ndarray:
     return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
 
 
-def _run(asked: Question, linearised: bool = False) -> Found:
-    """Inverse dynamics along the trajectory; with ``linearised`` at every output time the matrices."""
-    found = nominal_motion(asked, 3 if linearised else 2)
-    data = told(found)
-    if linearised:
-        along, warnings = steps_of(found.motion)
-        data |= along
-        asked.warnings += warnings
-    return Found(data, found.motion)
+def linearised(asked: Question, found: Nominal) -> dict[str, Any]:
+    """The linearised equations at every time.
+
+    Args:
+        asked: What is asked, where warnings go.
+        found: The nominal motion.
+    """
+    along, warnings = steps_of(found.motion)
+    asked.warnings += warnings
+    return along
+
+
+def _run(asked: Question, matrices: bool = False) -> Found:
+    """Inverse dynamics along the trajectory; with ``matrices`` those of the linearised equations at every time."""
+    found, _ = nominal_motion(asked, 3 if matrices else 2)
+    return Found({**told(found), **(linearised(asked, found) if matrices else {})}, found.motion)
 
 
 def table(data: dict[str, Any]) -> list[str]:
@@ -71,5 +78,5 @@ def table(data: dict[str, Any]) -> list[str]:
 
 MODES = (
     Mode(2, "inverse", _run, table),
-    Mode(3, "trajectory-linearisation", functools.partial(_run, linearised=True), table),
+    Mode(3, "trajectory-linearisation", functools.partial(_run, matrices=True), table),
 )

@@ -145,7 +145,7 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
         steps.append({"time": t, "frequencies_hz": hertz, **lower})
     warnings = [
         f"At {len(lost)} of {len(steps)} times, first at {t:.6g} s, the degrees of freedom do not determine the"
-        " configuration: there are no matrices there."
+        " configuration, or a motion has no mass: there are no matrices there."
         for t in lost[:1]
     ]
     return {"steps": steps, **named}, warnings

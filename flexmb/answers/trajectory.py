@@ -74,12 +74,26 @@ def _with_signals(builder: Builder, settings: dict[str, Any]) -> None:
         builder.signals[side] = signals
 
 
-def nominal_motion(asked: Question, number: int) -> Nominal:
+def _idle_velocities(asked: Question, released: bool) -> list[str]:
+    """What to say of start velocities that have no effect."""
+    keys = [key for key, (_, velocity) in asked.builder.starts.items() if velocity != 0]
+    idle = [key for key in keys if not released or key in ways_of(asked.settings)]
+    return [
+        f"The start velocity of {kind} {of}, {number}, has no effect: along a trajectory what is led starts at rest"
+        f"{'' if released else ', and all else is held'}."
+        for kind, of, number in idle
+    ]
+
+
+def nominal_motion(asked: Question, number: int) -> tuple[Nominal, list[str]]:
     """The motion along the trajectory of a file, with its nominal inputs and reference outputs.
 
     Args:
         asked: What is asked; it holds the mechanism as it was taken afterwards.
         number: Number of the mode, for messages.
+
+    Returns:
+        The motion, and the names of what is led along the trajectory.
 
     Raises:
         SpacarError: The file says no trajectory or no times, or its nominal inputs do not fit.
@@ -94,6 +108,7 @@ def nominal_motion(asked: Question, number: int) -> Nominal:
         first = next(_channels(settings, (*NOMINAL, *REFERENCES)), None)
         keyword, line = ("TRAJX", None) if first is None else (first[0], first[1].line)
         refuse(keyword, f"mode {number} needs a trajectory: {FORM}", line)
+    asked.warnings += _idle_velocities(asked, released=number == 6)
     driven = _driven(asked, ways, refuse)
     told, builder = asked.builder, asked.builder.copy()
     for key in driven:
@@ -117,5 +132,5 @@ def nominal_motion(asked: Question, number: int) -> Nominal:
                 f"{way.keyword} on line {way.legs[-1].line} goes on until {way.legs[-1].end:.6g} s, but TIMESTEP ends"
                 f" at {times[-1]:.6g} s."
             )
-    laws = laws_of(told, labels, settings) | motions_of(model, settings)
-    return inverse_dynamics(model, laws, times)
+    laws = laws_of(told, labels, settings)
+    return inverse_dynamics(model, laws | motions_of(model, settings), times), list(laws)

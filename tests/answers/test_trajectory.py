@@ -1,8 +1,11 @@
 """Modes along a trajectory, against a rigid arm of two links by hand and against independent integrations."""
 
 import functools
+import re
 
 import numpy as np
+import pytest
+import scipy.integrate
 
 import flexmb as fm
 from flexmb.answers.answers import answer
@@ -146,3 +149,138 @@ def test_steps_are_saved_as_arrays(tmp_path):
         assert np.isnan(found["steps_m0"][1]).all()
         assert np.isnan(found["steps_A"][1]).all()
         np.testing.assert_array_equal(found["steps_frequencies_hz"], [[3.0], [np.nan]])
+
+
+# -- modes 5 and 6, and prescribed motion in mode 1 -----------------------------------------------------------------
+
+# A mass on a spring of 1000 N/m with a damper of 2 N s/m, on a heavy base that is led.
+BASE = """PLTRUSS 1 1 2
+X 1 0 0
+X 2 0.1 0
+FIX 1 2
+FIX 2 2
+INPUTX 1 1
+DYNE 1 1
+END
+HALT
+XM 1 2
+XM 2 0.5
+ESTIFF 1 100
+EDAMP 1 0.2
+INPUTX 1 1 0.05
+TIMESTEP 0.5 250
+ERROR 1e-9 1e-9
+{lines}
+END
+HALT
+TRAJX 1 1 0.1 0.3 0.15 septic
+TRAJX 1 1 0.35 0.45 0.1 septic
+{signals}
+END
+END
+"""
+MASS, HEAVY, STIFFNESS, DAMPING = 0.5, 2.0, 1000.0, 2.0
+
+
+def base(t):
+    return way(np.atleast_1d(t), (0.1, 0.3, 0.05, 0.15, "septic"), (0.35, 0.45, 0.15, 0.1, "septic"))
+
+
+def stretched(velocity):
+    """Elongation of the spring over time, integrated by itself."""
+    t = np.linspace(0, 0.5, 251)
+
+    def rate(ti, y):
+        return [y[1], -base(ti)[2][0] - (DAMPING * y[1] + STIFFNESS * y[0]) / MASS]
+
+    # Steps end where the acceleration has a kink.
+    found = scipy.integrate.solve_ivp(
+        rate, (0, 0.5), [0.0, velocity], t_eval=t, rtol=1e-10, atol=1e-13, max_step=0.0025, method="DOP853"
+    )
+    return t, found.y[0]
+
+
+def test_vibrations_on_a_base_that_moves():
+    """What is linear is the same by the perturbation method, by the nonlinear motion and by hand."""
+    text = BASE.format(lines="STARTDE 1 1 0 0.1", signals="REFX 1 2 1\nREFXDP 2 2 1")
+    found = asked(text, 6)
+    data = found.data
+    assert (found.exit_status, data["warnings"]) == (0, [])
+    t, e = stretched(0.1)
+    x, _, a = base(t)
+    amplitude = np.abs(e).max()
+    # The force is a cubic spline through values 2 ms apart, whose second derivative jumps.
+    np.testing.assert_allclose(np.array(data["dq"])[:, 0], e, atol=5e-6 * amplitude)
+    np.testing.assert_allclose(np.array(data["trajectory"]["2"])[:, 0], 0.1 + x + e, atol=5e-6 * amplitude)
+    np.testing.assert_allclose([step["f0"][0] for step in data["steps"]], -MASS * a, atol=1e-9)
+    np.testing.assert_allclose(data["y0"], np.stack([0.1 + x, a], 1), atol=1e-9)
+    assert np.shape(data["u0"]) == (251, 0)
+    assert "A" not in data["steps"][0]
+    moved = asked(text.replace("STARTDE 1 1 0 0.1", ""), 1)
+    assert moved.data["warnings"] == []
+    t, e = stretched(0.0)
+    np.testing.assert_allclose(np.array(moved.data["trajectory"]["2"])[:, 0], 0.1 + x + e, atol=1e-6)
+
+
+def test_what_is_let_go_in_mode_5():
+    """The same with a force that drives the base: what is prescribed in the file has become a degree of freedom."""
+    text = BASE.format(lines="STARTDE 1 1 0 0.1", signals="NOMF 1 1 1\nREFX 1 2 1")
+    found = asked(text, 5)
+    data = found.data
+    (warning,) = data["warnings"]
+    assert warning.startswith("The start velocity of element 1, 1, has no effect")
+    *_, a = base(np.array(data["time"]))
+    assert [(d["kind"], d["of"]) for d in data["dofs"]] == [("x", 1), ("e", 1)]
+    np.testing.assert_allclose(np.array(data["u0"])[:, 0], (MASS + HEAVY) * a, atol=1e-9)
+    np.testing.assert_allclose([step["f0"] for step in data["steps"]], np.stack([0 * a, -MASS * a], 1), atol=1e-9)
+    np.testing.assert_allclose(data["steps"][7]["m0"], MASS * np.ones((2, 2)) + np.diag([HEAVY, 0]), rtol=1e-12)
+    # A force on the mass drives the base through the spring that is held.
+    other = asked(text.replace("NOMF 1 1 1", "NOMF 1 2 1"), 2)
+    np.testing.assert_allclose(np.array(other.data["u0"])[:, 0], (MASS + HEAVY) * a, atol=1e-9)
+
+
+WRONG = [
+    (
+        "REFX 1 2 1",
+        {"TRAJX": ""},
+        3,
+        "arm.dat:22: REFX: mode 3 needs a trajectory: TRAJX node coordinate start end value",
+    ),
+    ("", {"TRAJX": ""}, 2, "arm.dat: TRAJX: mode 2 needs a trajectory: TRAJX node coordinate start end value"),
+    ("", {"TIMESTEP": ""}, 6, "arm.dat:20: TRAJX: needs TIMESTEP in the dynamics block: TIMESTEP end steps, such as"),
+    (
+        "NOMF 1 1 1\nNOMF 2 2 1\nREFX 1 2 1",
+        {},
+        2,
+        "arm.dat:23: NOMF: input 2: 2 nominal inputs drive as many coordinates and deformations along trajectories",
+    ),
+    ("TRAJE 1 1 0 1 0.1", {}, 2, "arm.dat:22: TRAJE: element 1: nothing drives it along its trajectory: there are 0"),
+]
+
+
+@pytest.mark.parametrize(("signals", "without", "mode", "expected"), WRONG)
+def test_what_a_trajectory_lacks(signals, without, mode, expected):
+    text = BASE.format(lines="", signals=signals)
+    for keyword in without:
+        text = re.sub(rf"(?m)^{keyword} .*$", "", text)
+    with pytest.raises(fm.SpacarError) as info:
+        asked(text, mode)
+    assert str(info.value).startswith(expected)
+    assert "\n" not in str(info.value)
+
+
+def test_what_is_not_used_is_told(monkeypatch):
+    def inverse_dynamics(model, laws, times):
+        # What is led begins where it is.
+        assert list(laws) == ["1.x", "1.e1"]
+        ends = [[law(0.0), law(9.0)] for law in laws.values()]
+        np.testing.assert_allclose(ends, [[0.05, 0.1], [-2e-3, 1e-3]], rtol=1e-12)
+        raise fm.AnalysisError("seen", "")
+
+    monkeypatch.setattr("flexmb.answers.trajectory.inverse_dynamics", inverse_dynamics)
+    text = BASE.format(lines="TRAJE 1 1 0 0.6 1e-3\nSTARTDE 1 1 -2e-3 0.1", signals="NOMS 1 1 1\nREFX 1 2 1")
+    found = asked(text, 2)
+    velocity, late = found.data["warnings"]
+    assert velocity.startswith("The start velocity of element 1, 1, has no effect")
+    assert (found.data["status"], found.exit_status) == ("seen", 1)
+    assert late == "TRAJE on line 17 goes on until 0.6 s, but TIMESTEP ends at 0.5 s."
