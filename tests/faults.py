@@ -1387,6 +1387,36 @@ FAULTS = [
         "(found.y0)",
         "answers/test_trajectory.py -k torques",
     ),
+    Fault(
+        "answers/vibrations.py",
+        "return -np.asarray(found.f0)",
+        "return np.asarray(found.f0)",
+        "answers/test_trajectory.py -k base",
+    ),
+    Fault("answers/vibrations.py", "qd=_start(found.motion.model, led), ", "", "answers/test_trajectory.py -k base"),
+    Fault("answers/vibrations.py", "told(found, whole)", "told(found)", "answers/test_trajectory.py -k base"),
+    Fault(
+        "answers/trajectory.py",
+        "builder.dofs = driven + builder.dofs",
+        "builder.dofs += driven",
+        "answers/test_trajectory.py -k let_go",
+    ),
+    Fault(
+        "answers/trajectory.py", "direct + (others if left else [])", "direct", "answers/test_trajectory.py -k let_go"
+    ),
+    Fault(
+        "answers/motion.py",
+        " | laws_of(asked.builder, model.labels, settings, Role.PRESCRIBED)",
+        "",
+        "answers/test_trajectory.py -k base",
+    ),
+    Fault("spacar/signals.py", "if moves and not held:", "if False:", "spacar/test_signals.py -k cannot_be"),
+    Fault(
+        "spacar/signals.py",
+        "(kind, str(of), component), axis))",
+        "(kind, str(of), component), 2))",
+        "spacar/test_signals.py -k axes",
+    ),
     Fault("answers/files.py", 'in ("path", "steps")', 'in ("path",)', "answers/test_trajectory.py -k saved"),
     Fault("spacar/write.py", "way.start, way.end,", "way.end, way.start,", "spacar/test_trajectories.py -k round_trip"),
     Fault(

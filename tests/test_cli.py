@@ -32,6 +32,7 @@ KEYS = {
     10: {"x", "e", "sig", "reactions", "stable", "path", "critical_points"},
     7: STATE | {"eigenvalues", "frequencies_hz", "massless", "modes"},
     8: STATE | {"load_multipliers", "modes", "compliance"},
+    2: {"x", "time", "trajectory", "velocities", "inputs", "outputs", "u0", "y0"},
     9: STATE | {"A", "B", "C", "D", "inputs", "outputs", "poles"},
 }
 
@@ -129,6 +130,20 @@ def test_json_of_a_motion(mode, swing):
     np.testing.assert_allclose([float(word) for word in hertz], [10.6584] * (2 if mode == 4 else 0), atol=5e-5)
     if mode == 4:
         assert (data["inputs"], data["outputs"], len(data["steps"])) == (["force 2.1"], ["position 2.1"], 5)
+
+
+def test_json_of_a_trajectory(tmp_path):
+    """Of mode 2; what modes 3, 5 and 6 have beside that stands in tests/answers."""
+    path, saved, picture = tmp_path / "arm.dat", tmp_path / "arm.npz", tmp_path / "arm.png"
+    path.write_text(mechanism_path("manipulator").read_text().replace("TIMESTEP 1 100", "TIMESTEP 1 40"))
+    result = call("run", path, "--mode", "2", "--json", "-", "--save", saved, "--plot", picture)
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"], data["warnings"]) == (0, "ok", [])
+    assert set(data) >= ALWAYS | KEYS[2]
+    assert {key: np.shape(data[key]) for key in ("time", "u0", "y0")} == {"time": (41,), "u0": (41, 2), "y0": (41, 4)}
+    with np.load(saved) as arrays:
+        np.testing.assert_array_equal(arrays["u0"], data["u0"])
+    assert picture.stat().st_size > 5000
 
 
 # Model, key and what the tutorial prints; tolerance half a unit of the last printed digit.
@@ -721,11 +736,11 @@ def test_poles_stand_where_there_are_no_frequencies(tmp_path):
 
 def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
     path = tmp_path / "held.dat"
-    path.write_text(mechanism_path("pf2d").read_text().replace("OUTX 1 3 1", "OUTS 1 1 1"))
+    path.write_text(mechanism_path("pf2d").read_text().replace("OUTX 1 3 1", "OUTXDP 1 3 1\nINX 2 1 1"))
     result = call("run", path, "--mode", "9", "--json", "-")
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"]) == (1, "not_valid")
-    assert result.stderr.startswith("held.dat: not_valid: Output 'stress 1.1' is the stress of a fixed deformation")
+    assert result.stderr.startswith("held.dat: not_valid: Output 'acceleration 3.1' takes the ")
 
 
 # A wheel on a torsion spring.
