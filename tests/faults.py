@@ -1521,7 +1521,39 @@ FAULTS = [
         "plot/stress.py", "np.argmax(np.abs(values))", "np.argmin(np.abs(values))", "plot/test_plot.py -k cantilever"
     ),
     # Trajectories.
+    Fault("trajectory/laws.py", "cbrt(far * j**2 / 2)", "cbrt(far * j**2)", "trajectory/test_laws.py -k shortest"),
+    Fault("trajectory/laws.py", "5: (15 / 8,", "5: (15 / 7,", "trajectory/test_laws.py -k limits"),
+    Fault("trajectory/laws.py", "range(1, (degree + 1) // 2)", "range(1, 1)", "trajectory/test_laws.py -k splines"),
+    Fault("trajectory/laws.py", "-np.pi * ratio / root", "-np.pi * ratio", "trajectory/test_laws.py -k shapers"),
     Fault("trajectory/inverse.py", "second - reached", "second", "trajectory/test_inverse.py -k pendulum"),
+    Fault(
+        "trajectory/inverse.py",
+        "Table(times, -f0[:, n:])",
+        "Table(times, f0[:, n:])",
+        "trajectory/test_inverse.py -k held",
+    ),
+    Fault(
+        "trajectory/inverse.py",
+        "(missed < TOLERANCE)",
+        "(missed < 1.0)",
+        "trajectory/test_inverse.py -k beyond_the_arm",
+    ),
+    Fault(
+        "trajectory/inverse.py",
+        "plant = factors.regular()",
+        "plant = plant",
+        "trajectory/test_inverse.py -k wrong_inputs",
+    ),
+    Fault(
+        "trajectory/flexible.py", "p[:stable] - x @ p[stable:]", "p[:stable]", "trajectory/test_flexible.py -k fourier"
+    ),
+    Fault("trajectory/flexible.py", "if np.any(on_axis):", "if False:", "trajectory/test_flexible.py -k refused"),
+    Fault(
+        "trajectory/flexible.py",
+        "if np.max(jumps) > JUMP",
+        "if np.max(jumps) > 1e9 * JUMP",
+        "trajectory/test_flexible.py -k refused",
+    ),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

@@ -151,7 +151,7 @@ def inverse_dynamics(
 
     The inputs are those that the equations of motion ask for along what is driven,
     ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``; along what is held the same force is what would have to hold it,
-    ``f0``. An input that acts where the motion is PRESCRIBED has the force or stress that the motion there takes.
+    ``f0``. What a PRESCRIBED motion takes is a reaction or a stress resultant of ``motion``.
 
     Args:
         model: Mechanism with named inputs; differentiable in ``model.parameters``.
@@ -162,7 +162,7 @@ def inverse_dynamics(
         driven: Names of the degrees of freedom that follow other coordinates and outputs, as many as there are of
             these. None: those that are in no flexible element's stiffness, or all, where their number fits.
         inputs: Names of the inputs that drive, as many as there are driven degrees of freedom; the others are zero.
-            None: all of them that act on what is not PRESCRIBED.
+            None: all of them.
         throw: Raise where there is no such motion; otherwise the code is in ``result``.
 
     Returns:
@@ -183,12 +183,11 @@ def inverse_dynamics(
         raise ModelError(f"Argument `trajectory` must be a dictionary of names and laws, not {shown(trajectory)}.")
     wanted, prescribed = _sorted(model, trajectory)
     moved = _driven_freedoms(model, wanted, driven)
-    acting, passive = _acting_inputs(model, inputs, len(moved), list(prescribed))
+    acting = _acting_inputs(model, inputs, len(moved))
+    _check_outputs(model)
     laws = driven_by(model, Drives(motion=prescribed)) if prescribed else ()
     names = list(wanted)
-    found = _nominal(
-        model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), tuple(passive), times
-    )
+    found = _nominal(model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), times)
     if throw and is_concrete(found):
         _explain(model, names, found, np.asarray(times))
     check(found.result, throw)
@@ -345,31 +344,38 @@ def _stiff(model: Model) -> set[int]:
     return set(np.flatnonzero(np.diagonal(np.asarray(stiffness)) != 0).tolist())
 
 
-def _acting_inputs(
-    model: Model, inputs: Sequence[str] | None, count: int, prescribed: list[str]
-) -> tuple[list[int], list[int]]:
-    """Inputs that are found along what is driven, and those that act where the motion is PRESCRIBED."""
-    labels, top = model.labels, model.topology
-    names = [signal.name for signal in labels.inputs]
-    given = {False: np.asarray(top.x.prescribed).tolist(), True: np.asarray(top.e.prescribed).tolist()}
-    there = [s.axis is None and s.index in given[s.quantity == "stress"] for s in labels.inputs]
+def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> list[int]:
+    """Inputs that are found, as many as degrees of freedom are driven."""
+    names = [signal.name for signal in model.labels.inputs]
     if inputs is None:
-        chosen = list(range(len(names)))
+        chosen = [i for i, signal in enumerate(model.labels.inputs) if signal.quantity not in ORDERS]
     else:
         unknown = [name for name in inputs if name not in names]
         if isinstance(inputs, str) or unknown:
             said = inputs if isinstance(inputs, str) else unknown[0]
             raise ModelError(f"Argument `inputs` must be a list of inputs, {listed(names)}; not {said!r}.")
         chosen = [names.index(name) for name in inputs]
-    passive = [i for i in chosen if there[i]]
-    acting = [i for i in chosen if not there[i]]
-    if len(acting) != count:
-        has = f"the inputs {listed([names[i] for i in acting])}" if acting else "no input"
+    if inputs is None and not count:
+        # What is PRESCRIBED moves by itself.
+        return []
+    if len(chosen) != count:
+        has = f"the inputs {listed([names[i] for i in chosen])}" if chosen else "no input"
         raise ModelError(
             f"{count} degrees of freedom are driven, which takes as many inputs, but there is {has} to do so."
             " Name them by input() in the builder, and those that drive by `inputs`."
         )
-    return acting, passive
+    return chosen
+
+
+def _check_outputs(model: Model) -> None:
+    """Refuse outputs that are no quantity of the motion."""
+    known = (*ORDERS, *DEFORMATION_ORDERS)
+    for signal in model.labels.outputs:
+        if signal.quantity not in known:
+            raise ModelError(
+                f"Output '{signal.name}' is a {signal.quantity}. Inverse dynamics gives one of: {', '.join(known)}."
+                " Ask nominal.motion.observe() for the others."
+            )
 
 
 def _checked_times(times) -> Float[Array, "n_t"]:
@@ -437,9 +443,10 @@ def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int,
     """
     top, places, driven = form.topology, [one.place for one in wanted], jnp.array(moved, int)
     n = top.x.dof.shape[0]
-    (held_x, held_e), target = goal
-    x_wanted = put(held_x, top.x.dof, form.parameters.reference[top.x.dof] + at.q[:n])
-    e_wanted = put(put(jnp.zeros(top.n_e), form.held, held_e), top.e.dof, at.q[n:])
+    (held_x, held_e), target, held_q = goal
+    q = put(held_q, driven, at.q[driven]) if moved else held_q
+    x_wanted = put(held_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
+    e_wanted = put(put(jnp.zeros(top.n_e), form.held, held_e), top.e.dof, q[n:])
     e, jacobian = deformed(form.elements, at.x, at.near)
     tangent = transfer(top, jacobian)
     shift = put(jnp.zeros(top.n_x), top.x.given, (x_wanted - at.x)[top.x.given])
@@ -453,33 +460,36 @@ def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int,
         dq = factors.solve(target - _measured(form, places, at.x, at.near) - by_x @ change)
         change = change + tangent.DFx[:, driven] @ dq
         regular = regular & factors.regular()
-    at = _At(accumulate(at.q, driven, dq) if moved else at.q, at.x + change, e)
+    at = _At(accumulate(q, driven, dq) if moved else q, at.x + change, e)
     return _Corrected(at, change, rows, regular)
 
 
 @jit_beside_options
-def _nominal(model, laws, wanted, moved, acting, passive, times) -> _Found:
+def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
     top, parameters = model.topology, model.parameters
     form = coordinates_form(top, parameters, laws)
     places, driven = [one.place for one in wanted], jnp.array(moved, int)
     sizes = sizes_of(top, parameters)
     none = jnp.zeros(form.size)
-    start = jnp.zeros(top.n_q) if parameters.start is None else parameters.start[0]
+    start = jnp.zeros(top.n_q) if parameters.start is None else jnp.asarray(parameters.start[0])
 
     def given(form, wanted, t):
-        """Where everything is to be at a time: coordinates, held deformations, and values of what is wanted."""
+        """Where everything is to be: coordinates, held deformations, values of what is wanted, held freedoms."""
         whole = form.whole(t, none, none, none)
         values = [jnp.asarray(one.law(t), float) for one in wanted]
-        return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0)
+        return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), start
 
-    def scaled(goal):
-        (x, e), target = goal
-        size = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
-        return jnp.concatenate([x / sizes, e, target / (jnp.stack(size) if size else 1.0)])
+    def far(a, b):
+        """Largest change from one such goal to another, as a share of the mechanism's extent or in radians."""
+        change = jax.tree.map(lambda a, b: b - a, a, b)
+        (x, e), target, q = change
+        of_target = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
+        parts = (x / sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
+        return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
 
-    fixed = jax.lax.stop_gradient((form, wanted, start, times))
+    fixed_form, fixed_wanted, fixed_times = jax.lax.stop_gradient((form, wanted, times))
 
-    def settled(form, wanted, goal, at: _At) -> _At:
+    def settled(goal, at: _At) -> _At:
         """Newton's method until nothing changes."""
 
         def more(loop):
@@ -488,66 +498,44 @@ def _nominal(model, laws, wanted, moved, acting, passive, times) -> _Found:
 
         def step(loop):
             i, at, _ = loop
-            found = _closer(form, wanted, moved, goal, at)
+            found = _closer(fixed_form, fixed_wanted, moved, goal, at)
             return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
 
         return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
 
-    def way(goals, at: _At) -> _At:
-        """From one goal to another, in steps that Newton's method can follow; ``goals`` is a function of a share."""
-        form, wanted = fixed[:2]
-        far = jnp.max(jnp.abs(scaled(goals(1.0)) - scaled(goals(0.0))), initial=0.0)
-        count = jnp.clip(jnp.ceil(far / STEP), 1, MOST_STEPS)
+    def follow(carry, t):
+        """To the goal of the next time, in steps that Newton's method can follow."""
+        before, at = carry
+        goal = jax.lax.stop_gradient(given(fixed_form, fixed_wanted, t))
+        count = jnp.clip(jnp.ceil(far(before, goal) / STEP), 1, MOST_STEPS)
         count = jnp.where(jnp.isfinite(count), count, 1).astype(jnp.int32)
 
         def step(i, at):
-            return settled(form, wanted, goals((i + 1).astype(float) / count.astype(float)), at)
+            share = (i + 1).astype(float) / count.astype(float)
+            return settled(jax.tree.map(lambda a, b: a + share * (b - a), before, goal), at)
 
-        return jax.lax.fori_loop(0, count, step, at)
+        at = jax.lax.fori_loop(0, count, step, at)
+        return (goal, at), at
 
-    def between(a, b, share):
-        return jax.tree.map(lambda a, b: a + share * (b - a), a, b)
-
-    fixed_form, fixed_wanted, fixed_start, fixed_times = fixed
-    undeformed = (fixed_form.parameters.reference, jnp.zeros(form.held.shape[0]))
-    first = given(fixed_form, fixed_wanted, fixed_times[0])
-    origin = _At(jnp.zeros(top.n_q), fixed_form.parameters.reference, zero_near(top))
-    origin_goal = (undeformed, _measured(fixed_form, places, origin.x, origin.near))
-
-    def from_rest(share):
-        return between(origin_goal, first, share)
-
-    # The degrees of freedom that are held go to their start values on the same way.
-    held = put(fixed_start, driven, 0.0) if moved else fixed_start
-    count = jnp.ceil(jnp.max(jnp.abs(held), initial=0.0) / STEP).astype(jnp.int32) + 1
-
-    def toward_held(i, at):
-        share = (i + 1).astype(float) / count.astype(float)
-        q = share * held
-        q = put(q, driven, at.q[driven]) if moved else q
-        return settled(fixed_form, fixed_wanted, origin_goal, _At(q, at.x, at.near))
-
-    begun = jax.lax.fori_loop(0, count, toward_held, origin)
-    begun = way(from_rest, begun)
-
-    def follow(carry, t):
-        before, at = carry
-        at = way(lambda share: given(fixed_form, fixed_wanted, before + share * (t - before)), at)
-        return (t, at), at
-
-    _, walked = jax.lax.scan(follow, (fixed_times[0], begun), fixed_times)
+    reference = fixed_form.parameters.reference
+    origin = _At(jnp.zeros(top.n_q), reference, zero_near(top))
+    held = jnp.zeros(form.held.shape[0])
+    rest = (reference, held), _measured(fixed_form, places, reference, origin.near), jnp.zeros(top.n_q)
+    _, walked = jax.lax.scan(follow, (rest, origin), fixed_times)
     walked = jax.lax.stop_gradient(walked)
 
     def one(row):
         t, at = row
         # Through this step derivatives pass: they are those of the implicit function.
-        goal = given(form, wanted, t)
-        q = at.q if not moved else put(start, driven, at.q[driven])
-        found = _closer(form, wanted, moved, goal, _At(q, at.x, at.near))
+        found = _closer(form, wanted, moved, given(form, wanted, t), at)
         x = found.at.x
         near, jacobian = deformed(form.elements, x, at.near)
         tangent = transfer(top, jacobian)
-        moving = _moving(form, wanted, driven, found.rows, tangent, t, x, near)
+        # How what is driven moves what is wanted, here: derivatives pass through the place.
+        rows = (
+            jax.jacfwd(lambda x: _measured(form, places, x, near))(x) @ tangent.DFx[:, driven] if moved else found.rows
+        )
+        moving = _moving(form, wanted, driven, rows, tangent, t, x, near)
 
         def residual(u):
             return dynamic_balance(under_inputs(model, form, u), t, moving).residual
@@ -565,8 +553,6 @@ def _nominal(model, laws, wanted, moved, acting, passive, times) -> _Found:
             )
             plant = factors.regular()
             f0 = put(needed - b0 @ u0, driven, 0.0)
-        if passive:
-            u0 = _passive(model, form, passive, u0, t, moving)
         outputs = [_output(form, signal, moving) for signal in model.labels.outputs]
         y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
         missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
@@ -605,16 +591,6 @@ def _moving(form, wanted, driven, rows, tangent, t, x, near) -> Moving:
     reached = jax.jvp(rate, (x, given.v), (given.v, given.a))[1]
     qdd = put(none, driven, factors.solve(second - reached))
     return given._replace(a=given.a + tangent.DFx @ qdd)
-
-
-def _passive(model, form, passive, u0, t, moving) -> Float[Array, "n_u"]:
-    """Inputs with those where the motion is PRESCRIBED: what the motion there takes beside the others."""
-    at = dynamic_balance(under_inputs(model, form, u0), t, moving)
-    reactions = at.jacobian.T @ at.sigma - at.force
-    for i in passive:
-        signal = model.labels.inputs[i]
-        u0 = u0.at[i].set((at.sigma if signal.quantity == "stress" else reactions)[signal.index])
-    return u0
 
 
 def _output(form, signal: Signal, moving: Moving) -> Float[Array, ""]:

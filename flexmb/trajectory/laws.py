@@ -229,8 +229,9 @@ def scurve(
     for name, value in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
         check_number(name, value, above=0)
     xp: Any = np if is_concrete((start, end, velocity, acceleration, jerk, begin)) else jnp
-    start, end, v, a, j = (xp.asarray(one, float) for one in (start, end, velocity, acceleration, jerk))
-    way = end - start
+    own: Any = [xp.asarray(one, float) for one in (start, end, velocity, acceleration, jerk)]
+    x, last, v, a, j = own
+    way = last - x
     far = _positive(xp, xp.abs(way))
     # The acceleration that the velocity and the way allow to reach, and then the velocity that the way does.
     a = xp.minimum(xp.minimum(a, xp.sqrt(v * j)), xp.cbrt(far * j**2 / 2))
@@ -238,7 +239,7 @@ def scurve(
     rising, steady = a / j, xp.maximum(v / a - a / j, 0.0)
     cruise = xp.maximum(far / v - (2 * rising + steady), 0.0)
     lengths = xp.stack([rising, steady, rising, cruise, rising, steady, rising])
-    at, pieces = [start, xp.zeros(()), xp.zeros(())], []
+    at, pieces = [x, xp.zeros(()), xp.zeros(())], []
     for sign, length in zip(JERKS, lengths, strict=True):
         third = sign * j * xp.sign(way)
         x, xd, xdd = at

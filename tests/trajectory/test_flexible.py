@@ -5,34 +5,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
+from cases.trajectories import arm
 
 import flexmb as fm
-from flexmb import planar
 
 # The arm moves at 0.1 s, and some 0.1 s of what the input does before and after are kept.
 STEP = 0.5 / 2000
 TIMES = STEP * np.arange(2001)
 LAW = fm.trajectory.septic(0.0, 0.01, 0.3, begin=0.1)
-
-
-def arm(ratio=0.02):
-    """A steel arm of 0.5 m with a load at its tip, driven at its hub: two beams that bend."""
-    section = fm.Rectangle(0.03, 0.003, fm.Material(E=210e9, G=80e9, rho=7850.0))
-    b = fm.Builder()
-    damping = fm.sections.damping_from_ratio(section, 0.25, ratio) if ratio else None
-    for i in range(3):
-        b.node(f"{i}", (0.25 * i, 0))
-    for i in range(2):
-        b.add(planar.beam, f"{i}", f"{i + 1}", name=f"arm{i}", section=section, damping=damping, released=(2, 3))
-        b.dof(f"arm{i}", 2, 3, kind="element")
-    b.fix("0", "position")
-    b.mass("0", 0.1, inertia=1e-3)
-    b.mass("2", 0.1)
-    b.dof("0", "phi")
-    b.input("0", "phi", name="torque")
-    b.output("2", "y", name="tip")
-    b.output("0", "phi", name="hub")
-    return b.build()
 
 
 @pytest.fixture(scope="module")

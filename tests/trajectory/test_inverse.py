@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.mechanisms import planar_guide
+from cases.trajectories import arm
 
 import flexmb as fm
 from flexmb import planar
@@ -12,8 +13,8 @@ from flexmb import planar
 TIMES = np.linspace(0, 0.05, 201)
 
 
-def pendulum(length=0.8, mass=1.5):
-    """A point mass on a massless arm, driven at its pivot; gravity along -y."""
+def pendulum(length=0.8, mass=1.5, prescribed=False):
+    """A point mass on a massless arm, driven at its pivot or pulled along x at its tip; gravity along -y."""
     b = fm.Builder()
     b.node("pivot", (0, 0))
     b.node("tip", (length, 0))
@@ -21,8 +22,12 @@ def pendulum(length=0.8, mass=1.5):
     b.fix("pivot", "position")
     b.mass("tip", mass)
     b.gravity((0, -9.81))
-    b.dof("pivot", "phi")
-    b.input("pivot", "phi", name="torque")
+    if prescribed:
+        b.prescribe("pivot", "phi")
+    else:
+        b.dof("pivot", "phi")
+        b.input("tip", "x", name="pull")
+        b.input("pivot", "phi", name="torque")
     for component in ("x", "y"):
         b.output("tip", component)
         b.output("tip", component, quantity="acceleration")
@@ -32,10 +37,10 @@ def pendulum(length=0.8, mass=1.5):
 def test_torque_of_a_pendulum():
     """m l² φ'' + m g l cos φ, and the place and acceleration of its tip, to round-off."""
     law = fm.trajectory.quintic(0.0, 2.0, 0.05)
-    found = fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES)
+    found = fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES, inputs=["torque"])
     phi, rate, second = jax.vmap(lambda t: _rates(law, t))(jnp.asarray(TIMES))
     torque = 1.5 * 0.8**2 * second + 1.5 * 9.81 * 0.8 * jnp.cos(phi)
-    np.testing.assert_allclose(found.u0[:, 0], torque, rtol=0, atol=1e-12 * np.max(np.abs(torque)))
+    np.testing.assert_allclose(found.u0[:, 1], torque, rtol=0, atol=1e-12 * np.max(np.abs(torque)))
     x = 0.8 * (jnp.cos(phi) - 1)
     a = 0.8 * (-jnp.sin(phi) * second - jnp.cos(phi) * rate**2)
     np.testing.assert_allclose(found.y0[:, 0], x, rtol=0, atol=1e-12)
@@ -58,14 +63,70 @@ def test_guide_under_its_nominal_input_follows():
     np.testing.assert_allclose(found.y0[:, 2], jax.vmap(law)(jnp.asarray(TIMES)), rtol=0, atol=1e-14)
 
 
+def test_torque_of_what_is_prescribed_is_its_reaction():
+    """The same pendulum, whose angle is PRESCRIBED: nothing is driven, and the moment is its reaction."""
+    law, times = fm.trajectory.quintic(0.0, 2.0, 0.05), TIMES[::40]
+    found = fm.trajectory.inverse_dynamics(pendulum(prescribed=True), {"pivot.phi": law}, times)
+    phi, _, second = jax.vmap(lambda t: _rates(law, t))(jnp.asarray(times))
+    torque = 1.5 * 0.8**2 * second + 1.5 * 9.81 * 0.8 * jnp.cos(phi)
+    moment = found.motion.reaction("pivot", "phi")
+    np.testing.assert_allclose(moment, torque, rtol=0, atol=1e-10 * np.max(np.abs(torque)))
+
+
+def test_flexible_deformations_are_held():
+    """The torque of the rigid arm, (J + m L² + rho A L³/3 + rho I L) φ'', and a motion of the whole model."""
+    model, law, times = arm(), fm.trajectory.septic(0.0, 0.5, 0.1), np.linspace(0, 0.1, 6)
+    found = fm.trajectory.inverse_dynamics(model, {"0.phi": law}, times)
+    second = jax.vmap(lambda t: _rates(law, t)[2])(jnp.asarray(times))
+    area, turned = 0.03 * 0.003, 0.03 * 0.003**3 / 12
+    inertia = 1e-3 + 0.1 * 0.5**2 + 7850 * (area * 0.5**3 / 3 + turned * 0.5)
+    size = np.max(np.abs(second))
+    np.testing.assert_allclose(found.u0[:, 0], inertia * second, rtol=0, atol=1e-12 * inertia * size)
+    np.testing.assert_allclose(found.motion.angular_acceleration("0"), second, rtol=0, atol=1e-9 * size)
+    np.testing.assert_allclose(found.motion.e, 0.0, rtol=0, atol=1e-14)
+    assert np.all(found.f0[:, 0] == 0)
+    assert np.max(np.abs(found.f0[1, 1:])) > 0.1
+    # Free to vibrate about it: the stiffness of the beams is there, and the angle has none.
+    stiffness = np.asarray(found.motion.linearizations().matrices.K0)
+    assert stiffness.shape == (6, 5, 5)
+    assert np.linalg.matrix_rank(stiffness[3]) == 4
+
+
+def test_input_of_a_tip_by_a_dimension():
+    """What is driven follows the tip; against central differences, whose error is 1e-9 of the whole."""
+    law = fm.trajectory.quintic(0.0, 0.3, 0.05)
+
+    def force(length):
+        found = fm.trajectory.inverse_dynamics(pendulum(length), {"tip.y": law}, TIMES[::50], inputs=["torque"])
+        return jnp.sum(found.u0[:, 1] * jnp.arange(1.0, 6.0))
+
+    step = 1e-4
+    difference = float(force(0.8 + step) - force(0.8 - step)) / (2 * step)
+    for derivative in (jax.jacfwd, jax.grad):
+        assert float(derivative(force)(0.8)) == pytest.approx(difference, rel=1e-6)
+
+
+def test_wrong_inputs_are_refused():
+    law = fm.trajectory.quintic(0.0, 0.3, 0.05)
+    with pytest.raises(fm.ModelError, match=r"1 degrees of freedom.*the inputs pull, torque"):
+        fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES)
+    with pytest.raises(fm.ModelError, match=r"list of inputs, pull, torque; not 'motor'"):
+        fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES, inputs=["motor"])
+    # A level arm cannot be turned by a force along it.
+    with pytest.raises(fm.AnalysisError, match=r"depend on one another, or one has none.*It is so at 0 s"):
+        fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES[::50], inputs=["pull"])
+    with pytest.raises(fm.ModelError, match=r"of tip\.y: 1 degrees of freedom must be driven.*none that are left"):
+        fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law, "tip.y": law}, TIMES)
+
+
 @pytest.mark.parametrize("wrong", ["pivot.psi", "pivot.x"])
 def test_names_that_cannot_be_driven_are_refused(wrong):
     with pytest.raises(fm.ModelError, match=wrong):
-        fm.trajectory.inverse_dynamics(pendulum(), {wrong: lambda t: 0.0 * t}, TIMES)
+        fm.trajectory.inverse_dynamics(pendulum(), {wrong: lambda t: 0.0 * t}, TIMES, inputs=["torque"])
 
 
 def test_a_tip_beyond_the_arm_is_out_of_the_workspace():
     """0.9 m upwards of an arm of 0.8 m: the law passes 0.8 m between 0.037 and 0.03725 s, one of the times."""
     law = fm.trajectory.quintic(0.0, 0.9, 0.05)
     with pytest.raises(fm.AnalysisError, match=r"workspace.*It is so at 0\.03725 s"):
-        fm.trajectory.inverse_dynamics(pendulum(), {"tip.y": law}, TIMES)
+        fm.trajectory.inverse_dynamics(pendulum(), {"tip.y": law}, TIMES, inputs=["torque"])
