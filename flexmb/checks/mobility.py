@@ -12,7 +12,7 @@ from ..errors import ModelError
 from ..math.subspace import null_spaces
 from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
-from ..mechanics.signals import along_coordinates
+from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Entry, Model, Signal, as_model
 
 # Shares below this of the largest in a mode are not listed.
@@ -249,8 +249,18 @@ def locked_inputs(model: Model) -> list[Signal]:
     for one in (model, dataclasses.replace(model, parameters=parameters)):
         motions, _ = motions_of(one)
         found, x = constraints(one), np.asarray(one.parameters.reference)
-        locked = [s for s in locked if np.linalg.norm(_input_row(s, found, x) @ motions) <= LOCKED]
+        locked = [s for s in locked if np.linalg.norm(_acting(one, s, found, x) @ motions) <= LOCKED]
     return locked
+
+
+def _acting(model: Model, signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
+    """As :func:`_input_row`, of an actuator that of its parts, weighted, the largest of unit size."""
+    if not signal.parts:
+        return _input_row(signal, found, x)
+    inputs, weights = model.labels.inputs, model.parameters.weights
+    factors = np.asarray(combined(inputs, None if weights is None else weights[0]))[inputs.index(signal)]
+    rows = [_input_row(term, found, x) if term in signal.parts else np.zeros(len(x)) for term in terms_of(inputs)]
+    return factors @ np.array(rows) / max(np.max(np.abs(factors)), np.finfo(float).tiny)
 
 
 def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:

@@ -154,9 +154,10 @@ def _exact(matrix: Float[Array, "w w"]) -> Float[Array, "w w"]:
 
     Whether an output takes a rate of an input, which no state space has, hangs on it.
     """
-    size = jnp.sqrt(jnp.abs(jnp.diag(matrix)))
-    small = jnp.abs(matrix) <= ROUND_OFF * size[:, None] * size
-    return jnp.where(small, matrix - jax.lax.stop_gradient(matrix), matrix)
+    known = jax.lax.stop_gradient(matrix)
+    size = jnp.sqrt(jnp.abs(jnp.diag(known)))
+    small = jnp.abs(known) <= ROUND_OFF * size[:, None] * size
+    return jnp.where(small, matrix - known, matrix)
 
 
 def _weightless(parameters: Parameters) -> Parameters:

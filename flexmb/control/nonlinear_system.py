@@ -30,7 +30,9 @@ def _rates(model: Model, driven, t, state, memory, u):
     at = form.settle(t, MotionState(q, qd, memory))
     whole = form.whole_motion(t, at)
     own = undriven.state_of(whole.x, whole.xd, whole.near)
-    y = measuring(model, undriven, None).measured(t, own)
+    sensors = measuring(model, undriven, None)
+    z = under_inputs(model, undriven, u).acceleration(t, own)[0] if sensors.places.late else None
+    y = sensors.measured(t, own, z, u)
     return jnp.concatenate([state[n:], form.acceleration(t, at)[0] * form.sizes]), y, at.memory
 
 
@@ -52,8 +54,7 @@ def to_nonlinear_system(
         control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].
 
     Raises:
-        ModelError: The model names no inputs or no outputs, an output that is no position, velocity or deformation, or
-            an input that can move nothing.
+        ModelError: The model names no inputs or no outputs, an input that is a motion, or one that can move nothing.
 
     Source:
         THEORY.md 5, eq. (5.2), and 9 (a).
@@ -62,7 +63,7 @@ def to_nonlinear_system(
 
     warn_of_increment(as_model(model, "to_nonlinear_system"), "to_nonlinear_system")
     inputs, outputs = model.labels.inputs, model.labels.outputs
-    check_signals(model, "A plant", "A plant gives")
+    check_signals(model, "A plant")
     driven = driven_by(model, Drives(loads=loads, motion=motion))
     start = configuration(model)
     nameless = model.without_names()

@@ -6,10 +6,12 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..compilation.record import Record, static
 from ..errors import ModelError
+from ..math.linear import factorise
 from ..mechanics.deformation import deformations
 from ..mechanics.signals import rotation_measured, rotation_row
 from .coordinates_form import CoordinatesForm
@@ -55,10 +57,14 @@ class Places(Record):
         moments: Index in x of the first Euler parameter, place among the inputs, and axis, of each input that is a
             moment about a global axis, (3, m).
         local_moments: The same for axes that turn with the body, (3, n).
-        outputs: Index in x or e of each output; of a rotation in space, that of its first Euler parameter, (n_y,).
-        axes: Axis of each output that is a rotation in space, (n_y,).
-        quantities: What each output is: "position", "velocity", "deformation", "deformation rate", or for a rotation in
-            space "rotation", "angular velocity", "local rotation", "local angular velocity".
+        outputs: Index in x or e of each part of an output; of a rotation in space, that of its first Euler parameter,
+            (k,).
+        axes: Axis of each part that is a rotation in space, (k,).
+        read: Weight of each part in each output, (n_y, k); None where the outputs are the parts.
+        mix: What each part of an input does by each input, (parts, n_u); None where the inputs are the parts.
+        quantities: What each part of an output is: "position", "velocity", "deformation", "deformation rate", or for a
+            rotation in space "rotation", "angular velocity", "local rotation", "local angular velocity"; or one of
+            ``LATE``.
     """
 
     forces: Int[Array, "2 k"]
@@ -67,11 +73,44 @@ class Places(Record):
     local_moments: Int[Array, "3 n"]
     outputs: Int[Array, "n_y"]
     axes: Int[Array, "n_y"]
+    read: Float[Array, "n_y k"] | None
+    mix: Float[Array, "parts n_u"] | None
     quantities: tuple[str, ...] = static()
+
+    @property
+    def inputs(self) -> int:
+        """Number of inputs."""
+        own = (self.forces, self.stresses, self.moments, self.local_moments)
+        return sum(of.shape[1] for of in own) if self.mix is None else self.mix.shape[1]
+
+    @property
+    def late(self) -> tuple[int, ...]:
+        """Parts of outputs that are known with the accelerations and multipliers only."""
+        return tuple(i for i, quantity in enumerate(self.quantities) if quantity in LATE)
+
+    @property
+    def passes(self) -> bool:
+        """Whether an output feels an input at given accelerations: a stress adds to those that are measured."""
+        felt = any(quantity in FORCES for quantity in self.quantities)
+        return felt and self.stresses.shape[1] > 0
 
 
 ROTATIONS = ("rotation", "local rotation")
 TURNING = ("angular velocity", "local angular velocity")
+# What follows from accelerations and multipliers, the inputs of the same time in them.
+LATE = (
+    "acceleration",
+    "angular acceleration",
+    "local angular acceleration",
+    "deformation acceleration",
+    "stress",
+    "reaction",
+    "moment",
+    "local moment",
+)
+FORCES = ("stress", "reaction", "moment", "local moment")
+# Newton's steps to inputs that depend on accelerations which they cause; of a linear controller one is exact.
+CLOSING = 4
 
 
 def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesForm:
@@ -80,10 +119,9 @@ def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesFor
     Args:
         u: Inputs, (n_u,).
     """
-    own = (places.forces, places.stresses, places.moments, places.local_moments)
-    count = sum(of.shape[1] for of in own)
-    if u.shape != (count,):
-        raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {count} inputs.")
+    if u.shape != (places.inputs,):
+        raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {places.inputs} inputs.")
+    u = u if places.mix is None else places.mix @ u
     extra = []
     if places.forces.shape[1]:
         extra.append(Driven("force", places.forces[0], Constant(u[places.forces[1]])))
@@ -146,13 +184,39 @@ class ControlledForm(Record):
         u, w = jnp.concatenate([own.u, jnp.zeros(self.states)]), jnp.concatenate([own.w, start])
         return MotionState(u, w, own.memory)
 
-    def measured(self, t, own: MotionState):
+    def measured(self, t, own: MotionState, z=None, u=None):
         """Outputs of the mechanism, (n_y,).
 
         Args:
             t: Time [s].
             own: State of the mechanism.
+            z: Its accelerations and multipliers, for outputs that follow from them.
+            u: Inputs that caused them, (n_u,).
         """
+        values = self._early(t, own)
+        for i, value in zip(self.places.late, self._late(t, own, z, u) if self.places.late else (), strict=True):
+            values[i] = value
+        found = jnp.stack(values) if values else jnp.zeros(0)
+        return found if self.places.read is None else self.places.read @ found
+
+    def _late(self, t, own: MotionState, z, u):
+        """Parts of outputs that follow from accelerations and multipliers."""
+        kin, sigma, force, at = self._driven(u).forces(t, own, z)
+        sources = {"acceleration": at.a, "deformation acceleration": kin.edd, "stress": sigma, "reaction": force}
+        values = []
+        for i in self.places.late:
+            quantity = self.places.quantities[i]
+            if quantity in sources:
+                values.append(sources[quantity][self.places.outputs[i]])
+                continue
+            turning, axis, local = self._turning(i)
+            row = rotation_row(at.x[turning], axis, local)
+            # omega = 2 Lbar lambda_dot, whose rate has no other term; a moment is Lbar f / 2.
+            values.append(row @ at.a[turning] if "acceleration" in quantity else row @ force[turning] / 4)
+        return jnp.stack(values)
+
+    def _early(self, t, own: MotionState) -> list[Any]:
+        """Parts of outputs that follow from the state; zero for the others."""
         at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
         top, parameters = self.form.topology, self.form.parameters
         e = ed = jnp.zeros(top.n_e)
@@ -163,14 +227,16 @@ class ControlledForm(Record):
         sources = {"position": moved, "velocity": at.v, "deformation": e, "deformation rate": ed}
         values = []
         for i, quantity in enumerate(self.places.quantities):
-            if quantity in sources:
+            if quantity in LATE:
+                values.append(jnp.zeros(()))
+            elif quantity in sources:
                 values.append(sources[quantity][self.places.outputs[i]])
             elif quantity in ROTATIONS:
                 values.append(self._rotation(i, at.x)[0])
             else:
                 turning, axis, local = self._turning(i)
                 values.append(rotation_row(at.x[turning], axis, local) @ at.v[turning])
-        return jnp.stack(values) if values else jnp.zeros(0)
+        return values
 
     def _turning(self, i: int):
         """Indices of the Euler parameters of an output that is a rotation, its axis, and whether that turns along."""
@@ -198,11 +264,42 @@ class ControlledForm(Record):
         """Inputs of the mechanism, (n_u,)."""
         return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
+    def _closed(self, t, own: MotionState, states, z):
+        """Outputs and inputs at one time; the inputs may depend on what they cause.
+
+        Args:
+            z: Accelerations and multipliers of the mechanism; None where they are to be found.
+        """
+        if not self.places.late:
+            y = self.measured(t, own)
+            return y, self._inputs(t, states, y)
+
+        def seen(u):
+            found = self._driven(u).acceleration(t, own)[0] if z is None else z
+            y = self.measured(t, own, found, u)
+            return y, y
+
+        # Outputs are linear in the inputs, at given positions and velocities.
+        none = jnp.zeros(self.places.inputs)
+        if z is not None and not self.places.passes:
+            return (y := seen(none)[0]), self._inputs(t, states, y)
+        by_input, at_none = jax.jacfwd(seen, has_aux=True)(none)
+
+        def closer(_, u):
+            def left(u):
+                found = u - self._inputs(t, states, at_none + by_input @ u)
+                return found, found
+
+            slope, excess = jax.jacfwd(left, has_aux=True)(u)
+            return u - factorise(slope).solve(excess)
+
+        u = jax.lax.fori_loop(0, CLOSING, closer, none)
+        return at_none + by_input @ u, u
+
     def residual(self, t, state: MotionState, z):
         """Residual of the mechanism, and of the controller's rates."""
         own, states, own_z, rates = self._split(state, z)
-        y = self.measured(t, own)
-        u = self._inputs(t, states, y)
+        y, u = self._closed(t, own, states, own_z)
         mechanism = self._driven(u).residual(t, own, own_z)
         controller = rates
         if self.states:
@@ -217,11 +314,15 @@ class ControlledForm(Record):
         """
         own, states, own_z, _ = self._split(state, z)
         n, k = self.form.size, self.states
-        y, (y_by_u, y_by_w) = self._measured_derivatives(t, own)
-        u = self._inputs(t, states, y)
+        y, u = self._closed(t, own, states, own_z)
+        y_by_u, y_by_w, y_by_z, y_by_input = self._measured_derivatives(t, own, own_z, u)
         at = self._driven(u).tangent(t, own, own_z)
         u_by_z, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
         by_input = self._by_input(t, own, own_z, u)
+        if self.places.late:
+            return self._late_tangent(
+                t, state, z, at, by_input, (u_by_z, u_by_y), (y, y_by_u, y_by_w, y_by_z, y_by_input)
+            )
         none = jnp.zeros((at.by_u.shape[0], k))
         mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by_y @ y_by_u, none], axis=1)
         mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by_y @ y_by_w, by_input @ u_by_z], axis=1)
@@ -236,11 +337,62 @@ class ControlledForm(Record):
         by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
 
+    def _late_tangent(self, t, state: MotionState, z, at: Tangent, by_input, given, sensed) -> Tangent:
+        """As :meth:`tangent`, where outputs follow from accelerations, which follow from inputs.
+
+        Args:
+            at: Derivatives of the mechanism alone.
+            by_input: And by its inputs.
+            given: Derivatives of the inputs by the controller's states and by the outputs.
+            sensed: Outputs, and their derivatives by positions, velocities, accelerations and inputs.
+        """
+        _, states, _, _ = self._split(state)
+        n, k = self.form.size, self.states
+        (u_by_z, u_by_y), (y, *y_by, y_by_input) = given, sensed
+        close = factorise(jnp.eye(self.places.inputs) - u_by_y @ y_by_input)
+        u_by = [close.solve(u_by_y @ of) for of in y_by]
+        u_by_z = close.solve(u_by_z) if k else u_by_z
+        # Of outputs, the inputs following.
+        y_by = [own + y_by_input @ of for own, of in zip(y_by, u_by, strict=True)]
+        r_by_z, r_by_y = jnp.zeros((0, 0)), jnp.zeros((0, len(y)))
+        if k:
+            r_by_z, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
+        none = jnp.zeros((at.by_u.shape[0], k))
+        mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by[0], none], axis=1)
+        mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by[1], by_input @ u_by_z], axis=1)
+        controller_u = jnp.concatenate([-r_by_y @ y_by[0], jnp.zeros((k, k))], axis=1)
+        controller_w = jnp.concatenate([-r_by_y @ y_by[1], -r_by_z - r_by_y @ y_by_input @ u_by_z], axis=1)
+        kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
+        by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
+        by_z = by_z.at[kept[:, None], kept].set(at.by_z + by_input @ u_by[2])
+        by_z = by_z.at[(n + jnp.arange(k))[:, None], kept].set(-r_by_y @ y_by[2])
+        by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
+
     def _by_input(self, t, own, own_z, u):
         """Derivative of the mechanism's residual by its inputs, in which it is linear."""
         return jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
 
-    def _measured_derivatives(self, t, own: MotionState):
+    def _measured_derivatives(self, t, own: MotionState, z=None, u=None):
+        """Derivatives of the outputs by positions, velocities, and of late ones by accelerations and inputs."""
+        by_u, by_w = self._early_derivatives(t, own)
+        by_z = by_input = None
+        if self.places.late:
+            late = np.array(self.places.late)
+
+            def found(u, w, z, inputs):
+                return self._late(t, own._replace(u=u, w=w), z, inputs)
+
+            rows = jax.jacfwd(found, (0, 1, 2, 3))(own.u, own.w, z, u)
+            none = [jnp.zeros((by_u.shape[0], row.shape[1])) for row in rows[2:]]
+            by_u, by_w, by_z, by_input = (
+                of.at[late].set(row) for of, row in zip((by_u, by_w, *none), rows, strict=True)
+            )
+        read = self.places.read
+        return tuple(of if of is None or read is None else read @ of for of in (by_u, by_w, by_z, by_input))
+
+    def _early_derivatives(self, t, own: MotionState):
+        """Derivatives of the parts of outputs that follow from the state, by positions and velocities."""
         top, form = self.form.topology, self.form
         at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
         rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
@@ -251,7 +403,9 @@ class ControlledForm(Record):
         found: tuple[list, list] = ([], [])
         for i, quantity in enumerate(self.places.quantities):
             j = self.places.outputs[i]
-            if quantity in ROTATIONS:
+            if quantity in LATE:
+                pair = (zero, zero)
+            elif quantity in ROTATIONS:
                 own_x, *_ = self._turning(i)
                 pair = (zero.at[0, own_x].set(self._rotation(i, at.x)[1]), zero)
             elif quantity in TURNING:
@@ -268,16 +422,12 @@ class ControlledForm(Record):
                 pair = (by_x.ed[j][None], by_x.e[j][None])
             for rows_of, row in zip(found, pair, strict=True):
                 rows_of.append(row)
-        matrices = tuple(
-            (jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in found
-        )
-        return self.measured(t, own), matrices
+        return tuple((jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in found)
 
     def acceleration(self, t, state: MotionState):
         """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""
         own, states, _, _ = self._split(state)
-        y = self.measured(t, own)
-        u = self._inputs(t, states, y)
+        y, u = self._closed(t, own, states, None)
         z, regular = self._driven(u).acceleration(t, own)
         return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
@@ -299,4 +449,4 @@ class ControlledForm(Record):
     def whole_motion(self, t, state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state, and the inputs that the controller gives."""
         own, z, _, _ = self._split(state)
-        return self.form.whole_motion(t, own)._replace(u=self._inputs(t, z, self.measured(t, own)))
+        return self.form.whole_motion(t, own)._replace(u=self._closed(t, own, z, None)[1])

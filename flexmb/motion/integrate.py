@@ -63,7 +63,7 @@ class Reached(NamedTuple):
 
     Attributes:
         state: State, or where the motion starts from.
-        memory: State of a sampled controller, None without one.
+        memory: State of a sampled controller and the inputs that it gave last, None without one.
         moved: Greatest displacement so far (extents, radians), by which step sizes are controlled.
     """
 
@@ -253,13 +253,15 @@ def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals,
     sensors = measuring(problem.model, undriven, problem.measured_from)
 
     def interval(carry, at):
-        state, memory, moved = carry
+        state, (memory, u), moved = carry
         begin, end, wanted = at
-        u, memory = sampled.step(begin, memory, sensors.measured(begin, state))
+        # Accelerations at a sample are those that the inputs before it cause.
+        z = under_inputs(problem.model, undriven, u).acceleration(begin, state)[0] if sensors.places.late else None
+        u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
         states, moved, steps, result = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
-        return Reached(_last(states), memory, moved), (states, u, steps, result)
+        return Reached(_last(states), (memory, u), moved), (states, u, steps, result)
 
     start = given._replace(state=_started(undriven, problem, grid.begin[0], given.state))
     last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])

@@ -16,11 +16,10 @@ from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record, static
 from ..errors import ModelError
-from ..model.model import Model, Signal
+from ..mechanics.signals import combined, terms_of
+from ..model.model import MOTIONS, Model, Signal
 from .controlled_form import ControlledForm, Feedback, Places, driven_by_inputs
 from .coordinates_form import CoordinatesForm
-
-MEASURED = ("position", "velocity", "deformation", "deformation rate")
 
 
 class Loop(Record):
@@ -79,12 +78,11 @@ def _sampled_step(a, b, c, d, reference, t, z, y):
     return c @ z + d @ seen, a @ z + b @ seen
 
 
-def check_signals(model: Model, needs: str, wants: str) -> None:
-    """Refuse a mechanism without inputs or outputs, with an output that no sensor gives, or with a locked input.
+def check_signals(model: Model, needs: str) -> None:
+    """Refuse a mechanism without inputs or outputs, with an input that is a motion, or with a locked input.
 
     Args:
         needs: What needs them, for the message.
-        wants: What is said of an output that cannot be given.
 
     Raises:
         ModelError: See above.
@@ -92,9 +90,15 @@ def check_signals(model: Model, needs: str, wants: str) -> None:
     inputs, outputs = model.labels.inputs, model.labels.outputs
     if not inputs or not outputs:
         raise ModelError(f"{needs} needs an input and an output of the mechanism: name them with input() and output().")
-    for signal in outputs:
-        if signal.quantity not in MEASURED:
-            raise ModelError(f"Output '{signal.name}' is a {signal.quantity}. {wants}: {', '.join(MEASURED)}.")
+    for signal in inputs:
+        moved = next((part for part in signal.terms if part.quantity in MOTIONS), None)
+        if moved is not None:
+            owner = (model.labels.e if moved.of_element else model.labels.x)[moved.index]
+            raise ModelError(
+                f"{needs} gives forces, moments and stresses, and input '{signal.name}' is the {moved.quantity} of"
+                f" something held, {owner}. Leave it out, say prescribe() of what moves, and give it as a function of"
+                f" time: motion={{'{owner}': f}}; or let a force act on a heavy support that can move."
+            )
     if is_concrete(model):
         for signal in locked_inputs(model):
             raise ModelError(
@@ -111,8 +115,8 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
 
     Raises:
         ValueError: A reference without a controller.
-        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an output
-            that cannot be fed back.
+        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an input
+            that is a motion.
     """
     control, reference = loop.control, loop.reference
     if control is None:
@@ -120,7 +124,7 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
             raise ValueError("Argument `reference` is what a controller follows: give `control` too.")
         return None
     inputs, outputs = model.labels.inputs, model.labels.outputs
-    check_signals(model, "A controller", "It cannot be fed back. Feed back one of")
+    check_signals(model, "A controller")
     if isinstance(control, Feedback | Sampled):
         if reference is not None:
             raise ModelError(f"A {type(control).__name__} has its reference inside: leave `reference` out.")
@@ -186,13 +190,14 @@ def _nothing(t, z, y):
 
 def _places(model: Model) -> Places:
     """What the inputs act on and the outputs measure."""
+    labels, weights = model.labels, model.parameters.weights
     found: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
-    for place, signal in enumerate(model.labels.inputs):
+    for place, signal in enumerate(terms_of(labels.inputs)):
         if signal.axis is None:
             found[signal.quantity].append((signal.index, place))
         else:
             found["local moment" if signal.local else "moment"].append((signal.index, place, signal.axis))
-    outputs = model.labels.outputs
+    outputs = terms_of(labels.outputs)
 
     def columns(kind: str, size: int):
         return jnp.asarray(np.array(found[kind], int).reshape(-1, size).T)
@@ -204,16 +209,26 @@ def _places(model: Model) -> Places:
         local_moments=columns("local moment", 3),
         outputs=jnp.array([s.index for s in outputs], int),
         axes=jnp.array([s.axis or 0 for s in outputs], int),
+        read=None if weights is None else combined(labels.outputs, weights[1]),
+        mix=None if weights is None else combined(labels.inputs, weights[0]).T,
         quantities=tuple(_quantity(s) for s in outputs),
     )
+
+
+# What an output that is about a rotation in space measures.
+TURNED = {
+    "position": "rotation",
+    "velocity": "angular velocity",
+    "acceleration": "angular acceleration",
+    "reaction": "moment",
+}
 
 
 def _quantity(signal: Signal) -> str:
     """What an output is, a rotation in space told from a coordinate."""
     if signal.axis is None:
         return signal.quantity
-    turning = {"position": "rotation", "velocity": "angular velocity"}.get(signal.quantity, signal.quantity)
-    return f"local {turning}" if signal.local else turning
+    return f"local {TURNED[signal.quantity]}" if signal.local else TURNED[signal.quantity]
 
 
 def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:

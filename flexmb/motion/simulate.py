@@ -17,6 +17,7 @@ from ..compilation.program import Captured, captured
 from ..compilation.record import Record
 from ..errors import ModelError
 from ..linear.loose import without_mass
+from ..mechanics.signals import terms_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
@@ -135,11 +136,12 @@ def simulate(
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
     feedback = as_feedback(model, loop)
     # No number of the program where no rotation in space is measured.
-    rotations = feedback is not None and any(s.axis is not None for s in model.labels.outputs)
+    rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
     problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
-    at = Reached(start, feedback.start if isinstance(feedback, Sampled) else None, jnp.array(0.0))
+    none = jnp.zeros(len(model.labels.inputs))
+    at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, jnp.array(0.0))
     if progress:
         run = integrate_in_parts(problem, integrator, times, at, progress)
     elif isinstance(feedback, Sampled):

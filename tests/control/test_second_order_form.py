@@ -1,5 +1,7 @@
 """Motions of what is held as inputs, constraint forces as outputs, sensors and actuators, in second-order form."""
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -113,3 +115,109 @@ def test_a_loaded_leaf_spring_on_a_floor_that_moves():
         np.testing.assert_allclose(gain[:3, column], moved, atol=1e-7)
         np.testing.assert_allclose(gain[3:6, column], (turned[0] * turned[1].inv()).as_rotvec() / (2 * step), atol=1e-7)
         assert gain[12, column] == pytest.approx(float(stress), rel=1e-7)
+
+
+# -- state spaces ---------------------------------------------------------------------------------------------------
+
+
+def response(found, s):
+    a, b, c, d = (np.asarray(of) for of in found)
+    return c @ np.linalg.solve(s * np.eye(len(a)) - a, b) + d
+
+
+def test_state_spaces_of_a_wall_that_shakes():
+    """(c s + k)/(m s^2 + c s + k) of its displacement, velocity and acceleration, with no state too many."""
+    k, c, m = 90.0, 1.2, 0.4
+    s = 1j * np.sqrt(k / m) * 0.8
+    transmitted = (c * s + k) / (m * s**2 + c * s + k)
+    expected = {"position": transmitted, "velocity": s * transmitted, "acceleration": s**2 * transmitted}
+    expected["reaction"] = (c * s + k) * (1 - transmitted)
+    cases = (
+        ("displacement", ("position", "velocity"), ["mass.x", "d mass.x shifted"]),
+        ("velocity", expected, ["mass.x", "moved by floor", "d mass.x"]),
+        ("acceleration", expected, ["mass.x", "moved by floor", "d mass.x", "d moved by floor"]),
+    )
+    for order, (quantity, measured, names) in enumerate(cases):
+        b = shaken_mass(k, c, m)
+        b.input("wall", "x", quantity, name="floor")
+        for wanted in measured:
+            b.output("wall" if wanted == "reaction" else "mass", "x", wanted)
+        found, states = fm.control.state_matrices(b.build())
+        assert states == names
+        rows = np.array([expected[wanted] for wanted in measured]) / s**order
+        np.testing.assert_allclose(response(found, s)[:, 0], rows, rtol=1e-12)
+    b = shaken_mass(k, c, m)
+    b.input("wall", "x", "displacement", name="floor")
+    b.output("wall", "x", "reaction", name="force on the floor")
+    with pytest.raises(fm.ModelError, match="'force on the floor' takes the velocity of what the input 'floor' moves"):
+        fm.to_statespace(b.build())
+
+
+def guide(floor, thickness=0.5e-3, length=0.1, weight=0.0):
+    """The tutorial's guide on a floor: two leaf springs under a bar of 0.206 kg."""
+    b = fm.Builder()
+    leaf = fm.Rectangle(0.018, thickness, STEEL)
+    for side, x in (("left", 0.0), ("right", 0.1)):
+        b.node(f"{side} foot", (x, 0.0))
+        b.node(f"{side} top", (x, length))
+        b.add(planar.beam, f"{side} foot", f"{side} top", name=side, section=leaf, released=(2, 3))
+        b.mass(f"{side} top", 0.103)
+        if floor != "pushed":
+            b.force(f"{side} top", (0.0, -weight))
+    b.add(planar.beam, "left top", "right top", name="bar")
+    if floor == "pushed":
+        b.add(planar.beam, "left foot", "right foot", name="floor", released=(2, 3))
+        b.mass("left foot", 1e6)
+        for node in ("left foot", "right foot"):
+            b.fix(node, "y", "phi")
+        b.dof("left foot", "x")
+        b.actuator("floor", {"left foot.x": 1e6})
+    else:
+        b.fix("left foot")
+        b.fix("right foot")
+        b.actuator("floor", {f"{floor} left foot.x": 1.0, f"{floor} right foot.x": 1.0})
+    b.release("right", 1)
+    b.dof("left", 2)
+    b.dof("right", 1)
+    b.output("left top", "x")
+    return b
+
+
+def test_a_guide_on_a_floor_that_shakes_is_one_on_a_heavy_support_that_is_pushed():
+    shaken, names = fm.control.state_matrices(guide("acceleration").build())
+    assert names == ["left.e2", "right.e1", "moved by floor", "d left.e2", "d right.e1", "d moved by floor"]
+    pushed, _ = fm.control.state_matrices(guide("pushed").build())
+    for hertz in (0.5, 2.0, 40.0, 200.0):
+        s = 2j * np.pi * hertz
+        # The guide has 2e-7 of the support's mass.
+        np.testing.assert_allclose(response(shaken, s), response(pushed, s), rtol=1e-6)
+
+
+def test_derivatives_of_a_pendulum_whose_pivot_shakes():
+    """A to D by length, mass and gravity, which is aslant, against central differences; the rod cannot stretch."""
+
+    def numbers(size):
+        length, mass, gravity = size * jnp.array([0.7, 0.3, 9.81])
+        b = fm.Builder()
+        b.node("pivot", (0, 0))
+        b.node("bob", (0.6 * length, -0.8 * length))
+        b.add(planar.truss, "pivot", "bob", name="rod", released=())
+        b.fix("pivot")
+        b.mass("bob", mass)
+        b.gravity((0.6 * gravity, -0.8 * gravity))
+        b.dof("bob", "x")
+        b.actuator("shaken", {"acceleration pivot.x": 1.0, "acceleration pivot.y": length})
+        b.output("pivot", "y", "reaction")
+        b.output("rod", 1, "stress")
+        b.sensor("both", {"bob.x": 1 / length, "acceleration bob.y": mass})
+        found, _ = fm.control.state_matrices(b.build())
+        # Each entry counts alike, whatever its size.
+        return sum(jnp.sum(jnp.cos(jnp.arange(of.size)) * jnp.arcsinh(of).ravel()) for of in found)
+
+    at, along, step = jnp.ones(3), jnp.array([1.0, -0.3, 0.5]), 1e-5
+    value = fm.jit(numbers)
+    forward = jax.jvp(value, (at,), (along,))[1]
+    reverse = jax.grad(value)(at) @ along
+    central = (value(at + step * along) - value(at - step * along)) / (2 * step)
+    # Truncation of the difference, 1e-10, and round-off over its step.
+    np.testing.assert_allclose([forward, reverse], [central] * 2, rtol=1e-6)

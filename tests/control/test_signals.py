@@ -211,7 +211,7 @@ def test_what_sensors_of_a_rotation_give():
             return sensors.measured(0.0, state._replace(u=u, w=w))
 
         found = measured(state.u, state.w)
-        return found, sensors._measured_derivatives(0.0, state)[1], jax.jacfwd(measured, (0, 1))(state.u, state.w)
+        return found, sensors._measured_derivatives(0.0, state)[:2], jax.jacfwd(measured, (0, 1))(state.u, state.w)
 
     found, derivatives, jacobians = sensors(model, *x, v)
     # A step along the geodesic turns by the angular velocity times the time.
