@@ -24,6 +24,7 @@ SCRIPTS = (
     "batch",
     "large_deflection",
     "viewer",
+    "along",
     "swing",
     "motion",
     "stability",

@@ -11,7 +11,7 @@ from ..arguments import is_concrete
 from ..compilation.compile import jit_beside_options
 from ..errors import ModelError
 from ..math.rotation import rotation_since
-from ..mechanics.signals import rotation_row
+from ..mechanics.signals import combined, rotation_row, terms_of
 from ..model.model import Model, Signal
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
@@ -115,22 +115,25 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
         THEORY.md 7: of a rotation in space omega = 2 Lbar(lambda) d(lambda)/dt, whose rate is 2 Lbar(lambda) of the
         second rate of the parameters.
     """
-    labels = motion.labels
-    if not labels.outputs:
+    model = motion.model
+    outputs = tuple(signal.without_name() for signal in model.signals()[1])
+    if not outputs:
         return jnp.zeros((len(motion.t), 0))
     seen = motion.observe()
-    return _outputs(motion.model.without_names(), labels.outputs, seen.x, seen.xd, seen.xdd, motion.near, seen.sigma)
+    found = seen.x, seen.xd, seen.xdd, motion.near, seen.sigma, seen.reactions
+    return _outputs(model.without_names(), outputs, found)
 
 
 @jit_beside_options
-def _outputs(model: Model, outputs: tuple[Signal, ...], x, xd, xdd, near, sigma):
+def _outputs(model: Model, outputs: tuple[Signal, ...], found):
     form = coordinates_form(model.topology, model.parameters)
     reference = model.parameters.reference
+    weights = model.parameters.weights or (None, None)
     places = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
     orders = {"position": 0, "velocity": 1, "acceleration": 2}
 
     def one(at):
-        x, v, a, near, sigma = at
+        x, v, a, near, sigma, reactions = at
 
         def e_of(x):
             return deformed(form.elements, x, near)[0]
@@ -140,18 +143,23 @@ def _outputs(model: Model, outputs: tuple[Signal, ...], x, xd, xdd, near, sigma)
 
         rates = [e_of(x), rate_of(x, v), jax.jvp(rate_of, (x, v), (v, a))[1]]
         values = []
-        for s in outputs:
+        for s in terms_of(outputs):
             if s.quantity in places:
                 values.append(rates[places[s.quantity]][s.index])
             elif s.quantity == "stress":
                 values.append(sigma[s.index])
             elif s.axis is None:
-                values.append((x - reference, v, a)[orders[s.quantity]][s.index])
+                of = reactions if s.quantity == "reaction" else (x - reference, v, a)[orders[s.quantity]]
+                values.append(of[s.index])
             else:
                 own = s.index + jnp.arange(4)
-                turned = rotation_since(reference[own], x[own], s.local)[s.axis]
                 row = rotation_row(x[own], s.axis, s.local)
-                values.append((turned, row @ v[own], row @ a[own])[orders[s.quantity]])
-        return jnp.stack(values)
+                if s.quantity == "reaction":
+                    # Of the duals f = 2 Lbar^T M, M = Lbar f / 2.
+                    values.append(row @ reactions[own] / 4)
+                else:
+                    turned = rotation_since(reference[own], x[own], s.local)[s.axis]
+                    values.append((turned, row @ v[own], row @ a[own])[orders[s.quantity]])
+        return combined(outputs, weights[1]) @ jnp.stack(values)
 
-    return jax.lax.map(one, (x, xd, xdd, near, sigma))
+    return jax.lax.map(one, found)

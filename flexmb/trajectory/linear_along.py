@@ -18,18 +18,20 @@ from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Result, Summary, short, span
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
-from ..math.linear import factorise
 from .about_motion import about, freedoms_of, outputs_of
 from .cubic import Spline, spline
 from .radau import march
+from .reduction import reduced_system
 from .refined import refined
-from .slow_modes import amplitudes, check_modes, projected, slow_modes
+from .slow_modes import check_modes
 
 if TYPE_CHECKING:
     import control
 
 # Times may lie outside of those of the system by this share of all of them.
 ROUND_OFF = 1e-9
+# Below this share of the highest frequency nothing vibrates: a difference is compared with that.
+STILL = 1e-6
 
 
 class TimeVarying(Result, Record):
@@ -234,7 +236,9 @@ class TimeVarying(Result, Record):
         """
         n = self.M.shape[1]
         check_modes(modes, n)
-        (a, b, c, d, mass), start, shapes, still = _reduced(self, modes=modes)
+        (a, b, c, d, mass, start), shapes, still = reduced_system(
+            self.t, (self.A, self.B, self.C, self.D, self.M, self.z0), modes=modes
+        )
         more = self.state_labels[2 * n :]
         names = [f"mode {i + 1}" for i in range(modes)]
         found = dataclasses.replace(
@@ -247,7 +251,7 @@ class TimeVarying(Result, Record):
         if not is_concrete(self):
             return found
         whole, own = self.frequencies(), _frequencies_along(still, mass)
-        size = np.where(whole[:, :modes] == 0, 1.0, np.abs(whole[:, :modes]))
+        size = np.maximum(np.abs(whole[:, :modes]), STILL * np.max(np.abs(whole)))
         left_out = whole[:, modes] if modes < n else np.full(len(whole), np.inf)
         error = np.max(np.abs(own - whole[:, :modes]) / size, axis=0)
         return dataclasses.replace(found, error=jnp.asarray(error), left_out=jnp.asarray(left_out))
@@ -368,48 +372,6 @@ def _solved(splines: tuple[Spline, ...], times, u, start, count, *, substeps: in
     return y.T, z.T
 
 
-@jit
-def _reduced(system: TimeVarying, *, modes: int):
-    """Matrices, mass, start and shapes in a few motions, and stiffness; the others follow as if they had no mass."""
-    n = system.M.shape[1]
-    mass, below = system.M, slice(n, 2 * n)
-    by_q, by_rate = system.A[:, below, :n], system.A[:, below, below]
-    slow = slow_modes(system.t, mass, -mass @ by_q, modes)
-    shapes = slow.shapes
-    own, damping, stiffness = projected(slow, mass, -mass @ by_rate, -mass @ by_q)
-
-    def one(a, b, c, d, mass, own, damping, stiffness, shapes, rates, second, rest):
-        more = a.shape[0] - 2 * n
-        still, beside = jnp.zeros_like(shapes), jnp.zeros((n, more))
-        velocity = jnp.concatenate([rates, shapes, beside], axis=1)
-        whole = jax.scipy.linalg.block_diag(jnp.block([[shapes, still], [rates, shapes]]), jnp.eye(more))
-        momenta, force = shapes.T @ mass, mass @ b[below]
-        factors = factorise(own)
-        forces = jnp.concatenate([-stiffness, -damping, momenta @ a[below, 2 * n :]], axis=1)
-        lower, drive = factors.solve(forces), factors.solve(momenta @ b[below])
-        upper = jnp.eye(modes, 2 * modes + more, k=modes)
-        # What is left out, at rest under inputs, damping and inertia of what is kept.
-        acceleration = jnp.concatenate([second, 2 * rates, beside], axis=1) + shapes @ lower
-        by_state = rest @ (mass @ (a[below, below] @ velocity - acceleration))
-        by_input = rest @ (force - mass @ (shapes @ drive))
-        seen = c[:, :n]
-        return (
-            jnp.concatenate([upper, lower, a[2 * n :] @ whole]),
-            jnp.concatenate([jnp.zeros((modes, b.shape[1])), drive, b[2 * n :]]),
-            c @ whole + seen @ by_state,
-            d + seen @ by_input,
-        )
-
-    parts = jax.lax.map(
-        lambda of: one(*of), (system.A, system.B, system.C, system.D, mass, own, damping, stiffness, *slow)
-    )
-    z0 = system.z0
-    start = jnp.concatenate([*amplitudes(slow, mass, z0[:n], z0[below]), z0[2 * n :]])
-    # As if the shapes stayed as they are in each moment.
-    still = jnp.swapaxes(shapes, 1, 2) @ (-mass @ by_q) @ shapes
-    return (*parts, own), start, shapes, still
-
-
 def time_varying(along: Any) -> TimeVarying:
     """Linear time-varying system along a motion, or along a nominal one.
 
@@ -433,7 +395,16 @@ def time_varying(along: Any) -> TimeVarying:
     model = motion.model
     lin = motion.linearizations()
     (a, b, c, d), states = state_matrices(lin)
-    own = states[: states.index(f"d {states[0]}")] if states else model.q_labels
+    orders = [signal.terms[0].order or 0 for signal in model.signals()[0]]
+    # Displacements of what inputs move stand behind the degrees of freedom, their rates behind these.
+    moved, speeds = sum(order > 0 for order in orders), sum(order > 1 for order in orders)
+    n = (a.shape[1] - moved - speeds) // 2
+    order = np.concatenate(
+        [np.arange(n), n + moved + np.arange(n), n + np.arange(moved), 2 * n + moved + np.arange(speeds)]
+    )
+    a, b, c = a[:, order][:, :, order], b[:, order], c[:, :, order]
+    own = [name.removesuffix(" shifted") for name in states[:n]] or model.q_labels
+    states = [states[i] for i in order] if states else [*own, *(f"d {name}" for name in own)]
     names = [tuple(s.name for s in signals) for signals in (model.labels.inputs, model.labels.outputs)]
     place = [model.q_labels.index(name) for name in own]
     q, qd = freedoms_of(motion)
@@ -446,11 +417,11 @@ def time_varying(along: Any) -> TimeVarying:
         lin.M0[:, place][:, :, place],
         u0,
         y0,
-        jnp.concatenate([q[0, jnp.array(place)], qd[0, jnp.array(place)], jnp.zeros(a.shape[1] - 2 * len(place))]),
+        jnp.concatenate([q[0, jnp.array(place)], qd[0, jnp.array(place)], jnp.zeros(moved + speeds)]),
         lin.sigma,
         None,
         None,
         None,
-        tuple(states) or tuple([*own, *(f"d {name}" for name in own)]),
+        tuple(states),
         *names,
     )

@@ -13,10 +13,11 @@ from jaxtyping import Array, ArrayLike, Float, Int
 from ..arguments import check_numbers, is_concrete
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record
+from ..control.second_order_form import second_order
 from ..display import Result, States, Summary, largest, short
-from ..linear.linearize import Matrices
+from ..linear.linearize import Linearization, Matrices
+from ..math.linear import factorise
 from ..mechanics.extent import sizes_of
-from ..mechanics.signals import input_row
 from ..model.model import Labels, Model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.motion import Motion
@@ -26,7 +27,7 @@ from .about_motion import about, freedoms_of, released
 from .cubic import Spline, spline
 from .radau import march
 from .refined import refined
-from .slow_modes import amplitudes, check_modes, projected, slow_modes
+from .slow_modes import SlowModes, amplitudes, check_modes, projected, slow_modes
 
 
 class Perturbation(Result, Record):
@@ -76,7 +77,7 @@ class Perturbation(Result, Record):
             Motion.
 
         Source:
-            THEORY.md 14, eq. (14.26).
+            THEORY.md 14, eq. (14.23).
         """
         own = self.nominal
         model = own.model
@@ -120,7 +121,7 @@ def _placed(topology, parameters, driven, t, x, near, change, q, qd):
 
 @jit
 def _equations(t, m: Matrices, force, start, kept: Array, *, modes: int | None):
-    """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; modes, and what the rest does.
+    """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; and the modes.
 
     Args:
         force: Along all degrees of freedom, (n_t, n_q).
@@ -128,17 +129,41 @@ def _equations(t, m: Matrices, force, start, kept: Array, *, modes: int | None):
         kept: Which of them may vibrate.
         modes: How many; None for all of the freedoms.
     """
-    mass, damping, stiffness = (part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K))
-    force, slow, still = force[:, kept], None, None
-    parts = mass, damping, stiffness
+    mass, damping, stiffness, force = _kept(m, force, kept)
+    parts, slow = (mass, damping, stiffness), None
     if modes is not None:
         slow = slow_modes(t, mass, stiffness, modes)
         parts = projected(slow, mass, damping, stiffness)
-        at_rest = jnp.einsum("tij,tj->ti", slow.rest, force)
-        still = at_rest, spline(t, at_rest).slopes
         start = amplitudes(slow, mass, *start)
         force = jnp.einsum("tij,ti->tj", slow.shapes, force)
-    return spline(t, jnp.concatenate([*parts, force[:, :, None]], axis=2)), start, slow, still
+    return spline(t, jnp.concatenate([*parts, force[:, :, None]], axis=2)), start, slow
+
+
+def _kept(m: Matrices, force, kept):
+    """Mass, damping, stiffness and force of the degrees of freedom that may vibrate."""
+    return *(part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K)), force[:, kept]
+
+
+@jit
+def _whole(equations: Spline, m: Matrices, force, kept, slow: SlowModes | None, p, pd):
+    """Deviations of all degrees of freedom and their rates, (n_t, n_q) each, from those that were integrated."""
+    still = jnp.zeros((p.shape[0], m.M0.shape[1]))
+    if slow is not None:
+        mass, damping, _, force = _kept(m, force, kept)
+        count = p.shape[1]
+
+        def one(at):
+            p, pd, mass, damping, force, shapes, rates, second, rest, own = at
+            right = own[:, 3 * count] - own[:, count : 2 * count] @ pd - own[:, 2 * count : 3 * count] @ p
+            pdd = factorise(own[:, :count]).solve(right)
+            moving = shapes @ pd + rates @ p
+            inertia = mass @ (shapes @ pdd + 2 * rates @ pd + second @ p)
+            return shapes @ p + rest @ (force - damping @ moving - inertia), moving
+
+        follows = jnp.einsum("tij,tj->ti", slow.rest, force)
+        p, pd = jax.lax.map(one, (p, pd, mass, damping, force, *slow, equations.values))
+        pd = pd + spline(equations.t, follows).slopes
+    return tuple(still.at[:, kept].set(of) for of in (p, pd))
 
 
 @jit
@@ -150,18 +175,6 @@ def _vibrations(equations: Spline, q, qd, count, *, substeps: int | None = None)
         return found[:, :n], found[:, n : 2 * n], found[:, 2 * n : 3 * n], found[:, 3 * n]
 
     return march(equation, equations.t, q, qd, count if substeps is None else substeps)
-
-
-@jit
-def _pushed(model, m: Matrices, u):
-    """Forces of inputs along the degrees of freedom, (n_t, n_q)."""
-
-    def one(at):
-        m, u = at
-        rows = [input_row(s, m.x, m.DFx, m.DFe) for s in model.labels.inputs]
-        return u @ jnp.stack(rows)
-
-    return jax.lax.map(one, (m, u))
 
 
 @jit
@@ -217,7 +230,6 @@ def perturbation(
     """
     motion, _, holding = about(nominal, "perturbation")
     model, t, names = motion.model, motion.t, motion.model.q_labels
-    n_q = len(names)
     start = [_as_freedoms(name, value, names) for name, value in (("q", q), ("qd", qd))]
     kept = _not_held(names, held)
     lin = motion.linearizations()
@@ -227,11 +239,11 @@ def perturbation(
     force, inputs = -holding, jnp.zeros((len(t), 0))
     if u is not None:
         inputs = _as_inputs(u, len(t), len(model.labels.inputs))
-        force = force + _pushed(model, m, inputs)
+        force = force + _pushed(lin, inputs)
     if modes is not None:
         check_modes(modes, len(kept))
     start = tuple(value[kept] for value in start)
-    equations, start, slow, still = _equations(t, m, force, start, kept, modes=modes)
+    equations, start, slow = _equations(t, m, force, start, kept, modes=modes)
 
     def run(count):
         if isinstance(count, int):
@@ -239,14 +251,7 @@ def perturbation(
         return _vibrations(equations, *start, count)
 
     def whole(p, pd):
-        """Deviations and rates of all degrees of freedom."""
-        if slow is not None:
-            shapes, rates, *_ = slow
-            p, pd = (
-                jnp.einsum("tij,tj->ti", shapes, p) + still[0],
-                jnp.einsum("tij,tj->ti", shapes, pd) + jnp.einsum("tij,tj->ti", rates, p) + still[1],
-            )
-        return tuple(jnp.zeros((len(t), n_q)).at[:, kept].set(of) for of in (p, pd))
+        return _whole(equations, m, force, kept, slow, p, pd)
 
     def apart(fine, coarse):
         fine, coarse = whole(*fine)[0], whole(*coarse)[0]
@@ -284,6 +289,18 @@ def _as_inputs(u: Any, times: int, inputs: int) -> Float[Array, "n_t n_u"]:
             f" but has shape {found.shape}."
         )
     return found
+
+
+def _pushed(lin: Linearization, u) -> Float[Array, "n_t n_q"]:
+    """Forces of inputs along the degrees of freedom."""
+    form = second_order(lin)
+    moving = [s.name for s, moves in zip(lin.labels.inputs, form.moves, strict=True) if moves]
+    if moving:
+        raise ValueError(
+            f"Argument `u`: input '{moving[0]}' moves what is held, and is no small force. Let the nominal motion have"
+            " it."
+        )
+    return jnp.einsum("tij,tj->ti", form.B0, u)
 
 
 def _not_held(names: list[str], held: Sequence[str]) -> Array:

