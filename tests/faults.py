@@ -1383,7 +1383,7 @@ FAULTS = [
     Fault("spacar/laws.py", '"jerk": 60.75', '"jerk": 60.0', "answers/test_trajectory.py -k thirds"),
     Fault(
         "answers/inverse.py",
-        "(found.y0) + _origins(motion.model)",
+        "(found.y0) + origins(motion.model)",
         "(found.y0)",
         "answers/test_trajectory.py -k torques",
     ),

@@ -28,7 +28,7 @@ SECOND_ORDER = {"m0", "c0", "d0", "k0", "n0", "g0"}
 KEYS = {
     0: {"overconstraints", "underconstraints", "mobility"},
     1: MOTION,
-    4: MOTION | {"inputs", "outputs", "steps"},
+    4: MOTION | {"inputs", "outputs", "steps", "u0", "y0"},
     10: {"x", "e", "sig", "reactions", "stable", "path", "critical_points"},
     7: STATE | {"eigenvalues", "frequencies_hz", "massless", "modes"},
     8: STATE | {"load_multipliers", "modes", "compliance"},
@@ -130,6 +130,7 @@ def test_json_of_a_motion(mode, swing):
     np.testing.assert_allclose([float(word) for word in hertz], [10.6584] * (2 if mode == 4 else 0), atol=5e-5)
     if mode == 4:
         assert (data["inputs"], data["outputs"], len(data["steps"])) == (["force 2.1"], ["position 2.1"], 5)
+        assert (data["u0"], data["y0"]) == ([[0.0]] * 5, [[x] for x, _ in data["trajectory"]["2"]])
 
 
 def test_json_of_a_trajectory(tmp_path):

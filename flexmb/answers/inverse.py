@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..model.model import Model
 from ..trajectory.inverse import Nominal
 from .mode import Found, Mode, Question
-from .motion import over_time, steps_of
+from .motion import origins, over_time, steps_of
 from .parts import SHOWN_VALUES, row
 from .trajectory import nominal_motion
 
@@ -31,15 +30,8 @@ def told(found: Nominal, motion: Any = None) -> dict[str, Any]:
         "inputs": [signal.name for signal in labels.inputs],
         "outputs": [signal.name for signal in labels.outputs],
         "u0": np.asarray(found.u0),
-        "y0": np.asarray(found.y0) + _origins(motion.model),
+        "y0": np.asarray(found.y0) + origins(motion.model),
     }
-
-
-def _origins(model: Model) -> np.ndarray:
-    """What outputs are counted from: coordinates of a file are those themselves, not displacements, (n_y,)."""
-    start = np.asarray(model.parameters.reference)
-    there = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
-    return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
 
 
 def linearised(asked: Question, found: Nominal) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from ..motion.simulate import simulate
 from ..results import RESULTS
 from ..spacar.laws import laws_of, role_of, ways_of
 from ..spacar.reading import Setting
+from ..trajectory.about_motion import outputs_of
 from .mode import Found, Mode, Question
 from .parts import SHOWN_VALUES, is_shown, row
 
@@ -116,6 +117,23 @@ def over_time(values, entries) -> dict[str, list]:
     return {owner: values[:, columns].tolist() for owner, columns in grouped.items()}
 
 
+def origins(model: Model) -> np.ndarray:
+    """What outputs are counted from: coordinates of a file are those themselves, not displacements, (n_y,).
+
+    Args:
+        model: Mechanism.
+    """
+    start = np.asarray(model.parameters.reference)
+    there = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
+    return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
+
+
+def _signals(found: Motion) -> dict[str, Any]:
+    """Inputs, which are zero, and outputs along a motion."""
+    outputs = np.asarray(outputs_of(found)) + origins(found.model)
+    return {"u0": np.zeros((len(found.t), len(found.labels.inputs))), "y0": outputs}
+
+
 def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
     """Linearised equations at every time, null where there are none, and what to say of that.
 
@@ -192,6 +210,7 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     seen = found.observe()
     labels = found.labels
     along, warnings = steps_of(found) if linearised else ({}, [])
+    along |= _signals(found) if linearised else {}
     data = {
         **extra,
         "x": {node: rows[-1] for node, rows in over_time(found.x, labels.x).items()},
