@@ -31,8 +31,11 @@ def _run(asked: Question, integrated: bool = False) -> Found:
     along = linearised(asked, found)
     for step, force in zip(along["steps"], _force(found), strict=True):
         step["f0"] = force
-    if not integrated or any(step["m0"] is None for step in along["steps"]):
+    if not integrated:
         return Found({**told(found), **along}, found.motion)
+    if not found.motion.model.topology.n_q:
+        # Nothing is held that could vibrate.
+        return Found({**told(found), "dq": np.zeros((len(found.t), 0)), **along}, found.motion)
     rtol = asked.settings.get("ERROR", {}).get("relative", RTOL)
     vibrations = perturbation(found, qd=_start(found.motion.model, led), rtol=rtol)
     return _superposed(found, vibrations, along)

@@ -248,6 +248,13 @@ def test_what_is_let_go_in_mode_5():
     np.testing.assert_allclose(np.array(other.data["u0"])[:, 0], (MASS + HEAVY) * a, atol=1e-9)
 
 
+def test_what_cannot_vibrate():
+    text = BASE.replace("DYNE 1 1\n", "").replace("ESTIFF 1 100\nEDAMP 1 0.2\n", "").replace("0.5 250", "0.5 4")
+    data = asked(text.format(lines="", signals="REFX 1 2 1"), 6).data
+    assert (data["status"], np.shape(data["dq"])) == ("ok", (5, 0))
+    np.testing.assert_allclose(np.array(data["y0"])[:, 0], 0.1 + base(np.array(data["time"]))[0], atol=1e-12)
+
+
 WRONG = [
     (
         "REFX 1 2 1",
