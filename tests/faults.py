@@ -1399,7 +1399,7 @@ FAULTS = [
         "answers/trajectory.py",
         "builder.dofs = driven + builder.dofs",
         "builder.dofs += driven",
-        "answers/test_trajectory.py -k let_go",
+        "answers/test_trajectory.py -k torques",
     ),
     Fault(
         "answers/trajectory.py", "direct + (others if left else [])", "direct", "answers/test_trajectory.py -k let_go"
