@@ -130,7 +130,7 @@ class Nominal(Result, Record):
         names = [f"{name} {short(f)}" for name, f in zip(self.motion.model.q_labels, held, strict=True) if f > 0]
         if names:
             rows["largest forces that hold"] = listed(names)
-        return Summary("Nominal motion along a trajectory", rows, "history")
+        return Summary("Nominal motion along a trajectory", rows)
 
 
 def inverse_dynamics(
