@@ -1521,6 +1521,48 @@ FAULTS = [
         "plot/stress.py", "np.argmax(np.abs(values))", "np.argmin(np.abs(values))", "plot/test_plot.py -k cantilever"
     ),
     # Trajectories.
+    Fault(
+        "trajectory/cubic.py", "2 * (h[:-1] + h[1:])", "(h[:-1] + h[1:])", "trajectory/test_linear_along.py -k scipy"
+    ),
+    Fault(
+        "trajectory/radau.py",
+        "+ h**2 * second[:, :, None, None]",
+        "+ h**2 * first[:, :, None, None]",
+        "trajectory/test_linear_along.py -k order_five",
+    ),
+    Fault(
+        "trajectory/slow_modes.py",
+        "return common - rest @ stiffness @ common, rest",
+        "return common, rest",
+        "trajectory/test_linear_along.py -k reduction",
+    ),
+    Fault(
+        "trajectory/ltv_file.py",
+        "np.swapaxes(of, 1, -1).reshape",
+        "of.reshape",
+        "trajectory/test_linear_along.py -k names_of_spacar",
+    ),
+    Fault(
+        "trajectory/linear_along.py",
+        "np.any(np.asarray(times) > last + slack)",
+        "False",
+        "trajectory/test_linear_along.py -k cannot",
+    ),
+    Fault(
+        "trajectory/vibrations.py", "-holding, jnp", "holding, jnp", "trajectory/test_vibrations.py -k nonlinear_motion"
+    ),
+    Fault(
+        "trajectory/vibrations.py",
+        "(*own.driven, *released(model, self.t, self.held))",
+        "own.driven",
+        "trajectory/test_vibrations.py -k nonlinear_motion",
+    ),
+    Fault(
+        "motion/motion.py",
+        "under_inputs(model, without_inputs, u)",
+        "without_inputs",
+        "trajectory/test_vibrations.py -k controller",
+    ),
     Fault("trajectory/laws.py", "cbrt(far * j**2 / 2)", "cbrt(far * j**2)", "trajectory/test_laws.py -k shortest"),
     Fault("trajectory/laws.py", "5: (15 / 8,", "5: (15 / 7,", "trajectory/test_laws.py -k limits"),
     Fault("trajectory/laws.py", "range(1, (degree + 1) // 2)", "range(1, 1)", "trajectory/test_laws.py -k splines"),

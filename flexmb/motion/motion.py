@@ -172,8 +172,8 @@ class Motion(ByName, Along, Result, Record):
         return Stressed(seen.x, seen.sigma, Felt(falling, seen.xd, seen.xdd), self.near)
 
     def _linearized_at(self, which: slice) -> Linearization:
-        model, rows = self.model, (part[which] for part in (self.t, self.x, self.xd, self.near))
-        return Linearization(_along(model.topology, model.parameters, self.driven, *rows), model)
+        model, rows = self.model, (part[which] for part in (self.t, self.x, self.xd, self.near, self.u))
+        return Linearization(_along(model.without_names(), self.driven, *rows), model)
 
     def states(self) -> States:
         """The states, over time."""
@@ -250,18 +250,19 @@ class Observed(ByName, Result, Record):
 
 
 @jit_beside_options
-def _along(topology, parameters, driven, t, x, xd, near):
-    """Linearised equations at every time."""
-    form = coordinates_form(topology, parameters, driven)
+def _along(model, driven, t, x, xd, near, u):
+    """Linearised equations at every time, under the inputs as they were then."""
+    without_inputs = coordinates_form(model.topology, model.parameters, driven)
 
     def one(at):
-        t, x, xd, near = at
+        t, x, xd, near, u = at
+        form = under_inputs(model, without_inputs, u)
         state = form.state_of(x, xd, near)
         z, _ = form.acceleration(t, state)
         whole = form.whole(t, state.u, state.w, z[: form.size])
         return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
 
-    return jax.lax.map(one, (t, x, xd, near))
+    return jax.lax.map(one, (t, x, xd, near, u))
 
 
 @jit_beside_options

@@ -10,12 +10,11 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete
 from ..compilation.compile import jit_beside_options
 from ..errors import ModelError
-from ..math.rotation import rotation_since
-from ..mechanics.signals import combined, rotation_row, terms_of
-from ..model.model import Model, Signal
+from ..model.model import Model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.element_forces import deformed
+from ..motion.loop import measuring, under_inputs
 from ..motion.motion import Motion
 
 
@@ -110,56 +109,22 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
 
     Returns:
         (n_t, n_y) [m, rad, ..].
-
-    Source:
-        THEORY.md 7: of a rotation in space omega = 2 Lbar(lambda) d(lambda)/dt, whose rate is 2 Lbar(lambda) of the
-        second rate of the parameters.
     """
-    model = motion.model
-    outputs = tuple(signal.without_name() for signal in model.signals()[1])
-    if not outputs:
-        return jnp.zeros((len(motion.t), 0))
-    seen = motion.observe()
-    found = seen.x, seen.xd, seen.xdd, motion.near, seen.sigma, seen.reactions
-    return _outputs(model.without_names(), outputs, found)
+    count = len(motion.labels.inputs)
+    u = motion.u if motion.u.shape[1] == count else jnp.zeros((len(motion.t), count))
+    rows = motion.t, motion.x, motion.xd, motion.near, u
+    return _outputs(motion.model.without_names(), motion.driven, rows)
 
 
 @jit_beside_options
-def _outputs(model: Model, outputs: tuple[Signal, ...], found):
-    form = coordinates_form(model.topology, model.parameters)
-    reference = model.parameters.reference
-    weights = model.parameters.weights or (None, None)
-    places = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
-    orders = {"position": 0, "velocity": 1, "acceleration": 2}
+def _outputs(model: Model, driven: tuple[Driven, ...], rows):
+    undriven = coordinates_form(model.topology, model.parameters, driven)
+    sensors = measuring(model, undriven, None)
 
     def one(at):
-        x, v, a, near, sigma, reactions = at
+        t, x, xd, near, u = at
+        own = undriven.state_of(x, xd, near)
+        z, _ = under_inputs(model, undriven, u).acceleration(t, own)
+        return sensors.measured(t, own, z, u)
 
-        def e_of(x):
-            return deformed(form.elements, x, near)[0]
-
-        def rate_of(x, v):
-            return jax.jvp(e_of, (x,), (v,))[1]
-
-        rates = [e_of(x), rate_of(x, v), jax.jvp(rate_of, (x, v), (v, a))[1]]
-        values = []
-        for s in terms_of(outputs):
-            if s.quantity in places:
-                values.append(rates[places[s.quantity]][s.index])
-            elif s.quantity == "stress":
-                values.append(sigma[s.index])
-            elif s.axis is None:
-                of = reactions if s.quantity == "reaction" else (x - reference, v, a)[orders[s.quantity]]
-                values.append(of[s.index])
-            else:
-                own = s.index + jnp.arange(4)
-                row = rotation_row(x[own], s.axis, s.local)
-                if s.quantity == "reaction":
-                    # Of the duals f = 2 Lbar^T M, M = Lbar f / 2.
-                    values.append(row @ reactions[own] / 4)
-                else:
-                    turned = rotation_since(reference[own], x[own], s.local)[s.axis]
-                    values.append((turned, row @ v[own], row @ a[own])[orders[s.quantity]])
-        return combined(outputs, weights[1]) @ jnp.stack(values)
-
-    return jax.lax.map(one, found)
+    return jax.lax.map(one, rows)

@@ -191,7 +191,7 @@ def perturbation(
     u: ArrayLike | None = None,
     held: Sequence[str] = (),
     modes: int | None = None,
-    rtol: float = 1e-6,
+    rtol: float = 1e-4,
     substeps: int | None = None,
 ) -> Perturbation:
     """Vibrations of small amplitude on top of a nominal motion: SPACAR's modes 5 and 6.

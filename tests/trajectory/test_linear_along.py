@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.interpolate
 import scipy.io
 import scipy.linalg
 from scipy.integrate import solve_ivp

@@ -59,6 +59,15 @@ def test_pendulum_that_is_let_down_against_bessel_functions(let_down):
     np.testing.assert_allclose(found.q[:, 0], of_bessel(9.81), atol=1e-6 * 1e-3)
 
 
+def test_linearised_under_what_a_controller_gave(let_down):
+    # An input that pulls the bob down tightens the rope: its stiffness to the side is the tension over the length.
+    b = hanging()
+    b.input("bob", "y")
+    motion = dataclasses.replace(let_down, model=b.build(), u=jnp.full((len(DROP), 1), -3.0))
+    found = motion.linearizations().K[:, 0, 0]
+    np.testing.assert_allclose(found, (0.7 * 9.81 + 3) / (1 + SPEED * DROP), rtol=1e-7)
+
+
 def test_gradient_by_gravity(let_down):
     def deviation(gravity):
         # It hangs straight at any gravity.
