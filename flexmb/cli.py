@@ -168,7 +168,7 @@ def _prepare_jax() -> None:
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
-    from .answers.answers import RESERVED, modes
+    from .answers.answers import modes
 
     names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
@@ -182,8 +182,6 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     if number in modes():
         return number
     known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
-    if number in RESERVED or text in RESERVED.values():
-        _refuse(f"flexmb run: mode {text} is reserved and not available yet. Available: {known}.")
     _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
 
 
@@ -362,7 +360,10 @@ def run(
     plot: Plot = None,
     debug: Debug = False,
 ) -> None:
-    """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path."""
+    """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path.
+
+    Along a trajectory: 2 inverse, 3 trajectory-linearisation, 5 perturbation, 6 superposition.
+    """
     with _foreseen(debug):
         _run(model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
 

@@ -245,8 +245,8 @@ FAULTS = [
     ),
     Fault(
         "answers/motion.py",
-        '"velocities": _over_time(found.xd',
-        '"velocities": _over_time(found.x',
+        '"velocities": over_time(found.xd',
+        '"velocities": over_time(found.x',
         "test_cli.py -k json_of_a_motion",
     ),
     Fault(
@@ -1478,6 +1478,72 @@ FAULTS = [
         'increment=s.keyword == "ESIG"',
         "spacar/test_read.py -k round_trip",
     ),
+    Fault("spacar/trajectories.py", "start < other.end and ", "", "spacar/test_trajectories.py -k round_trip"),
+    Fault("spacar/trajectories.py", "and end <= start", "and end < start", "spacar/test_trajectories.py -k one_fault"),
+    Fault(
+        "spacar/trajectories.py",
+        "role is Role.PRESCRIBED and",
+        "role is Role.DOF and",
+        "spacar/test_trajectories.py -k one_fault",
+    ),
+    Fault(
+        "spacar/trajectories.py",
+        "if nominal and not outputs",
+        "if outputs and not nominal",
+        "spacar/test_trajectories.py -k one_fault",
+    ),
+    Fault(
+        "spacar/laws.py",
+        "legs, float(start), float(reference)",
+        "legs, 0.0, float(reference)",
+        "answers/test_trajectory.py -k not_used",
+    ),
+    Fault(
+        "spacar/laws.py",
+        "leg.value - reference), leg.value",
+        "leg.value), leg.value",
+        "answers/test_trajectory.py -k follow",
+    ),
+    Fault("spacar/laws.py", "if leg.start > breaks[-1]:", "if True:", "answers/test_trajectory.py -k follow"),
+    Fault("spacar/laws.py", '"jerk": 60.75', '"jerk": 60.0', "answers/test_trajectory.py -k thirds"),
+    Fault(
+        "answers/inverse.py",
+        "(found.y0) + origins(motion.model)",
+        "(found.y0)",
+        "answers/test_trajectory.py -k torques",
+    ),
+    Fault(
+        "answers/vibrations.py",
+        "return -np.asarray(found.f0)",
+        "return np.asarray(found.f0)",
+        "answers/test_trajectory.py -k base",
+    ),
+    Fault("answers/vibrations.py", "qd=_start(found.motion.model, led), ", "", "answers/test_trajectory.py -k base"),
+    Fault("answers/vibrations.py", "told(found, whole)", "told(found)", "answers/test_trajectory.py -k base"),
+    Fault(
+        "answers/trajectory.py",
+        "builder.dofs = driven + builder.dofs",
+        "builder.dofs += driven",
+        "answers/test_trajectory.py -k torques",
+    ),
+    Fault(
+        "answers/trajectory.py", "direct + (others if left else [])", "direct", "answers/test_trajectory.py -k let_go"
+    ),
+    Fault(
+        "answers/motion.py",
+        " | laws_of(asked.builder, model.labels, settings, Role.PRESCRIBED)",
+        "",
+        "answers/test_trajectory.py -k base",
+    ),
+    Fault("spacar/signals.py", "if moves and not held:", "if False:", "spacar/test_signals.py -k cannot_be"),
+    Fault(
+        "spacar/signals.py",
+        "(kind, str(of), component), axis))",
+        "(kind, str(of), component), 2))",
+        "spacar/test_signals.py -k axes",
+    ),
+    Fault("answers/files.py", 'in ("path", "steps")', 'in ("path",)', "answers/test_trajectory.py -k saved"),
+    Fault("spacar/write.py", "way.start, way.end,", "way.end, way.start,", "spacar/test_trajectories.py -k round_trip"),
     Fault(
         "spacar/kinds.py",
         '_BEAM = ("EA", "GIt", "EIy", "EIz"',

@@ -28,10 +28,11 @@ SECOND_ORDER = {"m0", "c0", "d0", "k0", "n0", "g0"}
 KEYS = {
     0: {"overconstraints", "underconstraints", "mobility"},
     1: MOTION,
-    4: MOTION | {"inputs", "outputs", "steps"},
+    4: MOTION | {"inputs", "outputs", "steps", "u0", "y0"},
     10: {"x", "e", "sig", "reactions", "stable", "path", "critical_points"},
     7: STATE | {"eigenvalues", "frequencies_hz", "massless", "modes"},
     8: STATE | {"load_multipliers", "modes", "compliance"},
+    2: {"x", "time", "trajectory", "velocities", "inputs", "outputs", "u0", "y0"},
     9: STATE | {"A", "B", "C", "D", "inputs", "outputs", "poles"},
 }
 
@@ -129,6 +130,21 @@ def test_json_of_a_motion(mode, swing):
     np.testing.assert_allclose([float(word) for word in hertz], [10.6584] * (2 if mode == 4 else 0), atol=5e-5)
     if mode == 4:
         assert (data["inputs"], data["outputs"], len(data["steps"])) == (["force 2.1"], ["position 2.1"], 5)
+        assert (data["u0"], data["y0"]) == ([[0.0]] * 5, [[x] for x, _ in data["trajectory"]["2"]])
+
+
+def test_json_of_a_trajectory(tmp_path):
+    """Of mode 2; what modes 3, 5 and 6 have beside that stands in tests/answers."""
+    path, saved, picture = tmp_path / "arm.dat", tmp_path / "arm.npz", tmp_path / "arm.png"
+    path.write_text(mechanism_path("manipulator").read_text().replace("TIMESTEP 1 100", "TIMESTEP 1 40"))
+    result = call("run", path, "--mode", "2", "--json", "-", "--save", saved, "--plot", picture)
+    data = json.loads(result.stdout)
+    assert (result.exit_code, data["status"], data["warnings"]) == (0, "ok", [])
+    assert set(data) >= ALWAYS | KEYS[2]
+    assert {key: np.shape(data[key]) for key in ("time", "u0", "y0")} == {"time": (41,), "u0": (41, 2), "y0": (41, 4)}
+    with np.load(saved) as arrays:
+        np.testing.assert_array_equal(arrays["u0"], data["u0"])
+    assert picture.stat().st_size > 5000
 
 
 # Model, key and what the tutorial prints; tolerance half a unit of the last printed digit.
@@ -298,8 +314,8 @@ MISUSED = {
     "run guide.dat --mode \u00b2": "there is no mode '\u00b2'",
     "run guide.dat --mode 7.0": "there is no mode '7.0'",
     "run guide.dat --mode seven\x1b[31m": r"there is no mode 'seven\x1b[31m'",
-    **{f"run guide.dat --mode {n}": f"mode {n} is reserved and not available yet" for n in (2, 3, 5, 6, -2)},
-    "run guide.dat --analysis inverse": "mode inverse is reserved and not available yet",
+    "run guide.dat --mode 2": "guide.dat: TRAJX: mode 2 needs a trajectory: TRAJX node coordinate start end value",
+    "run guide.dat --analysis superposition": "guide.dat: TRAJX: mode 6 needs a trajectory",
     "run nowhere.dat --mode 7": "flexmb: cannot read 'nowhere.dat': No such file or directory.",
     "run folder.dat --mode 7": "flexmb: cannot read 'folder.dat': Is a directory.",
     "run guide.dat/x --mode 7": "flexmb: cannot read 'guide.dat/x': Not a directory.",
@@ -723,11 +739,11 @@ def test_poles_stand_where_there_are_no_frequencies(tmp_path):
 
 def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
     path = tmp_path / "held.dat"
-    path.write_text(mechanism_path("pf2d").read_text().replace("OUTX 1 3 1", "OUTS 1 1 1"))
+    path.write_text(mechanism_path("pf2d").read_text().replace("OUTX 1 3 1", "OUTXDP 1 3 1\nINX 2 1 1"))
     result = call("run", path, "--mode", "9", "--json", "-")
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"]) == (1, "not_valid")
-    assert result.stderr.startswith("held.dat: not_valid: Output 'stress 1.1' is the stress of a fixed deformation")
+    assert result.stderr.startswith("held.dat: not_valid: Output 'acceleration 3.1' takes the ")
 
 
 # A wheel on a torsion spring.

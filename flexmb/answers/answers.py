@@ -20,13 +20,6 @@ from ..results import RESULTS
 from .mode import Found, Mode, Question
 from .parts import number
 
-RESERVED = {
-    2: "inverse",
-    3: "trajectory-linearisation",
-    5: "perturbation",
-    6: "superposition",
-}
-
 
 @functools.cache
 def modes() -> dict[int, Mode]:

@@ -17,19 +17,19 @@ def to_json(data: dict[str, Any]) -> str:
 
 
 def _stacked(key: str, steps: list[dict[str, Any]]) -> dict[str, np.ndarray]:
-    """Steps as arrays "path_x_3", steps first; what one step has fewer of is NaN there."""
-    columns: dict[str, list[np.ndarray]] = {}
-    for flat in map(_flat, steps):
-        for name, value in flat.items():
-            columns.setdefault(f"{key}_{name}", []).append(np.asarray(value))
+    """Steps as arrays "path_x_3", steps first; what one step has fewer of, or has not, is NaN there."""
+    rows = [_flat(step) for step in steps]
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {f"{key}_{name}": _padded([row.get(name) for row in rows]) for name in names}
 
-    def padded(column: list[np.ndarray]) -> np.ndarray:
-        if len({v.shape for v in column}) == 1:
-            return np.stack(column)
-        longest = max(len(v) for v in column)
-        return np.stack([np.pad(v.astype(float), (0, longest - len(v)), constant_values=np.nan) for v in column])
 
-    return {name: padded(column) for name, column in columns.items()}
+def _padded(column: list[Any]) -> np.ndarray:
+    there = [np.asarray(value) for value in column if value is not None]
+    like = max(there, key=len) if there and there[0].ndim else np.zeros(())
+    filled = [np.full(like.shape, np.nan) if value is None else np.asarray(value) for value in column]
+    if len({value.shape for value in filled}) == 1:
+        return np.stack(filled)
+    return np.stack([np.pad(v.astype(float), (0, len(like) - len(v)), constant_values=np.nan) for v in filled])
 
 
 def _flat(data: dict[str, Any]) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def _flat(data: dict[str, Any]) -> dict[str, Any]:
     for key, value in data.items():
         if isinstance(value, dict):
             flat.update({f"{key}_{of}": np.asarray(v) for of, v in value.items()})
-        elif key == "path":
+        elif key in ("path", "steps"):
             flat.update(_stacked(key, value))
         elif isinstance(value, list) and value and isinstance(value[0], dict):
             flat[key] = json.dumps(plain(value))
@@ -55,8 +55,9 @@ def save(data: dict[str, Any], path: str | os.PathLike) -> None:
 
     Args:
         data: Keys and values of an answer. Objects by node or element number become arrays "x_3", "sig_1", those of a
-            path "path_x_3" with the steps first; what a JSON file has as null is NaN here, since these formats have no
-            null. A .mat file says in "names_of_arrays" which names MATLAB does not take and what they became.
+            path or of steps "path_x_3", "steps_A" with the steps first; what a JSON file has as null is NaN here, since
+            these formats have no null. A .mat file says in "names_of_arrays" which names MATLAB does not take and what
+            they became.
         path: Where; ends in .npz or .mat.
 
     Raises:

@@ -16,11 +16,14 @@ from ..linear.loose import without_mass
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..mechanics.extent import extent_of
 from ..model.model import Model
+from ..model.roles import Role
 from ..motion.linearized import linearize_motion
 from ..motion.motion import Motion
 from ..motion.simulate import simulate
 from ..results import RESULTS
+from ..spacar.laws import laws_of, role_of, ways_of
 from ..spacar.reading import Setting
+from ..trajectory.about_motion import outputs_of
 from .mode import Found, Mode, Question
 from .parts import SHOWN_VALUES, is_shown, row
 
@@ -37,8 +40,16 @@ def _uniformly_accelerated(t, value, velocity, acceleration):
     return value + velocity * t + 0.5 * acceleration * t**2
 
 
-def _motions(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
-    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration."""
+def motions_of(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
+    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration.
+
+    Args:
+        model: The mechanism.
+        settings: What the file says beside it.
+
+    Returns:
+        By the names of coordinates and deformations.
+    """
     found = {}
     for keyword, entries, start in (
         ("INPUTX", model.labels.x, np.asarray(model.parameters.reference)),
@@ -64,19 +75,23 @@ PARTLY = (
 )
 
 
-def times_of(name: str, settings: dict[str, Any], numbers: int = 1) -> np.ndarray:
+def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str = "") -> np.ndarray:
     """Output times that TIMESTEP asks for, (n_t,) [s].
 
     Args:
         name: Name of the file.
         settings: What is not part of the mechanism.
         numbers: How many numbers the answer has at every time.
+        needed: Line and keyword of what needs it, unless modes 1 and 4 do.
 
     Raises:
         SpacarError: There is no TIMESTEP, or the answer would be too large.
     """
     if "TIMESTEP" not in settings:
-        raise SpacarError(f"{name}: TIMESTEP: modes 1 and 4 need it: TIMESTEP end steps, such as TIMESTEP 1.0 100")
+        said = (
+            f"{needed}: needs TIMESTEP in the dynamics block" if needed else f"{name}: TIMESTEP: modes 1 and 4 need it"
+        )
+        raise SpacarError(f"{said}: TIMESTEP end steps, such as TIMESTEP 1.0 100")
     given = settings["TIMESTEP"]
     steps, most = int(given["steps"]), LARGEST_ANSWER // (BYTES_A_NUMBER * numbers)
     if steps > most:
@@ -88,8 +103,13 @@ def times_of(name: str, settings: dict[str, Any], numbers: int = 1) -> np.ndarra
     return np.linspace(0.0, given["end"], steps + 1)
 
 
-def _over_time(values, entries) -> dict[str, list]:
-    """Columns of a history by the node or element they belong to, one row a time."""
+def over_time(values, entries) -> dict[str, list]:
+    """Columns of a history by the node or element they belong to, one row a time.
+
+    Args:
+        values: A row for each time, (n_t, entries).
+        entries: Names of the columns.
+    """
     grouped: dict[str, list[int]] = {}
     for i, entry in enumerate(entries):
         if is_shown(entry):
@@ -98,8 +118,29 @@ def _over_time(values, entries) -> dict[str, list]:
     return {owner: values[:, columns].tolist() for owner, columns in grouped.items()}
 
 
-def _steps(found: Motion) -> tuple[dict[str, Any], list[str]]:
-    """Linearised equations at every time, null where there are none, and what to say of that."""
+def origins(model: Model) -> np.ndarray:
+    """What outputs are counted from: coordinates of a file are those themselves, not displacements, (n_y,).
+
+    Args:
+        model: Mechanism.
+    """
+    start = np.asarray(model.parameters.reference)
+    there = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
+    return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
+
+
+def _signals(found: Motion) -> dict[str, Any]:
+    """Inputs, which are zero, and outputs along a motion."""
+    outputs = np.asarray(outputs_of(found)) + origins(found.model)
+    return {"u0": np.zeros((len(found.t), len(found.labels.inputs))), "y0": outputs}
+
+
+def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
+    """Linearised equations at every time, null where there are none, and what to say of that.
+
+    Args:
+        found: The motion.
+    """
     along, labels = linearize_motion(found), found.labels
     named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
     # Once as numpy's, of which the parts at a time cost nothing.
@@ -123,10 +164,20 @@ def _steps(found: Motion) -> tuple[dict[str, Any], list[str]]:
         steps.append({"time": t, "frequencies_hz": hertz, **lower})
     warnings = [
         f"At {len(lost)} of {len(steps)} times, first at {t:.6g} s, the degrees of freedom do not determine the"
-        " configuration: there are no matrices there."
+        " configuration, or a motion has no mass: there are no matrices there."
         for t in lost[:1]
     ]
     return {"steps": steps, **named}, warnings
+
+
+def _idle_ways(asked: Question) -> list[str]:
+    """What to say where a degree of freedom, which moves by itself, is led somewhere."""
+    return [
+        f"{way.keyword} on line {way.legs[0].line} is of a degree of freedom, which moves by itself here; it acts in"
+        " modes 2, 3, 5 and 6."
+        for key, way in ways_of(asked.settings).items()
+        if role_of(asked.builder, key) is Role.DOF
+    ]
 
 
 def _run(asked: Question, linearised: bool = False) -> Found:
@@ -140,7 +191,8 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     extent = extent_of(model.topology, model.parameters)
     rtol = error.get("relative", RTOL)
     atol = error["absolute"] / extent if "absolute" in error else None
-    driven = _motions(model, settings)
+    driven = motions_of(model, settings) | laws_of(asked.builder, model.labels, settings, Role.PRESCRIBED)
+    asked.warnings += _idle_ways(asked)
     # That incremental loads are left out is said by the keywords of the file.
     with heard():
         found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
@@ -158,15 +210,16 @@ def _run(asked: Question, linearised: bool = False) -> Found:
         return Found(extra)
     seen = found.observe()
     labels = found.labels
-    along, warnings = _steps(found) if linearised else ({}, [])
+    along, warnings = steps_of(found) if linearised else ({}, [])
+    along |= _signals(found) if linearised else {}
     data = {
         **extra,
-        "x": {node: rows[-1] for node, rows in _over_time(found.x, labels.x).items()},
+        "x": {node: rows[-1] for node, rows in over_time(found.x, labels.x).items()},
         "time": np.asarray(found.t),
-        "trajectory": _over_time(found.x, labels.x),
-        "velocities": _over_time(found.xd, labels.x),
-        "deformations": _over_time(seen.e, labels.e),
-        "stresses": _over_time(seen.sigma, labels.e),
+        "trajectory": over_time(found.x, labels.x),
+        "velocities": over_time(found.xd, labels.x),
+        "deformations": over_time(seen.e, labels.e),
+        "stresses": over_time(seen.sigma, labels.e),
         "energy": {kind: np.asarray(getattr(seen, kind)) for kind in ("kinetic", "elastic", "potential")},
         **along,
     }

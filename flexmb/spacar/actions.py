@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 from ..build.assemble import stack
-from ..build.description import NamedSignal
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..elements.spectral import LARGEST_ORDER
 from ..errors import clean
@@ -174,22 +173,23 @@ def release(r: Reading, s: Statement, p: Values) -> None:
 
 def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
     """DYNX, DYNE: degrees of freedom."""
-    kind, of, components = _target(p)
+    kind, of, components = target(p)
     r.builder.dof(str(of), *_take_role(r, s, of, components, kind, repeatable=False), kind=kind)
 
 
 def prescribed(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the kinematics block: what is prescribed, at its start value so far."""
-    kind, of, components = _target(p)
+    kind, of, components = target(p)
     for component in components:
         r.single(of, component, kind)
     for component in _take_role(r, s, of, components, kind, repeatable=True):
         r.builder.prescribe(str(of), component, kind=kind)
 
 
-def _target(p: Values) -> tuple[str, int, Any]:
+def target(p: Values) -> tuple[str, int, Any]:
+    """Whether a line is about a node or an element, which, and the number of its coordinate or deformation."""
     if "node" in p:
-        return "node", p["node"], p["coordinate"]
+        return "node", p["node"], p["component"] if "component" in p else p["coordinate"]
     return "element", p["element"], p["deformation"]
 
 
@@ -235,7 +235,7 @@ def force(r: Reading, s: Statement, p: Values) -> None:
 
 def motion(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
-    kind, of, component = _target(p)
+    kind, of, component = target(p)
     r.require(of, component, kind, Role.PRESCRIBED)
     r.once(s, of, component)
     start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
@@ -248,7 +248,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:
     """DELINPX, DELINPE: increment of a prescribed value over the load path."""
-    kind, of, component = _target(p)
+    kind, of, component = target(p)
     r.require(of, component, kind, Role.PRESCRIBED)
     r.once(s, of, component)
     r.builder.prescribe(str(of), component, p["increment"], increment=True, kind=kind)
@@ -349,7 +349,7 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
     """STARTDX, STARTDE: start values of a degree of freedom."""
-    kind, of, component = _target(p)
+    kind, of, component = target(p)
     r.require(of, component, kind, Role.DOF)
     r.once(s, of, component)
     velocity = p.get("velocity", 0.0)
@@ -380,58 +380,3 @@ def drawing(r: Reading, s: Statement) -> None:
     """A line of the visualization section, kept as it stands."""
     r.settings.setdefault(DRAWING.upper(), []).append(s.raw)
     r.drawn.append(s)
-
-
-# -- inputs and outputs -------------------------------------------------------------------------------------------
-
-QUANTITIES = {
-    "OUTX": "position",
-    "OUTXP": "velocity",
-    "OUTXDP": "acceleration",
-    "OUTE": "deformation",
-    "OUTEP": "deformation rate",
-    "OUTEDP": "deformation acceleration",
-    "OUTS": "stress",
-}
-
-
-EULER = {
-    "input": "a coordinate of a spatial rotation is an Euler parameter: the input is the force dual to it, twice a"
-    ' moment at an unturned node; in Python, input(node, "rx") is a moment',
-    "output": "a coordinate of a spatial rotation is an Euler parameter: half an angle at an unturned node; in Python,"
-    ' output(node, "rx") is a rotation',
-}
-
-
-def signal(r: Reading, s: Statement, p: Values) -> None:
-    """INPUTF, INPUTS, OUTX, OUTE and the like: one input or output, added when all are known."""
-    kind, of, component = _target(p)
-    side = "input" if s.keyword.startswith("IN") else "output"
-    number_signal(r, s, p["number"])
-    r.single(of, component, kind)
-    if side == "input":
-        r.not_warping(of, component, kind)
-    quantity = QUANTITIES.get(s.keyword)
-    if kind == "node" and r.kind_of(of) is ROTATION3:
-        r.warnings.append((s, EULER[side]))
-    if side == "input" and kind == "node" and r.entries(of, [component], kind)[0] in (Role.FIXED, Role.PRESCRIBED):
-        raise Fault(f"coordinate {component} is held, so that a force on it does nothing; let it act on one that moves")
-
-    def add():
-        what = quantity or ("force" if kind == "node" else "stress")
-        label, known = f"{what} {of}.{component}", r.builder.signals[side]
-        name = f"{label} ({p['number']})" if label in {signal.name for signal in known} else label
-        known.append(NamedSignal(name, what, (kind, str(of), component)))
-
-    r.signals[side][p["number"]] = s, add
-
-
-def number_signal(r: Reading, s: Statement, number: int) -> None:
-    """Take a number of an input or output, of which each is used once."""
-    side = "input" if s.keyword.startswith("IN") else "output"
-    first = r.signals[side].get(number)
-    if first is not None:
-        raise Fault(
-            f"{side} {number} is defined already on line {first[0].line}; inputs share one numbering, so do outputs"
-        )
-    r.signals[side][number] = s, None

@@ -2,8 +2,9 @@
 
 ROWS says what is done with a keyword in a block, DRAWN what is
 warned of, REFUSED what is refused and why. What ROWS reads without effect warns by itself (OUTLEVEL, ITERSTEP and the
-like). Some lines act in some modes only: TIMESTEP, ERROR, STARTDX, STARTDE, and velocities of INPUTX and INPUTE in 1
-and 4, inputs and outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
+like). Some lines act in some modes only: STARTDX, STARTDE, and velocities of INPUTX and INPUTE in 1 and 4, TIMESTEP and
+ERROR in these and in 2, 3, 5 and 6, where trajectories act (TRAJX and the like, NOMF, REFX and the like); inputs and
+outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
 """
 
 import dataclasses
@@ -12,9 +13,11 @@ from functools import partial
 from typing import Any
 
 from . import actions as act
+from . import trajectories
 from .kinds import FORMS, KINDS
 from .lines import DYNAMICS, KINEMATICS, SIGNALS, Statement
 from .reading import Reading
+from .signals import QUANTITIES, signal
 
 # When a line is acted on: nodes follow from elements, properties and positions must be known before they are built.
 DECLARE, DESCRIBE, APPLY = range(3)
@@ -39,6 +42,7 @@ class Row:
     stage: int = APPLY
 
 
+WAY = "start end value [law]"
 ROWS = (
     *(
         Row(
@@ -86,12 +90,22 @@ ROWS = (
     Row("ERROR", DYNAMICS, "absolute relative", act.setting),
     Row("STARTDX", DYNAMICS, "node coordinate value [velocity]", act.start_value),
     Row("STARTDE", DYNAMICS, "element deformation value [velocity]", act.start_value),
+    *(Row("TRAJX", block, f"node coordinate {WAY}", trajectories.leg) for block in (DYNAMICS, SIGNALS)),
+    *(Row("TRAJE", block, f"element deformation {WAY}", trajectories.leg) for block in (DYNAMICS, SIGNALS)),
     Row("USERSIG", DYNAMICS, "name", act.routine),
     Row("USERINP", DYNAMICS, "name", act.routine),
-    *(Row(keyword, SIGNALS, "number node coordinate", act.signal) for keyword in ("INPUTF", "OUTX", "OUTXP", "OUTXDP")),
     *(
-        Row(keyword, SIGNALS, "number element deformation", act.signal)
-        for keyword in ("INPUTS", "OUTE", "OUTEP", "OUTEDP", "OUTS")
+        Row(keyword, SIGNALS, "number node component" if kind == "node" else "number element deformation", signal)
+        for (_, kind), keywords in QUANTITIES.items()
+        for keyword in keywords
+    ),
+    *(
+        Row(keyword, SIGNALS, "number node component", trajectories.channel)
+        for keyword in ("NOMF", "REFX", "REFXP", "REFXDP")
+    ),
+    *(
+        Row(keyword, SIGNALS, "number element deformation", trajectories.channel)
+        for keyword in ("NOMS", "REFE", "REFEP", "REFEDP")
     ),
 )
 TABLE = {(row.keyword, row.block): row for row in ROWS}
@@ -106,17 +120,19 @@ _UNCLEAR = "is refused, since its form is not known; use an element of flexmb th
 _KINEMATIC = (
     "is refused: no analysis here holds a degree of freedom out of the dynamic set; use DYNX/DYNE or INPUTX/INPUTE"
 )
-UNKNOWN_MOTION = "is refused: inverse dynamics and trajectories are not read from files; give motions in Python"
+UNKNOWN_MOTION = (
+    "is refused, since its parameters are not known; say where a coordinate goes by TRAJX node coordinate start end"
+    " value [quintic|septic|scurve], a deformation by TRAJE element deformation start end value [quintic|septic|scurve]"
+)
+_UNKNOWN_TIME = "is refused, since its parameters are not known; "
 REFUSED = {
     **dict.fromkeys(("TUBE", "PLTUBE"), f"element type {_LATER}"),
-    **dict.fromkeys(("TRAJX", "TRAJE"), f"(a trajectory) {_LATER}"),
     **dict.fromkeys(("GEAR", "PLGEAR", "WHEEL", "BELT", "CYLBEAR", "PLBEAR", "SLIDER", "GIMBAL"), _UNCLEAR),
     **dict.fromkeys(("KINX", "KINE"), _KINEMATIC),
-    **dict.fromkeys(("NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP"), UNKNOWN_MOTION),
     **dict.fromkeys(("TROT", "TREPMAX", "TRM", "TRFRONT"), UNKNOWN_MOTION),
-    **dict.fromkeys(("ENHC", "TIMENORM", "INTEGRAL"), "is refused, since its meaning is not known"),
-    **dict.fromkeys(("INX", "INE"), f"(prescribed motion as an input of the state space) {_LATER}"),
-    "OUTF": f"(a force as an output of the state space) {_LATER}",
+    "ENHC": "is refused, since its meaning is not known",
+    "TIMENORM": f"{_UNKNOWN_TIME}start and end of TRAJX and TRAJE are times [s]; TIMESTEP gives output times",
+    "INTEGRAL": f"{_UNKNOWN_TIME}steps are chosen by the tolerances of ERROR absolute relative",
 }
 
 KEYWORDS = tuple(dict.fromkeys([row.keyword for row in ROWS] + [*REFUSED, *DRAWN, "END", "HALT"]))

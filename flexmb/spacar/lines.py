@@ -22,8 +22,10 @@ BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
 WHOLE: dict[str, int] = dict.fromkeys(
     ("element", "node", "xp", "rotp", "warpp", "xq", "rotq", "warpq", "p", "coordinate", "deformation", "number"), 1
 )
-WHOLE |= {"iterations": 1, "steps": 1, "log": 0, "store": 0, "first": 0, "last": 0}
-TEXT = ("name",)
+WHOLE |= {"component": 1, "iterations": 1, "steps": 1, "log": 0, "store": 0, "first": 0, "last": 0}
+TEXT = ("name", "law")
+# A coordinate of a node, or an axis that a rotation in space is about.
+AXES = ("rx", "ry", "rz")
 # Real numbers are zero or between these: beyond, their squares and cubes leave double precision.
 SMALLEST, LARGEST = 1e-100, 1e50
 # A file of 100 000 beams has 12 MiB.
@@ -94,11 +96,6 @@ class Statement:
     def numbers(self) -> set[int]:
         """Whole numbers among the parameters."""
         return {int(w) for w in self.words if _WHOLE.fullmatch(w)}
-
-
-def whole_number(word: str) -> int | None:
-    """A whole number from 1, or None."""
-    return int(word) if _WHOLE.fullmatch(word) and int(word) > 0 else None
 
 
 def placeholders(found: list[Statement]) -> tuple[str, ...]:
@@ -228,6 +225,8 @@ def _value(name: str, given: Any, expected: str) -> Any:
         return [_value(name, word, expected) for word in given]
     if name in TEXT:
         return given
+    if name == "component" and given.lower() in AXES:
+        return given.lower()
     if name in WHOLE:
         if not _WHOLE.fullmatch(given) or int(given) < WHOLE[name]:
             to = f" to {MOST}" if _WHOLE.match(given) and len(given) > 9 else ""

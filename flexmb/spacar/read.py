@@ -19,7 +19,7 @@ from ..elements import spatial
 from ..errors import ModelError, SpacarError, clean, heard
 from ..model.roles import Role
 from . import actions as act
-from . import outlines
+from . import outlines, trajectories
 from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
 from .kinds import KINDS
@@ -34,7 +34,6 @@ from .lines import (
     placeholders,
     read_text,
     statements,
-    whole_number,
 )
 from .reading import AlreadyReported, Declared, Reading
 
@@ -53,7 +52,9 @@ class SpacarModel(Result):
         name: Name of the file.
         settings: What is not part of the mechanism, by keyword: TIMESTEP, ERROR and ITERSTEP as dictionaries; STARTDX,
             STARTDE as lists of (node or element, component, value, velocity); INPUTX, INPUTE as lists of (.., value,
-            velocity, acceleration); USERSIG, USERINP as (name, function); VISUALIZATION as a list of lines.
+            velocity, acceleration); TRAJX, TRAJE as lists of (.., start, end, value, law, line); NOMF, NOMS, REFX, REFE
+            and the like as lists of (number, node or element, component, line); USERSIG, USERINP as (name, function);
+            VISUALIZATION as a list of lines.
         text: What was read.
         parameters: Names in the placeholders of the file.
     """
@@ -169,6 +170,8 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
     if not faults:
+        trajectories.check(r, faults.blame)
+    if not faults:
         _check_clamps(r, faults)
     _warn_of_screws(r)
     _warn_of_rigid_leaves(r)
@@ -211,8 +214,6 @@ class _Blocks:
         if s.keyword in DRAWN or (self.drawing and not _homes(s.keyword)):
             return act.drawing(self.reading, s)
         if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
-            if s.keyword in ("INX", "INE", "OUTF") and s.words and (number := whole_number(s.words[0])):
-                act.number_signal(self.reading, s, number)
             raise Fault(REFUSED.get(s.keyword, UNKNOWN_MOTION))
         if self.drawing:
             raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
@@ -248,8 +249,7 @@ def _homes(keyword: str) -> list[str]:
 def _form(keyword: str) -> str:
     """Form of a keyword; of a refused one, what it is about."""
     if keyword in REFUSED:
-        numbered = ("INX", "INE", "OUTF", "NOM", "REF")
-        return "number" if keyword.startswith(numbered) else "node" if keyword in ("KINX", "TRAJX") else "element"
+        return "node" if keyword == "KINX" else "element"
     return next((row.form for row in ROWS if row.keyword == keyword), "")
 
 

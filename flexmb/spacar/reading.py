@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..build.builder import Builder
 from ..elements.nodes import NodeKind
@@ -10,6 +10,9 @@ from ..model.roles import Role
 from . import series as series
 from .kinds import ElementKind
 from .lines import Fault, Statement
+
+# What is numbered, each by itself: inputs and outputs, and what drives a trajectory and what is to follow it.
+SIDES = ("input", "output", "nominal input", "reference output")
 
 
 class AlreadyReported(Exception):
@@ -26,6 +29,43 @@ class Setting(dict[str, float]):
     def __init__(self, line: int, numbers: Mapping[str, float]):
         super().__init__(numbers)
         self.line = line
+
+
+class Leg(NamedTuple):
+    """One way of a coordinate or a deformation, as TRAJX and TRAJE say it; it starts from where the last one ended.
+
+    Attributes:
+        of: Number of the node or element.
+        component: Number of the coordinate or deformation.
+        start, end: From when to when [s].
+        value: Where it goes: the coordinate or the deformation itself [m, rad].
+        law: "quintic", "septic" or "scurve".
+        line: Number of its line.
+    """
+
+    of: int
+    component: int
+    start: float
+    end: float
+    value: float
+    law: str
+    line: int
+
+
+class Channel(NamedTuple):
+    """A nominal input or a reference output, as NOMF, REFX and the like say it.
+
+    Attributes:
+        number: Its place, from 1.
+        of: Number of the node or element.
+        component: Number of the coordinate or deformation, or the axis of a rotation in space, "rx", "ry" or "rz".
+        line: Number of its line.
+    """
+
+    number: int
+    of: int
+    component: int | str
+    line: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,7 +104,7 @@ class Reading:
         unsized: Numbers in faulty SECTION lines, whose elements are not blamed for having none.
         roles: Which line gave an entry its role.
         given: Which line gave what can be given once.
-        signals: Inputs and outputs by number: their line, and the call that adds them.
+        signals: Inputs and outputs, and those along a trajectory, by number: their line, and the call that adds them.
         excused: Numbers in faulty element lines, about which no other line is blamed.
         settings: What is not part of the mechanism.
         outlines: Sizes of cross-sections by element, as CROSSDIM has them.
@@ -83,7 +123,7 @@ class Reading:
     roles: dict[tuple[str, int, int], Statement] = dataclasses.field(default_factory=dict)
     given: dict[tuple, Statement] = dataclasses.field(default_factory=dict)
     signals: dict[str, dict[int, tuple[Statement, Callable[[], None] | None]]] = dataclasses.field(
-        default_factory=lambda: {"input": {}, "output": {}}
+        default_factory=lambda: {side: {} for side in SIDES}
     )
     excused: set[int] = dataclasses.field(default_factory=set)
     settings: dict[str, Any] = dataclasses.field(default_factory=dict)

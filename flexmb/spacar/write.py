@@ -12,21 +12,20 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..build.clamps import parts_of, with_clamps
-from ..build.description import Member
+from ..build.description import TURNS, Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle
 from ..errors import ModelError, clean
 from ..files import write_whole
-from ..model.model import MOTIONS
 from ..model.roles import Role
-from . import outlines
+from . import outlines, trajectories
 from . import series as series
-from .actions import QUANTITIES
 from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
 from .read import SpacarModel
+from .signals import keyword_of
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
@@ -426,28 +425,34 @@ class _Writer:
             lines.append(_line(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
             lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
+        return lines + self._ways()
+
+    def _ways(self) -> list[str]:
+        """Where coordinates and deformations go."""
+        lines = []
+        for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
+            for way in self.settings.get(keyword, []):
+                times = way.start, way.end, way.value
+                lines.append(_line(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
         return lines
 
     # -- inputs and outputs ---------------------------------------------------------------------------------------
 
     def _signals(self) -> list[str]:
-        keywords = {quantity: keyword for keyword, quantity in QUANTITIES.items()}
-        keywords |= {"force": "INPUTF", "stress": "OUTS"}
         lines = []
         for side in ("input", "output"):
-            for i, signal in enumerate(self.builder.signals[side], 1):
-                name, quantity, (kind, of, number), axis, *_ = signal
-                if signal.parts or quantity == "reaction" or (side == "input" and quantity in MOTIONS):
-                    raise ModelError(
-                        f"The {side} '{name}' is of the kind {quantity}, which a SPACAR input file cannot express."
-                    )
-                if axis is not None:
-                    raise ModelError(
-                        f"The {side} '{name}' is about an axis, which a SPACAR input file cannot express: there the"
-                        " components of a rotation in space are Euler parameters."
-                    )
-                keyword = "INPUTS" if (side, quantity) == ("input", "stress") else keywords[quantity]
-                lines.append(_line(keyword, i, (self.node if kind == "node" else self.element)[of], number))
+            for i, own in enumerate(self.builder.signals[side], 1):
+                if own.local or own.parts:
+                    told = "is about an axis that turns" if own.local else "is a linear combination"
+                    raise ModelError(f"The {side} '{own.name}' {told}, which a SPACAR input file cannot express.")
+                kind, of, number = own.key
+                component = number if own.axis is None else TURNS[own.axis]
+                numbers = self.node if kind == "node" else self.element
+                lines.append(_line(keyword_of(side, kind, own.quantity), i, numbers[of], component))
+        for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
+            numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
+            for own in self.settings.get(keyword, []):
+                lines.append(_line(keyword, own.number, numbers[str(own.of)], own.component))
         return lines
 
 

@@ -282,7 +282,16 @@ def _filled(r: random.Random, keyword: str, number: int) -> str:
 
 def _line(r: random.Random, keyword: str, form: str, **given: str) -> str:
     words = [w for w in re.sub(r"[\[\]]", " ", form).split() if w != "..."]
-    values = {"coordinate": 4, "deformation": 6, "node": 8, "element": 3, "number": 3, "steps": 5, "p": 4}
+    values = {
+        "coordinate": 4,
+        "component": 4,
+        "deformation": 6,
+        "node": 8,
+        "element": 3,
+        "number": 3,
+        "steps": 5,
+        "p": 4,
+    }
     found = [keyword]
     for word in words[: r.choice((len(words), len(words), r.randint(0, len(words))))]:
         odd = {**dict.fromkeys(("xp", "xq"), 1), **dict.fromkeys(("rotp", "rotq"), 0)}.get(word)
@@ -292,6 +301,8 @@ def _line(r: random.Random, keyword: str, form: str, **given: str) -> str:
             found.append(str(2 * r.randint(1, 4) - odd))
         elif word in values:
             found.append(str(r.randint(1, values[word])))
+        elif word == "law":
+            found.append(r.choice(("quintic", "septic", "scurve", "linear")))
         else:
             found.append(f"{r.choice((0.0, 1.0, 0.1, r.gauss(0, 1))):.4g}")
     return " ".join(found)

@@ -16,6 +16,7 @@ from flexmb.errors import LONGEST
 from flexmb.spacar.keywords import DRAWN, KEYWORDS, REFUSED, ROWS
 from flexmb.spacar.lines import BLOCKS, LARGEST, LARGEST_FILE, SMALLEST
 from flexmb.spacar.read import MOST_FAULTS
+from flexmb.spacar.trajectories import NOMINAL, REFERENCES, WAYS
 
 fm.enable_x64()
 
@@ -98,7 +99,17 @@ IN_PLANE = {
     "INPUTF": ("signals", "INPUTF 1 3 1", "INPUTF 1 3 2"),
     "INPUTS": ("signals", "INPUTS 1 1 1", "INPUTS 1 1 2"),
     **{k: ("signals", f"{k} 1 3 1", f"{k} 1 3 2") for k in ("OUTX", "OUTXP", "OUTXDP")},
+    **{k: ("signals", f"{k} 1 1 1", f"{k} 1 1 2") for k in ("INX", "INXP", "INXDP", "OUTF")},
+    **{k: ("signals", f"{k} 1 9 1", f"{k} 1 9 2") for k in ("INE", "INEP", "INEDP")},
     **{k: ("signals", f"{k} 1 1 1", f"{k} 1 1 2") for k in ("OUTE", "OUTEP", "OUTEDP", "OUTS")},
+    "TRAJX": ("dynamics", "TRAJX 9 1 0 1 2", "TRAJX 9 1 0 1 2 scurve"),
+    "TRAJX signals": ("signals", "TRAJX 9 1 0 1 2", "TRAJX 9 1 0 1 3"),
+    "TRAJE": ("dynamics", "TRAJE 2 3 0 1 2", "TRAJE 2 3 0 2 2"),
+    "TRAJE signals": ("signals", "TRAJE 2 3 0 1 2", "TRAJE 2 3 0.5 1 2"),
+    "NOMF": ("signals", "NOMF 1 3 1\nREFX 1 3 1", "NOMF 1 3 2\nREFX 1 3 1"),
+    "NOMS": ("signals", "NOMS 1 1 1\nREFX 1 3 1", "NOMS 1 1 2\nREFX 1 3 1"),
+    **{k: ("signals", f"{k} 1 3 1", f"{k} 1 3 2") for k in ("REFX", "REFXP", "REFXDP")},
+    **{k: ("signals", f"{k} 1 1 1", f"{k} 1 1 2") for k in ("REFE", "REFEP", "REFEDP")},
     **{k: ("signals", f"{k} 1 2", f"{k} 2 3") for k in DRAWN},
     **{k: ("kinematics", f"{k} 1 2", f"{k} 2 3") for k in REFUSED},
     "HALT": ("signals", "HALT 1", "HALT 2"),
@@ -132,7 +143,7 @@ OF_LEAVES = {
 }
 CASES = {**{k: (PLANE, *v) for k, v in IN_PLANE.items()}, **{k: (SPACE, *v) for k, v in IN_SPACE.items()}, **OF_LEAVES}
 # What analyses take from the settings; a test below sees them arrive.
-TAKEN = ("TIMESTEP", "ERROR", "INPUTX", "INPUTE")
+TAKEN = ("TIMESTEP", "ERROR", "INPUTX", "INPUTE", *WAYS, *NOMINAL, *REFERENCES)
 
 
 def filled(base, block, line):
@@ -241,11 +252,11 @@ NUMBERS = {
     "EINIT 1 1e308": "EINIT: element 1: value must be a finite number, but '1e308' is too large",
     "TIMESTEP 1 9999999999": "TIMESTEP: steps must be a whole number from 1 to 999999999, but is '9999999999'",
     "\ufb01x 2": "\ufb01x: unknown keyword",
-    "INX " + "9" * 5000 + " 1 1": "INX: input " + "9" * LONGEST + "... (5000 characters): (prescribed motion",
+    "TUBE " + "9" * 5000 + " 1 1": "TUBE: element " + "9" * LONGEST + "... (5000 characters): element type is",
     "USERSIG \x1b[31m": r"USERSIG: needs the user routine '\x1b[31m'",
-    "NOMS 1 1 1": "NOMS: input 1: is refused",
+    "TIMENORM 1": "TIMENORM: element 1: is refused, since its parameters are not known; start and end of TRAJX and",
     "TUBE 3 1 2 3 4": "TUBE: element 3: element type is not available yet",
-    "TRAJX 2 1 0 1 1": "TRAJX: node 2: (a trajectory) is not available yet",
+    "TROT 2 1 0 1 1": "TROT: element 2: is refused, since its parameters are not known; say where a coordinate goes",
 }
 
 

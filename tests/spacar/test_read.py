@@ -60,9 +60,9 @@ def test_shipped_file_survives_a_round_trip(name, tmp_path):
 
 
 def test_every_shipped_file_has_a_description():
-    assert len(mechanisms()) == 13
+    assert len(mechanisms()) == 14
     assert all(20 < len(text) < 120 and text.endswith(".") for text in mechanisms().values())
-    with pytest.raises(KeyError, match="no mechanism 'pf4d'; there are elevator, pf1dfull, "):
+    with pytest.raises(KeyError, match="no mechanism 'pf4d'; there are elevator, manipulator, pf1dfull, "):
         mechanism_path("pf4d")
 
 
@@ -623,7 +623,7 @@ BAD = [
     ("D", "GRAVITY 0 0 -9.81", "{D}: GRAVITY: a planar mechanism has no third axis: gz must be 0, but is -9.81"),
     ("D", "TIMESTEP 1", "{D}: TIMESTEP: too few parameters (1); expected: TIMESTEP end steps"),
     ("D", "USERINP hand", "{D}: USERINP: needs the user routine 'hand': pass read_spacar(..., callables="),
-    ("D", "TRABC 1", "{D}: TRABC: is refused: inverse dynamics and trajectories are not read from files"),
+    ("D", "TRABC 1", "{D}: TRABC: is refused, since its parameters are not known; say where a coordinate goes"),
     ("S", "INPUTF 2 3 1", "{S}: INPUTF: input 2: input 1 is missing; inputs are numbered from 1 without gap"),
     (
         "S",
@@ -637,7 +637,19 @@ BAD = [
     ),
     ("S", "OUTX 1 3 3", "{S}: OUTX: output 1: coordinate 3 is out of range: node 3 has coordinates 1 to 2"),
     ("S", "OUTS 1 5 1", "{S}: OUTS: output 1: there is no element 5 (there are: 1, 2)"),
-    ("S", "OUTF 1 3 1", "{S}: OUTF: output 1: (a force as an output of the state space) is not available yet"),
+    ("S", "OUTF 1 3 1", "{S}: OUTF: output 1: coordinate 1 is not held, so that no support acts there; name one that"),
+    (
+        "S",
+        "INX 1 5 2",
+        "{S}: INX: input 1: coordinate 2 is not held, so that it moves by itself; INPUTF",
+    ),
+    ("S", "INEP 1 1 2", "{S}: INEP: input 1: deformation 2 is not held, so that it moves by itself; INPUTF"),
+    ("S", "INPUTF 1 3 rx", "{S}: INPUTF: input 1: rx is an axis of a rotation in space, which node 3 is none of; its"),
+    (
+        "S",
+        "INPUTF 1 3 ra",
+        "{S}: INPUTF: input 1: component must be a whole number from 1, but is 'ra'; expected",
+    ),
 ]
 
 
@@ -746,6 +758,6 @@ def test_an_input_on_what_a_file_holds():
 
 def test_signals_about_axes_have_no_keyword(tmp_path):
     builder = fm.read_spacar(SIGNALS.format(input="3 2", output="3 2")).builder
-    builder.output("4", "rx", name="roll")
-    with pytest.raises(fm.ModelError, match="output 'roll' is about an axis"):
+    builder.output("4", "rx", name="roll", local=True)
+    with pytest.raises(fm.ModelError, match="output 'roll' is about an axis that turns"):
         fm.write_spacar(builder, tmp_path / "out.dat")

@@ -1,0 +1,114 @@
+"""Laws of time of an input file: how each coordinate or deformation goes that TRAJX and TRAJE lead somewhere."""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..build.builder import Builder
+from ..build.description import Key
+from ..model.model import Labels
+from ..model.roles import Role
+from ..trajectory.laws import Law, quintic, scurve, septic
+from .reading import Leg
+from .trajectories import WAYS
+
+# An S-curve speeds up in a third of its time, goes steadily in the next and slows down in the last; the acceleration
+# grows, stays and falls in a third of each. What its limits are for a way of 1 in a time of 1 follows from that.
+THIRDS = {"velocity": 1.5, "acceleration": 6.75, "jerk": 60.75}
+
+
+class Way(NamedTuple):
+    """Lines of one coordinate or deformation, in the order of time, and the keyword of them."""
+
+    keyword: str
+    legs: list[Leg]
+
+
+def role_of(builder: Builder, key: Key) -> Role:
+    """Role of a coordinate or deformation.
+
+    Args:
+        builder: The mechanism.
+        key: Which.
+    """
+    kind, of, number = key
+    return (builder.nodes if kind == "node" else builder.members)[of].roles[number - 1]
+
+
+def ways_of(settings: dict[str, Any]) -> dict[Key, Way]:
+    """Lines by what they lead.
+
+    Args:
+        settings: What the file says beside the mechanism.
+    """
+    found: dict[Key, Way] = {}
+    for keyword, kind in zip(WAYS, ("node", "element"), strict=True):
+        for leg in sorted(settings.get(keyword, []), key=lambda leg: leg.start):
+            key = (kind, str(leg.of), leg.component)
+            found.setdefault(key, Way(keyword, [])).legs.append(leg)
+    return found
+
+
+def _name(labels: Labels, key: Key) -> str:
+    """Name of a coordinate or deformation."""
+    kind, of, number = key
+    entries = labels.x if kind == "node" else labels.e
+    return next(str(entry) for entry in entries if entry.of == of and entry.component == number)
+
+
+def _move(leg: Leg, start: float, end: float) -> Law:
+    """One way from rest to rest."""
+    duration = leg.end - leg.start
+    if leg.law == "scurve" and end != start:
+        far = abs(end - start)
+        limits = {name: THIRDS[name] * far / duration ** (i + 1) for i, name in enumerate(THIRDS)}
+        return scurve(start, end, **limits, begin=leg.start)
+    return (septic if leg.law == "septic" else quintic)(start, end, duration, begin=leg.start)
+
+
+def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
+    """One law of several ways, with rest between them.
+
+    Args:
+        legs: Lines in the order of time.
+        start: Where the first begins, from the undeformed mechanism [m, rad].
+        reference: The coordinate there, from which the values of the lines are counted [m, rad].
+
+    Returns:
+        Law of the displacement or deformation.
+    """
+    breaks, pieces, at = [legs[0].start], [], start
+    for leg in legs:
+        if leg.start > breaks[-1]:
+            pieces.append(np.array([[at]]))
+            breaks.append(leg.start)
+        own, at = _move(leg, at, leg.value - reference), leg.value - reference
+        pieces.append(np.asarray(own.coefficients))
+        # The last is the end itself, which the sum of an S-curve's phases misses by round-off.
+        breaks += [*np.asarray(own.breaks)[1:-1].tolist(), leg.end]
+    widest = max(piece.shape[1] for piece in pieces)
+    padded = [np.pad(piece, ((0, 0), (0, widest - piece.shape[1]))) for piece in pieces]
+    return Law(jnp.asarray(np.array(breaks)), jnp.asarray(np.concatenate(padded)))
+
+
+def laws_of(builder: Builder, labels: Labels, settings: dict[str, Any], only: Role | None = None) -> dict[str, Law]:
+    """Laws of all that a file leads somewhere.
+
+    Args:
+        builder: The mechanism, whose roles and start values are those of the file.
+        labels: Names of the model that it builds.
+        settings: What the file says beside the mechanism.
+        only: Of what has this role alone.
+
+    Returns:
+        Laws of displacements from the undeformed mechanism and of deformations, by their names.
+    """
+    given, found = builder.loads["initial"].get("prescribed", {}), {}
+    for key, way in ways_of(settings).items():
+        kind, of, number = key
+        if only in (None, role_of(builder, key)):
+            start = given.get(key, builder.starts.get(key, (0.0, 0.0))[0])
+            reference = builder.nodes[of].start[number - 1] if kind == "node" else 0.0
+            found[_name(labels, key)] = law_of(way.legs, float(start), float(reference))
+    return found
