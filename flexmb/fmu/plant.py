@@ -6,12 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import numbers, shown
+from ..arguments import check_number, numbers, shown
 from ..control.state_space import state_matrices
 from ..display import unit_of, unit_of_force
 from ..errors import ModelError, clean
 from ..linear.linearize import Linearization
 from ..model.model import Model, Signal
+from ..trajectory.linear_along import TimeVarying
 
 # Importers measure the error of states against these: a millimetre of a mechanism, one of what is not known.
 NOMINAL_OF_MECHANISM = 1e-3
@@ -44,8 +45,8 @@ class Plant(NamedTuple):
         inputs: In order.
         outputs: In order.
         states: In order, with their values at the start.
-        matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each; D without a column
-            that acts, and u0 and y0 of a linear one, are left out.
+        matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each; a D of zeros, and
+            u0 and y0 of a linear one, are left out.
         times: Knots of a time-varying plant, (n_t,) [s].
         substep: Longest step of its integration [s].
         parameters: Of a nonlinear plant, in order.
@@ -159,11 +160,11 @@ def linear(a: Any, b: Any, c: Any, d: Any, inputs: Any, outputs: Any, states: An
     return _checked(Plant(tuple(inputs), tuple(outputs), tuple(states), matrices))
 
 
-def time_varying(system: Any, substep: float | None) -> Plant:
+def time_varying(system: TimeVarying, substep: float | None) -> Plant:
     """Time-varying plant of a system along a motion, whose inputs and outputs are whole: nominal ones and deviations.
 
     Args:
-        system: Has t, A, B, C, D, u0, y0, and names of inputs, outputs and states.
+        system: Its names, and matrices at its times.
         substep: Longest step of the integration [s]; a quarter of the shortest time between two knots unless given.
 
     Raises:
@@ -174,10 +175,12 @@ def time_varying(system: Any, substep: float | None) -> Plant:
         raise ValueError("A time-varying system needs two times at least, ascending.")
     if substep is None:
         substep = float(np.min(np.diff(t))) / 4
+    else:
+        check_number("substep", substep, above=0)
     matrices = {name: np.asarray(getattr(system, name), float) for name in ("A", "B", "C", "D", "u0", "y0")}
     starts = np.asarray(matrices["u0"])[0]
-    inputs = tuple(Variable(name, start=float(at)) for name, at in zip(system.inputs, starts, strict=True))
-    outputs, states = (tuple(Variable(name) for name in own) for own in (system.outputs, system.states))
+    inputs = tuple(Variable(name, start=float(at)) for name, at in zip(system.input_labels, starts, strict=True))
+    outputs, states = (tuple(Variable(name) for name in own) for own in (system.output_labels, system.state_labels))
     return _checked(Plant(inputs, outputs, states, matrices, t, substep))
 
 
@@ -217,3 +220,25 @@ def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -
             f" {shown(start)}."
         )
     return plant._replace(states=tuple(v._replace(start=float(at)) for v, at in zip(plant.states, values, strict=True)))
+
+
+def measured(plant: Plant, units: Mapping[str, str] | None) -> Plant:
+    """The same with units of inputs, outputs and states.
+
+    Args:
+        plant: Any.
+        units: By name.
+
+    Raises:
+        ValueError: There is no such name, or a unit is no text that a unit can be.
+    """
+    kinds = {kind: getattr(plant, kind) for kind in ("inputs", "outputs", "states")}
+    names = [v.name for found in kinds.values() for v in found]
+    for name, unit in (units or {}).items():
+        if name not in names:
+            raise ValueError(f"Argument `units` names '{clean(name)}', which is none of {', '.join(names)}.")
+        if not isinstance(unit, str) or re.search(FORBIDDEN, unit):
+            raise ValueError(f"Argument `units` must give texts such as 'N.m', not {shown(unit)} for '{clean(name)}'.")
+    given = dict(units or {})
+    changed = {kind: tuple(v._replace(unit=given.get(v.name, v.unit)) for v in found) for kind, found in kinds.items()}
+    return plant._replace(**changed)

@@ -15,6 +15,7 @@ from ..errors import warn
 from ..files import check_writable, write_whole
 from ..linear.linearize import Linearization
 from ..model.model import Model
+from ..trajectory.linear_along import TimeVarying
 from . import plant as plants
 from .compiler import compiled, place_of_binary
 from .description import build_description, description, placed, scalars
@@ -65,6 +66,7 @@ def save_fmu(
     *,
     fmi: int = 3,
     start: Mapping[str, float] | Sequence[float] | None = None,
+    units: Mapping[str, str] | None = None,
     modes: int | Sequence[int] | None = None,
     bandwidth: float | None = None,
     substep: float | None = None,
@@ -88,6 +90,8 @@ def save_fmu(
         fmi: Version of the standard, 3 or 2.
         start: Values of states at the start, by name or all in order; zero unless given. An importer can set them
             too, as "state q".
+        units: SI units by the names of inputs, outputs and states, such as "m/s" or "N.m", for what has names alone; a
+            Model or Linearization knows those of forces and motions itself.
         modes: Of a Model or Linearization, see :func:`flexmb.to_statespace`.
         bandwidth: Likewise, [Hz].
         substep: Longest step of the integration of a time-varying system, () [s]; a quarter of the shortest time
@@ -115,7 +119,8 @@ def save_fmu(
         raise ValueError(f"A functional mock-up unit is a file whose name ends in .fmu, not '{path}'.")
     if fmi not in VERSIONS or isinstance(fmi, bool):
         raise ValueError(f"Argument `fmi` must be 3 or 2, for FMI 3.0 or 2.0, but is {fmi!r}.")
-    plant = plants.named_apart(plants.started(_plant_of(system, modes, bandwidth, substep), start))
+    plant = plants.measured(_plant_of(system, modes, bandwidth, substep), units)
+    plant = plants.named_apart(plants.started(plant, start))
     check_writable(path)
     content, binary, parameters = _unit(plant, path.stem, fmi)
     write_whole(path, content)
@@ -123,22 +128,21 @@ def save_fmu(
 
 
 def _plant_of(system: Any, modes: Any, bandwidth: Any, substep: float | None) -> Plant:
-    of_mechanism = isinstance(system, Model | Linearization)
+    of_mechanism, varies = isinstance(system, Model | Linearization), isinstance(system, TimeVarying)
     if not of_mechanism and (modes is not None or bandwidth is not None):
         raise ValueError("`modes` and `bandwidth` are for a Model or a Linearization: reduce other systems beforehand.")
-    if of_mechanism or not hasattr(system, "t"):
-        if substep is not None:
-            raise ValueError("`substep` is for a time-varying system: others are integrated without.")
-    if of_mechanism:
+    if not varies and substep is not None:
+        raise ValueError("`substep` is for a time-varying system: others are integrated without.")
+    if isinstance(system, Model | Linearization):
         return plants.of_mechanism(system, modes, bandwidth)
+    if isinstance(system, TimeVarying):
+        return plants.time_varying(system, substep)
     if isinstance(system, Plant):
         return system
     import control
 
     if isinstance(system, control.StateSpace):
         return plants.of_state_space(system)
-    if hasattr(system, "u0"):
-        return plants.time_varying(system, substep)
     raise TypeError(
         f"save_fmu takes a Model, a Linearization, a control.StateSpace or a time-varying system, not"
         f" {type(system).__name__}."
