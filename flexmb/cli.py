@@ -23,7 +23,9 @@ LONGEST_MESSAGE = 300
 # Files that this call has written, for who stops it from the keyboard.
 WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
-LATER = {"edit": "a page to build mechanisms on", "fmu": "mechanisms as units for co-simulation"}
+LATER = {"edit": "a page to build mechanisms on"}
+# Modes whose answer is a unit for co-simulation.
+OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying"}
 
 
 class Once(TyperCommand):
@@ -462,6 +464,79 @@ def _number(option: str, form: str, word: str) -> float:
         return parse(option, "value", (word.strip(),))["value"]
     except Fault as fault:
         _refuse(f"flexmb: {option} takes {form}: {str(fault).partition(';')[0]}.")
+
+
+@app.command(cls=Once)
+def fmu(
+    model: ModelFile,
+    to: Annotated[Path, typer.Option("--to", help="Write the unit here, as .fmu.")],
+    mode: Annotated[str, typer.Option("--mode", help="9 linear, 3 or 4 time-varying along a motion.")] = "9",
+    fmi: Annotated[str, typer.Option("--fmi", help="Version of the standard, 3 or 2.")] = "3",
+    numbers: Numbers = None,
+    release: Release = "none",
+    debug: Debug = False,
+) -> None:
+    """Save the mechanism as a functional mock-up unit, for Simulink, Dymola, OpenModelica and others."""
+    with _foreseen(debug):
+        _fmu(model, to, mode, fmi, numbers, release)
+
+
+def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, release: str) -> None:
+    from .files import check_writable
+
+    if to.suffix != ".fmu":
+        _refuse(f"flexmb fmu: --to writes .fmu, not '{clean(to)}'.")
+    if fmi not in ("2", "3"):
+        _refuse(f"flexmb fmu: --fmi takes 3 or 2, not '{clean(fmi)}'.")
+    _check_call(release, None, None, None, None)
+    if not to.absolute().parent.is_dir():
+        _refuse(f"flexmb: the folder of '{clean(to)}' does not exist.")
+    with _writing(to):
+        check_writable(to)
+    number = _number_of_unit(mode)
+    _prepare_jax()
+    read = _read(model, given)
+    from . import save_fmu, trajectory
+    from .answers.answers import answer
+
+    said, unit = [], None
+    try:
+        # As the mode of that number finds it, with its own words where it does not.
+        found: Any = answer(read.builder, model.name, number, list(read.warnings), release, settings=read.settings)
+        if not found.exit_status and not (found.model.labels.inputs and found.model.labels.outputs):
+            raise ModelError(
+                "INPUTF: an FMU needs an input and an output: INPUTF or INPUTS, and OUTX, OUTE or the like; of a"
+                " trajectory NOMF or NOMS, and REFX, REFE or the like"
+            )
+        with heard() as said:
+            if not found.exit_status:
+                system = found.lin if number == 9 else trajectory.time_varying(found.found)
+                unit = save_fmu(system, to, fmi=int(fmi))
+                WRITTEN.append(to)
+    except SpacarError as fault:
+        _refuse(str(fault))
+    except ModelError as fault:
+        _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
+    except OSError as fault:
+        _refuse(f"flexmb: cannot write '{clean(to)}': {fault.strerror or fault}.")
+    for text in [*found.data["warnings"], *dict.fromkeys(said)]:
+        _tell(f"warning: {text}")
+    if found.exit_status:
+        _complain(f"{read.name}: {found.data['status']}: {(found.data['message'].splitlines() or [''])[0]}")
+        raise typer.Exit(found.exit_status)
+    _tell(repr(unit))
+
+
+def _number_of_unit(mode: str) -> int:
+    """Number of a mode that a unit can be made of."""
+    from .answers.answers import modes
+
+    known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items() if int(number) in modes())
+    if mode in OF_UNITS and int(mode) not in modes():
+        _refuse(f"flexmb fmu: mode {mode} is not available yet. Available: {known}.")
+    if mode not in OF_UNITS:
+        _refuse(f"flexmb fmu: there is no unit of mode '{clean(mode)}'. Available: {known}.")
+    return int(mode)
 
 
 @app.command(cls=Once)
