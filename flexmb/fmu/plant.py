@@ -1,7 +1,7 @@
 """What a functional mock-up unit computes, as numbers and names: a linear, a time-varying or a nonlinear plant."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..errors import ModelError, clean
 from ..linear.linearize import Linearization
 from ..model.model import Model, Signal
 from ..trajectory.linear_along import TimeVarying
+from .nonlinear import plant as translated
 
 # Importers measure the error of states against these: a millimetre of a mechanism, one of what is not known.
 NOMINAL_OF_MECHANISM = 1e-3
@@ -128,14 +129,37 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
             f"This linearisation is along a motion, at {len(found.A)} times: give lin.at_time(0), or the time-varying"
             " system of the motion."
         )
-    units = {str(entry): unit_of(entry).replace("-", "") for entry in own.labels.x}
-    rates = {f"d {name}": f"{unit}/s" if unit else "" for name, unit in units.items()}
-    return linear(
-        *found,
-        [Variable(s.name, _unit(own, s)) for s in labels.inputs],
-        [Variable(s.name, _unit(own, s)) for s in labels.outputs],
-        [Variable(n, {**units, **rates}.get(n, ""), nominal=NOMINAL_OF_MECHANISM) for n in names],
-    )
+    inputs, outputs, states = _variables(own, names)
+    return linear(*found, inputs, outputs, states)
+
+
+def nonlinear(
+    model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
+) -> Plant:
+    """Nonlinear plant of a mechanism, translated to C; it starts as the builder says, or undeformed and at rest.
+
+    Raises:
+        ModelError: As :func:`flexmb.fmu.nonlinear.plant`.
+    """
+    found = translated(model, loads=loads, motion=motion)
+    inputs, outputs, states = _variables(model, found.states)
+    memory = np.asarray(found.memory).tolist()
+    plant = Plant(inputs, outputs, states, source=found.source, memory=memory, work=found.work)
+    at = model.parameters.start
+    return plant if at is None else started(plant, np.concatenate(at).tolist())
+
+
+def _variables(
+    model: Model, states: Sequence[str]
+) -> tuple[tuple[Variable, ...], tuple[Variable, ...], tuple[Variable, ...]]:
+    """Inputs, outputs and states of a mechanism, with their units."""
+    units = {str(entry): unit_of(entry).replace("-", "") for entry in model.labels.x}
+    units |= {f"d {name}": f"{unit}/s" if unit else "" for name, unit in units.items()}
+    signals = [
+        tuple(Variable(s.name, _unit(model, s)) for s in own) for own in (model.labels.inputs, model.labels.outputs)
+    ]
+    found = tuple(Variable(name, units.get(name, ""), nominal=NOMINAL_OF_MECHANISM) for name in states)
+    return signals[0], signals[1], found
 
 
 def of_state_space(system: Any) -> Plant:

@@ -7,7 +7,7 @@ import os
 import re
 import uuid
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -70,6 +70,9 @@ def save_fmu(
     modes: int | Sequence[int] | None = None,
     bandwidth: float | None = None,
     substep: float | None = None,
+    nonlinear: bool = False,
+    loads: Mapping[str, Callable] | None = None,
+    motion: Mapping[str, Callable] | None = None,
 ) -> Fmu:
     """Save a mechanism as a functional mock-up unit, which Simulink, Dymola, OpenModelica and others import.
 
@@ -80,7 +83,9 @@ def save_fmu(
     In co-simulation inputs are held for each step. Linear plants move exactly then, by a matrix exponential that is
     kept for steps of the same length; time-varying ones by Magnus' series of fourth order, in substeps that end at the
     knots. Model exchange gives rates to the importer's solver; light damping at kilohertz is hard for it, so keep fewer
-    ``modes`` or co-simulate.
+    ``modes`` or co-simulate. A nonlinear plant is integrated by Rosenbrock's method of order five, with the importer's
+    relative tolerance or 1e-6, of which a state of less than a millimetre or a milliradian counts as one; its Jacobian
+    takes as many evaluations a step as there are states.
 
     Args:
         system: Model or Linearization with named inputs and outputs; control.StateSpace; or a time-varying system
@@ -96,6 +101,11 @@ def save_fmu(
         bandwidth: Likewise, [Hz].
         substep: Longest step of the integration of a time-varying system, () [s]; a quarter of the shortest time
             between two knots unless given. It is a parameter of the unit.
+        nonlinear: Of a Model the mechanism with all its nonlinearity, in place of its
+            linear state space: its right-hand side is translated to C. It starts as the builder's start values say,
+            which ``start`` overrules.
+        loads: Of a nonlinear one, loads as functions of time, see :class:`flexmb.motion.Drives`.
+        motion: Likewise, prescribed motion.
 
     Returns:
         Fmu with names and units; A, B, C and D are parameters, arrays in FMI 3.0 and scalars "A[1,2]" in FMI 2.0, up
@@ -104,7 +114,8 @@ def save_fmu(
     Raises:
         ValueError: The path ends otherwise, there is no such version, an argument does not belong to this system, the
             state space is sampled, or a name is one that FMI forbids.
-        ModelError: As :func:`flexmb.to_statespace`.
+        ModelError: As :func:`flexmb.to_statespace`; of a nonlinear one, an element or a function of time calls back to
+            Python or does what has no translation, or an output is one that a simulation does not give.
         TypeError: The system is none of these.
         OSError: The file cannot be written.
 
@@ -119,7 +130,15 @@ def save_fmu(
         raise ValueError(f"A functional mock-up unit is a file whose name ends in .fmu, not '{path}'.")
     if fmi not in VERSIONS or isinstance(fmi, bool):
         raise ValueError(f"Argument `fmi` must be 3 or 2, for FMI 3.0 or 2.0, but is {fmi!r}.")
-    plant = plants.measured(_plant_of(system, modes, bandwidth, substep), units)
+    if nonlinear:
+        if not isinstance(system, Model) or modes is not None or bandwidth is not None or substep is not None:
+            raise ValueError("`nonlinear` is for a Model as it is, without `modes`, `bandwidth` or `substep`.")
+        plant = plants.nonlinear(system, loads, motion)
+    elif loads is not None or motion is not None:
+        raise ValueError("`loads` and `motion` are for a nonlinear plant: say nonlinear=True.")
+    else:
+        plant = _plant_of(system, modes, bandwidth, substep)
+    plant = plants.measured(plant, units)
     plant = plants.named_apart(plants.started(plant, start))
     check_writable(path)
     content, binary, parameters = _unit(plant, path.stem, fmi)

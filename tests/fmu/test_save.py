@@ -1,5 +1,6 @@
 """Functional mock-up units: read by fmpy, run, and compared with SciPy and python-control."""
 
+import ctypes
 import itertools
 import re
 import subprocess
@@ -379,6 +380,55 @@ def test_a_nonlinear_plant_by_its_own_integrator(fmi, tmp_path):
         np.testing.assert_allclose(unit.derivative(["angle"], ["state q", "torque"], [1.0, 1.0]), [3.0], rtol=1e-9)
 
 
+@needs_compiler
+def test_a_nonlinear_mechanism_moves_as_newton_says(tmp_path):
+    """A mass on a spring that swings about its foot, under a force across: m r'' = -k (1 - L/|r|) r + F."""
+    stiffness, length, mass = 90.0, 0.1, 0.4
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (length, 0))
+    b.add(planar.truss, "foot", "mass", name="s", section=fm.Rigidity(EA=stiffness * length))
+    b.fix("foot")
+    b.mass("mass", mass)
+    for axis, rate in (("x", 0.0), ("y", 0.3)):
+        b.dof("mass", axis)
+        b.start("mass", axis, 0.01, rate)
+        b.input("mass", axis)
+        b.output("mass", axis)
+    path = tmp_path / "swing.fmu"
+    saved = fm.save_fmu(b.build(), path, nonlinear=True, start={"mass.x": 0.02})
+    assert validate_fmu(str(path)) == []
+    assert [(v.name, v.unit, v.start) for v in saved.states] == [
+        ("state mass.x", "m", 0.02),
+        ("state mass.y", "m", 0.01),
+        ("state d mass.x", "m/s", 0.0),
+        ("state d mass.y", "m/s", 0.3),
+    ]
+    force = np.array([0.5, -2.0])
+
+    def rates(t, x):
+        r = np.add(x[:2], (length, 0))
+        return [*x[2:], *((force - stiffness * (1 - length / np.hypot(*r)) * r) / mass)]
+
+    x = np.array([0.05, -0.3, 0.2, 1.1])
+    with opened(path, tmp_path / "me", "me") as unit:
+        unit.own.setContinuousStates((ctypes.c_double * 4)(*x), 4)
+        for name, value in zip("xy", force, strict=True):
+            unit.set(f"force mass.{name}", value)
+        found = [unit.get(f"der(state d mass.{name})")[0] for name in "xy"]
+        np.testing.assert_allclose(found, rates(0, x)[2:], rtol=1e-12)
+    times = np.linspace(0, 0.5, 6)
+    expected = solve_ivp(rates, (0, 0.5), [0.02, 0.01, 0, 0.3], "DOP853", times, rtol=1e-12, atol=1e-14).y
+    inputs = dict(zip(("force mass.x", "force mass.y"), force, strict=True))
+    found = simulated(path, "cs", 0.5, 0.1, inputs, relative_tolerance=1e-8)
+    # A hundred times the tolerance, of a swing of 0.1 m.
+    np.testing.assert_allclose(found["position mass.y"], expected[1], atol=1e-7)
+    with pytest.raises(ValueError, match="without `modes`"):
+        fm.save_fmu(b.build(), path, nonlinear=True, modes=1)
+    with pytest.raises(ValueError, match="say nonlinear=True"):
+        fm.save_fmu(b.build(), path, loads={"mass.x": np.sin})
+
+
 def renamed(inputs=("u",), outputs=("y",), states=("q",)):
     one = np.ones((1, 1))
     return plants.linear(-one, one, one, 0 * one, *(tuple(map(Variable, of)) for of in (inputs, outputs, states)))
@@ -424,9 +474,9 @@ def test_wrong_files_and_things(tmp_path):
 
 
 @needs_compiler
-@pytest.mark.parametrize("mode", [9, 4])
+@pytest.mark.parametrize("mode", [9, 4, 1])
 def test_command(mode, tmp_path):
-    """A shipped mass on a spring about its equilibrium, and along the motion that a load makes."""
+    """A shipped mass on a spring about its equilibrium, along the motion that a load makes, and with all its motion."""
     source, path = tmp_path / "mass.dat", tmp_path / "mass.fmu"
     text = mechanism_path("pf1dtrx").read_text()
     source.write_text(re.sub("END\nHALT\n+INPUTF", "TIMESTEP 0.02 4\nEND\nHALT\nINPUTF", text))
