@@ -212,6 +212,16 @@ def test_time_varying_plant_agrees_with_an_independent_integration(fmi, tmp_path
             x, u = np.array([0.1, 0.4]), -0.3 - m["u0"]
             np.testing.assert_allclose(unit.get("der(state d q)"), (m["A"] @ x + m["B"] @ u)[1:], rtol=1e-13)
             np.testing.assert_allclose(unit.get("angle"), m["y0"] + m["C"] @ x + m["D"] @ u, rtol=1e-13)
+        # Of a rate by a state, the input and an entry of B at a knot, and of what is nominal by its entry in the table.
+        unit.own.setTime(0.33)
+        entry = ["B[4,2,1]"] if fmi == 2 else []
+        found = unit.derivative(["der(state d q)"], ["state q", "torque", *entry], [1.0, 2.0, *([3.0] * len(entry))])
+        expected = system.A[3, 1, 0] + 2 * system.B[3, 1, 0] + 3 * len(entry) * (-0.3 - system.u0[3, 0])
+        np.testing.assert_allclose(found, [expected], rtol=1e-13)
+        if fmi == 2:
+            found = unit.derivative(["nominal angle", "angle", "der(state d q)"], ["y0[4,1]", "u0[4,1]"], [1.0, 2.0])
+            expected = [1.0, 1 - 2 * system.D[3, 0, 0], -2 * system.B[3, 1, 0]]
+            np.testing.assert_allclose(found, expected, rtol=1e-13)
         # Beyond the last knot all stays as it is there.
         unit.own.setTime(7.0)
         np.testing.assert_allclose(unit.get("nominal angle"), system.y0[-1], rtol=1e-15)
@@ -316,6 +326,28 @@ def test_sources_compile_alone_and_export_all_functions_of_the_standard(fmi, tmp
     library, _ = compiled({file.name: file.read_bytes() for file in sources.iterdir()}, f"fmi{fmi}.c")
     assert library == (tmp_path / "out" / binary).read_bytes()
     assert np.ptp(found["angle"]) > 0
+
+
+@needs_compiler
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_what_an_importer_does_wrong_is_told(fmi, tmp_path):
+    path = tmp_path / "one.fmu"
+    fm.save_fmu(oscillators([3.0]), path, fmi=fmi)
+    with opened(path, tmp_path / "cs") as unit:
+        for wrong in (
+            lambda: unit.own.doStep(0.5, 0.1),
+            lambda: unit.own.doStep(0.0, -0.1),
+            lambda: unit.set("place", 1.0),
+            lambda: unit.derivative(["place"], ["rate"], [1.0]),
+        ):
+            with pytest.raises(Exception, match=f"fmi{fmi}"):
+                wrong()
+        if fmi == 3:
+            assert unit.said[0] == "A step must go forward, from the time at which the last one ended."
+            assert unit.said[2].startswith("Inputs, states and parameters alone can be set")
+        unit.own.guid = "{00000000-0000-0000-0000-000000000000}"
+        with pytest.raises(Exception, match=r"nstantiat"):
+            unit.own.instantiate()
 
 
 def test_without_a_compiler_a_unit_holds_sources_and_says_so(tmp_path, monkeypatch):
