@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @jit_beside_options
-def _rates(model: Model, driven, t, state, memory, u):
+def plant_rates(model: Model, driven, t, state, memory, u):
     """Rates of the state, outputs, and the memory to go on from."""
     undriven = coordinates_form(model.topology, model.parameters, driven)
     form = reduced_form(under_inputs(model, undriven, u))
@@ -70,7 +70,9 @@ def to_nonlinear_system(
     memory = [jnp.concatenate([start.x, jnp.zeros(model.topology.n_e)])]
 
     def evaluated(t, x, u):
-        rates, y, memory[0] = _rates(nameless, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u))
+        rates, y, memory[0] = plant_rates(
+            nameless, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u)
+        )
         return np.asarray(rates), np.asarray(y)
 
     names = [name.replace(".", " ") for name in model.q_labels]

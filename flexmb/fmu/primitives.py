@@ -1,0 +1,774 @@
+"""How each primitive of JAX is said in C."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .flatten import Equation
+from .terms import Lazy, Place, Value, View, literal, reshaped, variable
+from .writer import Writer, counters
+
+# So many terms of a sum are written out; more make a loop.
+SHORT = 4
+RULES: dict[str, Callable[[Writer, Equation, list[Value]], list[Value]]] = {}
+
+
+def rule(*names: str):
+    """Enter a translation under the names of primitives."""
+
+    def enter(function):
+        for name in names:
+            RULES[name] = function
+        return function
+
+    return enter
+
+
+# Elementwise
+
+
+def spread(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
+    """An operand as an array of the wanted shape: an axis of one entry serves all."""
+    if value.shape == shape:
+        return value
+    one, missing = w.cheap(value), len(shape) - len(value.shape)
+    own = value.shape
+
+    def at(index: list[Place]) -> str:
+        return one.at([place if n > 1 else Place() for place, n in zip(index[missing:], own, strict=True)])
+
+    return Lazy(at, 0, shape, value.dtype)
+
+
+def mapped(w: Writer, equation: Equation, values: list[Value], write: Callable[..., str]) -> list[Value]:
+    """An elementwise operation.
+
+    Args:
+        write: Expression from those of the operands.
+    """
+    (out,) = equation.outputs
+    operands = [spread(w, value, out.shape) for value in values]
+    cost = 1 + sum(one.cost for one in operands)
+    return [Lazy(lambda index: write(*(one.at(index) for one in operands)), cost, out.shape, out.dtype)]
+
+
+def wrapped(dtype: np.dtype, text: str) -> str:
+    """A whole number as its type holds it."""
+    if dtype.kind == "b":
+        return text
+    bits = f"{'u' if dtype.kind == 'u' else ''}int{8 * dtype.itemsize}_t"
+    return f"(({bits})({text}))"
+
+
+def _by_kind(names: str, decimal: str, whole: str | None = None, truth: str | None = None) -> None:
+    """Enter operations by their C expressions for numbers, whole numbers and truth values."""
+
+    def translate(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+        dtype = values[-1].dtype
+        template = {"f": decimal, "b": truth or whole}.get(dtype.kind, whole)
+        if template is None:
+            raise NotImplementedError(f"numbers of type {dtype}")
+        for word in template.replace("(", " ( ").split():
+            if word.startswith("fx_"):
+                w.helper(word)
+        out = equation.outputs[0].dtype
+        wraps = dtype.kind in "iu" and out == dtype
+        return mapped(
+            w, equation, values, lambda *v: wrapped(out, template.format(*v)) if wraps else template.format(*v)
+        )
+
+    for name in names.split():
+        RULES[name] = translate
+
+
+_U = "(uint64_t){} {} (uint64_t){}"
+_by_kind("add add_any", "({} + {})", "(uint64_t){} + (uint64_t){}", "({} | {})")
+_by_kind("sub", "({} - {})", "(uint64_t){} - (uint64_t){}")
+_by_kind("mul", "({} * {})", "(uint64_t){} * (uint64_t){}", "({} & {})")
+_by_kind("div", "({} / {})", "fx_idiv({}, {})")
+_by_kind("rem", "fmod({}, {})", "fx_irem({}, {})")
+_by_kind("max", "fx_max({}, {})", "fx_imax({}, {})", "({} | {})")
+_by_kind("min", "fx_min({}, {})", "fx_imin({}, {})", "({} & {})")
+_by_kind("neg", "(-{})", "-(uint64_t){}")
+_by_kind("abs", "fabs({})", "fx_iabs({})")
+_by_kind("sign", "fx_sign({})", "fx_isign({})")
+_by_kind("square", "fx_square({})", "(uint64_t){0} * (uint64_t){0}")
+_by_kind("is_finite", "(isfinite({}) != 0)")
+for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}.items():
+    _by_kind(_name, f"({{}} {_sign} {{}})", f"({{}} {_sign} {{}})")
+_by_kind("lt_to", "fx_before({}, {})", "({} < {})")
+_by_kind("le_to", "(!fx_before({1}, {0}))", "({} <= {})")
+_by_kind("and", "", "{} & {}", "({} & {})")
+_by_kind("or", "", "{} | {}", "({} | {})")
+_by_kind("xor", "", "{} ^ {}", "({} ^ {})")
+_by_kind("not", "", "~{}", "(!{})")
+_by_kind("round", "round({})")
+for _name in "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log1p sqrt cbrt".split():
+    _by_kind(_name, f"{_name}({{}})")
+for _name in "floor ceil erf erfc".split():
+    _by_kind(_name, f"{_name}({{}})")
+_by_kind("atan2", "atan2({}, {})")
+_by_kind("nextafter", "nextafter({}, {})")
+_by_kind("rsqrt", "(1.0 / sqrt({}))")
+_by_kind("logistic", "(1.0 / (1.0 + exp(-{})))")
+
+
+@rule("pow")
+def _pow(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    power = values[1]
+    if power.dtype.kind == "f":
+        return mapped(w, equation, values, lambda x, y: f"pow({x}, {y})")
+    if values[0].dtype.kind != "f":
+        raise NotImplementedError("powers of whole numbers")
+    return mapped(w, equation, values, lambda x, y: f"pow({x}, (double){y})")
+
+
+@rule("round")
+def _round(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    to_even = int(equation.params["rounding_method"]) == 1
+    return mapped(w, equation, values, lambda x: f"{'rint' if to_even else 'round'}({x})")
+
+
+@rule("integer_pow")
+def _integer_pow(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    y = int(equation.params["y"])
+    if values[0].dtype.kind != "f":
+        return mapped(w, equation, values, lambda x: wrapped(values[0].dtype, f"{w.helper('fx_iipow')}({x}, {y})"))
+    if y == 2:
+        return mapped(w, equation, values, lambda x: f"{w.helper('fx_square')}({x})")
+    return mapped(w, equation, values, lambda x: f"{w.helper('fx_ipow')}({x}, {y})")
+
+
+@rule("reduce_precision")
+def _reduce_precision(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    if (equation.params["exponent_bits"], equation.params["mantissa_bits"]) != (11, 52):
+        raise NotImplementedError("less than double precision")
+    return values
+
+
+@rule("clamp")
+def _clamp(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    i = "" if values[1].dtype.kind == "f" else "i"
+    most, least = w.helper(f"fx_{i}min"), w.helper(f"fx_{i}max")
+    return mapped(w, equation, values, lambda lo, x, hi: f"{most}({least}({lo}, {x}), {hi})")
+
+
+@rule("select_n")
+def _select_n(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    def write(which: str, *cases: str) -> str:
+        *first, text = cases
+        if len(first) == 1:
+            return f"({which} ? {text} : {first[0]})"
+        for i, case in reversed(list(enumerate(first))):
+            text = f"({which} == {i} ? {case} : {text})"
+        return text
+
+    return mapped(w, equation, values, write)
+
+
+@rule("convert_element_type")
+def _convert(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x,), new = values, equation.outputs[0].dtype
+    if x.dtype == new or (x.dtype.kind == "b" and new.kind in "iu"):
+        return [x._replace(dtype=new)]
+    if new.kind == "b":
+        return mapped(w, equation, values, lambda x: f"({x} != 0)")
+    if new.kind == "f":
+        return mapped(w, equation, values, lambda x: f"(double){x}")
+    if x.dtype.kind == "f":
+        bounds = np.iinfo(new)
+        low = "INT64_MIN" if bounds.min == -(2**63) else f"INT64_C({bounds.min})"
+        text = f"{w.helper('fx_whole')}({{}}, {low}, INT64_C({bounds.max}))"
+        return mapped(w, equation, values, text.format)
+    bounds, old = np.iinfo(new), np.iinfo(x.dtype)
+    if bounds.min <= old.min and old.max <= bounds.max:
+        return [x._replace(dtype=new)]
+    return mapped(w, equation, values, lambda x: wrapped(new, x))
+
+
+# Shapes
+
+
+@rule("iota")
+def _iota(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (out,), axis = equation.outputs, equation.params["dimension"]
+    cast = "(double)" if out.dtype.kind == "f" else "(int64_t)"
+    return [Lazy(lambda index: f"({cast}({index[axis]}))", 0, out.shape, out.dtype)]
+
+
+@rule("broadcast_in_dim")
+def _broadcast(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x, *_), (out,) = values, equation.outputs
+    axes = tuple(map(int, equation.params["broadcast_dimensions"]))
+    if np.prod(out.shape, dtype=int) > np.prod(x.shape, dtype=int):
+        x = w.cheap(x)
+    if isinstance(x, View):
+        strides = [0] * len(out.shape)
+        for axis, length, stride in zip(axes, x.shape, x.strides, strict=True):
+            strides[axis] = stride if length > 1 else 0
+        return [x._replace(strides=tuple(strides), shape=out.shape)]
+    own = x.shape
+
+    def at(index: list[Place]) -> str:
+        return x.at([index[axis] if n > 1 else Place() for axis, n in zip(axes, own, strict=True)])
+
+    return [Lazy(at, x.cost, out.shape, out.dtype)]
+
+
+@rule("reshape", "squeeze", "expand_dims")
+def _reshape(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    if equation.params.get("dimensions") is not None and equation.name == "reshape":
+        raise NotImplementedError("another order of axes")
+    return [in_shape(w, values[0], equation.outputs[0].shape)]
+
+
+def in_shape(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
+    """The same numbers in another shape."""
+    if isinstance(value, Lazy):
+        longer = [axis for axis, n in enumerate(shape) if n != 1]
+        if [shape[axis] for axis in longer] == [n for n in value.shape if n != 1]:
+            own = value.shape
+
+            def at(index: list[Place]) -> str:
+                rest = iter([index[axis] for axis in longer])
+                return value.at([next(rest) if n != 1 else Place() for n in own])
+
+            return Lazy(at, value.cost, shape, value.dtype)
+    view = w.stored(value)
+    found = reshaped(view, shape)
+    if found is None:
+        found = reshaped(w.copied(view), shape)
+    assert found is not None
+    return found
+
+
+@rule("transpose")
+def _transpose(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x,), (out,) = values, equation.outputs
+    order = tuple(map(int, equation.params["permutation"]))
+    if isinstance(x, View):
+        return [x._replace(strides=tuple(x.strides[axis] for axis in order), shape=out.shape)]
+    return [Lazy(lambda index: x.at([index[order.index(i)] for i in range(len(order))]), x.cost, out.shape, out.dtype)]
+
+
+def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]) -> Value:
+    """A part of an array, from a place in steps.
+
+    Args:
+        starts: One for each axis.
+        steps: The same; they may be negative.
+        shape: Of the part.
+    """
+    if isinstance(x, View):
+        strides = tuple(stride * step for stride, step in zip(x.strides, steps, strict=True))
+        return View(x.pool, x.place(starts), strides, shape, x.dtype)
+
+    def at(index: list[Place]) -> str:
+        return x.at([start + one * step for start, one, step in zip(starts, index, steps, strict=True)])
+
+    return Lazy(at, x.cost, shape, x.dtype)
+
+
+@rule("slice")
+def _slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    starts = [Place(one) for one in equation.params["start_indices"]]
+    steps = list(equation.params["strides"] or [1] * len(starts))
+    return [part(values[0], starts, steps, equation.outputs[0].shape)]
+
+
+@rule("rev")
+def _rev(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    shape, turned = values[0].shape, set(map(int, equation.params["dimensions"]))
+    starts = [Place(n - 1 if axis in turned else 0) for axis, n in enumerate(shape)]
+    return [part(values[0], starts, [-1 if axis in turned else 1 for axis in range(len(shape))], shape)]
+
+
+@rule("split")
+def _split(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    axis, at, found = equation.params["axis"], 0, []
+    for out in equation.outputs:
+        starts = [Place(at if i == axis else 0) for i in range(len(out.shape))]
+        found.append(part(values[0], starts, [1] * len(out.shape), out.shape))
+        at += out.shape[axis]
+    return found
+
+
+@rule("unstack")
+def _unstack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x,), axis = values, equation.params["axis"]
+    whole = tuple(1 if i == axis else n for i, n in enumerate(x.shape))
+    found = []
+    for i, out in enumerate(equation.outputs):
+        starts = [Place(i if k == axis else 0) for k in range(len(whole))]
+        found.append(in_shape(w, part(x, starts, [1] * len(whole), whole), out.shape))
+    return found
+
+
+def _joined(w: Writer, equation: Equation, pieces: list[Value], axis: int) -> list[Value]:
+    (out,), at = equation.outputs, 0
+    whole = w.new(out.shape, out.dtype)
+    for piece in pieces:
+        starts = [Place(at if i == axis else 0) for i in range(len(out.shape))]
+        to = part(whole, starts, [1] * len(out.shape), piece.shape)
+        assert isinstance(to, View)
+        w.store(piece, to)
+        at += piece.shape[axis]
+    return [whole]
+
+
+@rule("concatenate")
+def _concatenate(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    return _joined(w, equation, values, equation.params["dimension"])
+
+
+@rule("stack")
+def _stack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    axis = equation.params["axis"]
+    shape = tuple(1 if i == axis else n for i, n in enumerate(equation.outputs[0].shape))
+    return _joined(w, equation, [in_shape(w, one, shape) for one in values], axis)
+
+
+@rule("tile")
+def _tile(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x,), (out,) = values, equation.outputs
+    own = (1,) * (len(out.shape) - len(x.shape)) + x.shape
+    x = in_shape(w, w.cheap(x), own)
+    longer = tuple(n for whole, n in zip(out.shape, own, strict=True) for n in (whole // n if n else 1, n))
+    again = Lazy(lambda index: x.at(index[1::2]), 0, longer, out.dtype)
+    return [in_shape(w, w.copied(again), out.shape)]
+
+
+@rule("pad")
+def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x, filling), (out,) = values, equation.outputs
+    config = [tuple(map(int, one)) for one in equation.params["padding_config"]]
+    whole = w.new(out.shape, out.dtype)
+    w.store(spread(w, filling, out.shape), whole)
+    # What stands outside after a negative padding is left away.
+    first, count, to = [], [], []
+    for (low, _, inner), n, length in zip(config, x.shape, out.shape, strict=True):
+        step = inner + 1
+        begin = max(0, -(low // step)) if low < 0 else 0
+        last = min(n - 1, (length - 1 - low) // step) if length else -1
+        first.append(begin)
+        count.append(max(0, last - begin + 1))
+        to.append(Place(low + begin * step))
+    steps = [one[2] + 1 for one in config]
+    inside = part(x, [Place(one) for one in first], [1] * len(first), tuple(count))
+    target = part(whole, to, steps, tuple(count))
+    assert isinstance(target, View)
+    w.store(inside, target)
+    return [whole]
+
+
+# Sums and products
+
+STARTS = {"sum": "0", "prod": "1", "or": "0", "and": "1", "xor": "0"}
+
+
+def _combined(w: Writer, kind: str, dtype: np.dtype) -> tuple[str, Callable[[str, str], str]]:
+    """What a sum, a product or an extreme begins with, and how two numbers make one."""
+    decimal = dtype.kind == "f"
+    if kind in ("max", "min"):
+        if decimal:
+            start = "-INFINITY" if kind == "max" else "INFINITY"
+        else:
+            bounds = np.iinfo(dtype) if dtype.kind in "iu" else None
+            bound = 0 if bounds is None else bounds.min if kind == "max" else bounds.max
+            start = "INT64_MIN" if bound == -(2**63) else f"INT64_C({1 if bounds is None and kind == 'min' else bound})"
+        call = w.helper(f"fx_{'' if decimal else 'i'}{kind}")
+        return start, lambda a, b: f"{call}({a}, {b})"
+    sign = {"sum": "+", "prod": "*", "or": "|", "and": "&", "xor": "^"}[kind]
+    if kind == "and" and dtype.kind in "iu":
+        return "-1", lambda a, b: f"({a} & {b})"
+    if dtype.kind in "iu" and sign in "+*":
+        return STARTS[kind], lambda a, b: wrapped(dtype, f"(uint64_t){a} {sign} (uint64_t){b}")
+    return STARTS[kind], lambda a, b: f"({a} {sign} {b})"
+
+
+def reduced(w: Writer, x: Value, axes: tuple[int, ...], kind: str) -> Value:
+    """An array with some of its axes summed, multiplied, or searched for an extreme."""
+    kept = [axis for axis in range(len(x.shape)) if axis not in axes]
+    shape, inner = tuple(x.shape[axis] for axis in kept), tuple(x.shape[axis] for axis in axes)
+    start, combine = _combined(w, kind, x.dtype)
+    count = int(np.prod(inner, dtype=int))
+
+    def whole(outer: list[Place], within: list[Place]) -> list[Place]:
+        places = dict(zip([*kept, *axes], [*outer, *within], strict=True))
+        return [places[axis] for axis in range(len(x.shape))]
+
+    if 0 < count <= SHORT:
+        terms = list(np.ndindex(*inner))
+
+        def at(index: list[Place]) -> str:
+            each = [x.at(whole(index, [Place(i) for i in term])) for term in terms]
+            return functools.reduce(combine, each)
+
+        return Lazy(at, max(1, count * (x.cost + 1) - 1), shape, x.dtype)
+    found = w.new(shape, x.dtype)
+    loops, outer = counters("i", shape)
+    rounds, within = counters("r", inner)
+    kind_of = "double" if x.dtype.kind == "f" else "int64_t"
+    if 0 in shape:
+        return found
+    if count:
+        step = f"{rounds}s = {combine('s', x.at(whole(outer, within)))}; "
+        if kind in ("sum", "prod") and step.count("s = (s "):
+            sign = "+" if kind == "sum" else "*"
+            step = f"{rounds}s {sign}= {x.at(whole(outer, within))}; "
+    else:
+        step = ""
+    w.add(f"{loops}{{ {kind_of} s = {start}; {step}{found.at(outer)} = s; }}")
+    return found
+
+
+for _kind in ("sum", "prod", "max", "min", "and", "or", "xor"):
+
+    @rule(f"reduce_{_kind}")
+    def _reduce(w: Writer, equation: Equation, values: list[Value], kind: str = _kind) -> list[Value]:
+        return [reduced(w, values[0], tuple(map(int, equation.params["axes"])), kind)]
+
+
+@rule("dot_general")
+def _dot_general(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (left, right), (out,) = values, equation.outputs
+    (lc, rc), (lb, rb) = (
+        tuple(tuple(map(int, axes)) for axes in pair) for pair in equation.params["dimension_numbers"]
+    )
+    own = [axis for axis in range(len(left.shape)) if axis not in (*lc, *lb)]
+    other = [axis for axis in range(len(right.shape)) if axis not in (*rc, *rb)]
+    # A number that is read once is worked out where it is read.
+    left = left if np.prod([right.shape[axis] for axis in other], dtype=int) <= 1 else w.cheap(left)
+    right = right if np.prod([left.shape[axis] for axis in own], dtype=int) <= 1 else w.cheap(right)
+    along = tuple(left.shape[axis] for axis in lc)
+    orders = ([*lb, *own, *lc], [*rb, *other, *rc])
+
+    def at(index: list[Place]) -> str:
+        batch, rest = index[: len(lb)], index[len(lb) :]
+        places = (
+            [*batch, *rest[: len(own)], *rest[len(own) + len(other) :]],
+            [*batch, *rest[len(own) :]],
+        )
+        texts = []
+        for operand, order, found in zip((left, right), orders, places, strict=True):
+            by_axis = dict(zip(order, found, strict=True))
+            texts.append(operand.at([by_axis[axis] for axis in range(len(order))]))
+        if out.dtype.kind == "f":
+            return f"({texts[0]} * {texts[1]})"
+        return wrapped(out.dtype, f"(uint64_t){texts[0]} * (uint64_t){texts[1]}")
+
+    product = Lazy(at, 1 + left.cost + right.cost, (*out.shape, *along), out.dtype)
+    axes = tuple(range(len(out.shape), len(out.shape) + len(along)))
+    return [reduced(w, product, axes, "sum") if axes else product]
+
+
+@rule("cumsum", "cumprod", "cummax", "cummin")
+def _cumulative(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x,), axis, kind = values, equation.params["axis"], equation.name.removeprefix("cum")
+    start, combine = _combined(w, kind, x.dtype)
+    found, n = w.new(x.shape, x.dtype), x.shape[axis]
+    if 0 in x.shape:
+        return [found]
+    loops, index = counters("i", tuple(1 if i == axis else length for i, length in enumerate(x.shape)))
+    index[axis] = variable("r") * -1 + (n - 1) if equation.params["reverse"] else variable("r")
+    kind_of = "double" if x.dtype.kind == "f" else "int64_t"
+    step = f"s = {combine('s', x.at(index))}; {found.at(index)} = s;"
+    w.add(f"{loops}{{ {kind_of} s = {start}; F(r, {n}) {{ {step} }} }}")
+    return [found]
+
+
+@rule("argmax", "argmin")
+def _arg(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x,), (out,), (axis,) = values, equation.outputs, equation.params["axes"]
+    found = w.new(out.shape, out.dtype)
+    if 0 in out.shape:
+        return [found]
+    loops, index = counters("i", out.shape)
+    sign = ">" if equation.name == "argmax" else "<"
+    kind_of = "double" if x.dtype.kind == "f" else "int64_t"
+    first = x.at([*index[:axis], Place(), *index[axis:]])
+    each = x.at([*index[:axis], variable("r"), *index[axis:]])
+    # The first that is no number is the answer.
+    better = f"v {sign} s || (v != v && s == s)" if x.dtype.kind == "f" else f"v {sign} s"
+    step = f"{{ {kind_of} v = {each}; if ({better}) {{ s = v; k = r; }} }}"
+    w.add(f"{loops}{{ {kind_of} s = {first}; int k = 0; F(r, {x.shape[axis]}) {step} {found.at(index)} = k; }}")
+    return [found]
+
+
+@rule("sort")
+def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    axis, keys = equation.params["dimension"], equation.params["num_keys"]
+    shape = values[0].shape
+    found = [w.copied(value) for value in values]
+    if 0 in shape:
+        return list(found)
+    loops, index = counters("i", tuple(1 if i == axis else n for i, n in enumerate(shape)))
+
+    def at(view: View, place: Place) -> str:
+        return view.at([*index[:axis], place, *index[axis + 1 :]])
+
+    upper, lower = variable("k"), variable("k") + (-1)
+    before = "0"
+    for view in reversed(found[:keys]):
+        a, b = at(view, upper), at(view, lower)
+        less = f"{w.helper('fx_sooner')}({a}, {b})" if view.dtype.kind == "f" else f"{a} < {b}"
+        more = f"fx_sooner({b}, {a})" if view.dtype.kind == "f" else f"{b} < {a}"
+        before = f"({less} || (!({more}) && {before}))"
+    swaps = ""
+    for view in found:
+        kind_of, a, b = "double" if view.dtype.kind == "f" else "int64_t", at(view, upper), at(view, lower)
+        swaps += f"{{ {kind_of} v = {a}; {a} = {b}; {b} = v; }} "
+    w.add(f"{loops}F(r, {shape[axis]}) for (int k = r; k > 0 && {before}; k--) {{ {swaps}}}")
+    return list(found)
+
+
+# Matrices
+
+
+def _batched(w: Writer, shape: tuple[int, ...]) -> tuple[str, list[Place]]:
+    loops, index = counters("i", shape)
+    return loops, [*index, Place(), Place()]
+
+
+def _pointer(view: View, index: list[Place]) -> str:
+    return f"{view.pool} + {view.place(index[: len(view.shape)])}"
+
+
+@rule("lu")
+def _lu(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    lu = w.copied(values[0])
+    pivots, order = (w.new(one.shape, one.dtype) for one in equation.outputs[1:])
+    *batch, m, n = lu.shape
+    if 0 not in lu.shape:
+        loops, index = _batched(w, tuple(batch))
+        arguments = ", ".join(_pointer(one, index) for one in (lu, pivots, order))
+        w.add(f"{loops}{w.helper('fx_lu')}({arguments}, {m}, {n});")
+    return [lu, pivots, order]
+
+
+@rule("lu_pivots_to_permutation")
+def _permutation(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    pivots, order = w.copied(values[0]), w.new(equation.outputs[0].shape, equation.outputs[0].dtype)
+    loops, index = counters("i", pivots.shape[:-1])
+    index = [*index, Place()]
+    arguments = f"{_pointer(pivots, index)}, {_pointer(order, index)}, {pivots.shape[-1]}, {order.shape[-1]}"
+    w.add(f"{loops}{w.helper('fx_permutation')}({arguments});")
+    return [order]
+
+
+@rule("triangular_solve")
+def _triangular(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    a, x = w.stored(values[0]), w.copied(values[1])
+    params = equation.params
+    lower, turned = params["lower"], params["transpose_a"]
+    if 0 in x.shape:
+        return [x]
+    row, column = a.strides[-2:]
+    down, across = x.strides[-2:]
+    count = x.shape[-1]
+    if not params["left_side"]:
+        # X A = B is A^T X^T = B^T.
+        turned, down, across, count = not turned, across, down, x.shape[-2]
+    if turned:
+        row, column, lower = column, row, not lower
+    loops, index = _batched(w, x.shape[:-2])
+    sizes = f"{a.shape[-1]}, {count}, {int(lower)}, {int(params['unit_diagonal'])}"
+    call = f"{_pointer(a, index)}, {row}, {column}, {_pointer(x, index)}, {down}, {across}, {sizes}"
+    w.add(f"{loops}{w.helper('fx_triangle')}({call});")
+    return [x]
+
+
+@rule("cholesky")
+def _cholesky(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    factor = w.copied(values[0])
+    if 0 not in factor.shape:
+        loops, index = _batched(w, factor.shape[:-2])
+        w.add(f"{loops}{w.helper('fx_cholesky')}({_pointer(factor, index)}, {factor.shape[-1]});")
+    return [factor]
+
+
+# Places by index
+
+
+def _start(w: Writer, value: Value, most: int) -> Place:
+    """A place that is worked out, kept within bounds as JAX does."""
+    text = w.cheap(value).at([])
+    if text.isdigit() or text.strip("()").lstrip("-").isdigit():
+        return Place(min(max(int(text.strip("()")), 0), most))
+    return variable(f"{w.helper('fx_clip')}({text}, {most})")
+
+
+@rule("dynamic_slice")
+def _dynamic_slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    x, *starts = values
+    sizes = equation.outputs[0].shape
+    places = [_start(w, one, n - size) for one, n, size in zip(starts, x.shape, sizes, strict=True)]
+    return [part(x, places, [1] * len(sizes), sizes)]
+
+
+@rule("dynamic_update_slice")
+def _dynamic_update_slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    x, change, *starts = values
+    places = [_start(w, one, n - size) for one, n, size in zip(starts, x.shape, change.shape, strict=True)]
+    found = w.copied(x)
+    to = part(found, places, [1] * len(places), change.shape)
+    assert isinstance(to, View)
+    w.store(change, to)
+    return [found]
+
+
+class _Indices:
+    """Where windows begin, by the indices of a gather or scatter."""
+
+    def __init__(self, w: Writer, equation: Equation, indices: Value, known: np.ndarray | None, most: dict[int, int]):
+        self.w, self.most = w, most
+        name = getattr(equation.params["mode"], "name", str(equation.params["mode"]))
+        self.drops = name == "FILL_OR_DROP"
+        self.columns: dict[int, Value] = {}
+        self.known = known is not None
+        self.guarded: Value | None = None
+        if known is None:
+            found, shape = w.cheap(indices), (*indices.shape[:-1], 1)
+            for k, axis in enumerate(most):
+                self.columns[axis] = part(found, [*[Place()] * (len(shape) - 1), Place(k)], [1] * len(shape), shape)
+            return
+        inside = np.ones(known.shape[:-1], bool)
+        for k, (axis, bound) in enumerate(most.items()):
+            column = known[..., k].astype(np.int64)
+            inside &= (column >= 0) & (column <= bound)
+            self.columns[axis] = w.tables.value(np.clip(column, 0, max(bound, 0)))
+        if self.drops and not inside.all():
+            self.guarded = w.tables.value(inside)
+
+    def place(self, axis: int, batch: list[Place]) -> Place:
+        """Where a window begins along an axis."""
+        column = self.columns[axis]
+        if not self.known:
+            return variable(f"{self.w.helper('fx_clip')}({column.at([*batch, Place()])}, {self.most[axis]})")
+        if isinstance(column, View):
+            return variable(column.at(batch))
+        even = column.at([Place()] * len(batch)).strip("()")
+        start = Place(int(even))
+        for i, one in enumerate(batch):
+            unit = [Place(1 if k == i else 0) for k in range(len(batch))]
+            start = start + one * (int(column.at(unit).strip("()")) - int(even))
+        return start
+
+    def guard(self, batch: list[Place]) -> str | None:
+        """A condition by the index within the batch; None where no window lies outside or all are kept inside."""
+        if self.known:
+            return None if self.guarded is None else self.guarded.at(batch)
+        if not self.drops:
+            return None
+        texts = [(self.columns[axis].at([*batch, Place()]), bound) for axis, bound in self.most.items()]
+        return " && ".join(f"{text} >= 0 && {text} <= {bound}" for text, bound in texts)
+
+
+def _places(
+    indices: _Indices, batch: list[Place], window: dict[int, Place], paired: dict[int, int], rank: int
+) -> list[Place]:
+    found = []
+    for axis in range(rank):
+        place = window.get(axis, Place())
+        if axis in paired:
+            place = place + batch[paired[axis]]
+        if axis in indices.most:
+            place = place + indices.place(axis, batch)
+        found.append(place)
+    return found
+
+
+@rule("gather")
+def _gather(w: Writer, equation: Equation, values: list[Value], known: np.ndarray | None = None) -> list[Value]:
+    (x, indices), (out,), params = values, equation.outputs, equation.params
+    numbers, sizes = params["dimension_numbers"], [int(one) for one in params["slice_sizes"]]
+    collapsed = (*map(int, numbers.collapsed_slice_dims), *map(int, numbers.operand_batching_dims))
+    offsets = list(map(int, numbers.offset_dims))
+    along = [axis for axis in range(len(x.shape)) if axis not in collapsed]
+    batch_axes = [axis for axis in range(len(out.shape)) if axis not in offsets]
+    paired = dict(
+        zip(map(int, numbers.operand_batching_dims), map(int, numbers.start_indices_batching_dims), strict=True)
+    )
+    if 0 in out.shape:
+        return [Lazy(lambda index: "0", 0, out.shape, out.dtype)]
+    most = {int(axis): x.shape[axis] - sizes[axis] for axis in numbers.start_index_map}
+    where = _Indices(w, equation, indices, known, most)
+    source = w.cheap(x)
+
+    def at(index: list[Place]) -> str:
+        batch = [index[axis] for axis in batch_axes]
+        window = {axis: index[own] for axis, own in zip(along, offsets, strict=True)}
+        text = source.at(_places(where, batch, window, paired, len(source.shape)))
+        guard = where.guard(batch)
+        return text if guard is None else f"({guard} ? {text} : {filling})"
+
+    filling = _filling(params.get("fill_value"), out.dtype)
+    if where.known and where.guarded is None and isinstance(source, View):
+        even = _even(source, lambda index: _places(
+            where, [index[axis] for axis in batch_axes],
+            {axis: index[own] for axis, own in zip(along, offsets, strict=True)}, paired, len(source.shape),
+        ), out.shape)  # fmt: skip
+        if even is not None:
+            return [even]
+    return [Lazy(at, 0 if where.known else 1, out.shape, out.dtype)]
+
+
+def _even(source: View, places: Callable[[list[Place]], list[Place]], shape: tuple[int, ...]) -> View | None:
+    """A gather as a view, where its places grow evenly."""
+    names = [f"i{axis}" for axis in range(len(shape))]
+    place = source.place(places([variable(name) for name in names]))
+    rest = {key: factor for key, factor in place.terms.items() if key not in names}
+    if any(key.startswith("I[") for key in rest):
+        return None
+    strides = tuple(place.terms.get(name, 0) for name in names)
+    return View(source.pool, Place(place.constant, rest, place.buffer), strides, shape, source.dtype)
+
+
+def _filling(given: Any, dtype: np.dtype) -> str:
+    if given is not None:
+        return literal(given, dtype)
+    if dtype.kind == "f":
+        return "NAN"
+    if dtype.kind == "b":
+        return "1"
+    bounds = np.iinfo(dtype)
+    return literal(bounds.max if dtype.kind == "u" else bounds.min, dtype)
+
+
+@rule("scatter", "scatter-add", "scatter_add", "scatter-mul", "scatter_mul", "scatter-min", "scatter_min",
+      "scatter-max", "scatter_max", "scatter-sub", "scatter_sub")  # fmt: skip
+def _scatter(w: Writer, equation: Equation, values: list[Value], known: np.ndarray | None = None) -> list[Value]:
+    (x, indices, change), params = values, equation.params
+    numbers = params["dimension_numbers"]
+    windows = list(map(int, numbers.update_window_dims))
+    inserted = (*map(int, numbers.inserted_window_dims), *map(int, numbers.operand_batching_dims))
+    along = [axis for axis in range(len(x.shape)) if axis not in inserted]
+    batch_axes = [axis for axis in range(len(change.shape)) if axis not in windows]
+    paired = dict(
+        zip(map(int, numbers.operand_batching_dims), map(int, numbers.scatter_indices_batching_dims), strict=True)
+    )
+    found = w.copied(x)
+    if 0 in change.shape:
+        return [found]
+    size = {axis: change.shape[own] for axis, own in zip(along, windows, strict=True)}
+    most = {int(axis): x.shape[axis] - size.get(int(axis), 1) for axis in numbers.scatter_dims_to_operand_dims}
+    where = _Indices(w, equation, indices, known, most)
+    loops, index = counters("i", change.shape)
+    batch = [index[axis] for axis in batch_axes]
+    window = {axis: index[own] for axis, own in zip(along, windows, strict=True)}
+    target = found.at(_places(where, batch, window, paired, len(x.shape)))
+    given, kind = change.at(index), equation.name.removeprefix("scatter").strip("-_")
+    if kind in ("min", "max"):
+        call = w.helper(f"fx_{'' if x.dtype.kind == 'f' else 'i'}{kind}")
+        given = f"{call}({target}, {given})"
+    elif x.dtype.kind == "b" and kind:
+        raise NotImplementedError("truth values that are added")
+    sign = {"add": "+=", "sub": "-=", "mul": "*="}.get(kind, "=")
+    guard = where.guard(batch)
+    w.add(f"{loops}{f'if ({guard}) ' if guard else ''}{target} {sign} {given};")
+    return [found]
+
+
+BY_INDEX = frozenset(name for name, function in RULES.items() if function in (_gather, _scatter))

@@ -1,0 +1,290 @@
+"""Functions of JAX as C99: one file without libraries, with a loop for each operation on arrays."""
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import ModelError
+from .flatten import Atom, Block, Equation, Program, flattened, origin_of, read_by
+from .primitives import BY_INDEX, RULES
+from .terms import Place, Value, View, variable
+from .writer import Compound, Tables, Writer
+
+RUNTIME = Path(__file__).with_name("runtime.c")
+# A longer expression is written to memory, so that lines stay readable and compilers quick.
+OPERATIONS = 16
+HEAD = """\
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#define F(i, n) for (int i = 0; i < (n); i++)
+#ifdef __GNUC__
+#define PART __attribute__((noinline))
+#else
+#define PART
+#endif
+"""
+
+
+class Translated(NamedTuple):
+    """A function in C.
+
+    Attributes:
+        name: Of the function of C.
+        inputs: Names, shapes and types of what it reads; whole numbers and truth values are int64_t.
+        outputs: The same of what it writes.
+        work: Length of the workspace: numbers (double) and whole numbers (int64_t).
+        declaration: Of the function, without semicolon.
+    """
+
+    name: str
+    inputs: tuple[tuple[str, tuple[int, ...], np.dtype], ...]
+    outputs: tuple[tuple[str, tuple[int, ...], np.dtype], ...]
+    work: tuple[int, int]
+    declaration: str
+
+
+class Unit:
+    """A file of C, with as many functions as are added; tables and helpers are shared."""
+
+    def __init__(self):
+        self._tables = Tables()
+        self._helpers: dict[str, None] = {}
+        self._functions: list[str] = []
+
+    def add(
+        self,
+        name: str,
+        function: Callable[..., Any],
+        like: Sequence[Any],
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+        static: bool = False,
+    ) -> Translated:
+        """Translate a function of arrays.
+
+        In C it is ``void name(const double *a, .., double *r, .., double *w, int64_t *n)``: its arguments, its results,
+        and a workspace that it needs to find in no particular state. Loops, sums and products do what JAX does, with
+        its bounds of indices, whole numbers that wrap, and what is no number; they differ by round-off.
+
+        Args:
+            name: Of the function in C.
+            function: Of arrays; gives an array or a tuple of them. Numbers that it captures become constants.
+            like: Arguments, or their shapes.
+            inputs: Names of the arguments in C.
+            outputs: Names of the results in C.
+            static: Whether only this file calls it.
+
+        Raises:
+            ModelError: The function calls back to Python, or does what has no translation: the primitive by name.
+        """
+        program = flattened(function, *like)
+        inputs = inputs or [f"a{i}" for i in range(len(program.block.inputs))]
+        outputs = outputs or [f"r{i}" for i in range(len(program.block.outputs))]
+        w = Writer(self._tables)
+        emitter = _Emitter(w, program)
+        arguments = []
+        for given, atom in zip(inputs, program.block.inputs, strict=True):
+            view = w.new(atom.shape, atom.dtype)
+            emitter.at[atom] = view
+            arguments.append(f"const {_kind(atom)} *{given}")
+            w.add(f"(void){given};")
+            if 0 not in atom.shape:
+                w.store(view._replace(pool=given, start=Place()), view)
+        before, w.statements = w.statements, []
+        emitter.run(program.block.equations)
+        # The middle alone is divided among functions, which do not know the arguments.
+        w.statements = [*before, Compound([("{", w.statements)], "}")]
+        results = []
+        for given, atom in zip(outputs, program.block.outputs, strict=True):
+            value = emitter.at[atom]
+            results.append(f"{_kind(atom)} *{given}")
+            w.add(f"(void){given};")
+            if 0 not in atom.shape:
+                w.store(value, w.new(atom.shape, atom.dtype)._replace(pool=given, start=Place()))
+        functions, calls = w.text(name)
+        self._helpers.update(w.helpers)
+        head = f"{'static ' if static else ''}void {name}({', '.join([*arguments, *results])}, double *w, int64_t *n)"
+        body = "\n".join(calls)
+        self._functions += [*functions, f"{head}\n{{\n(void)w;\n(void)n;\n{body}\n}}\n"]
+        sizes = w.sizes()
+        return Translated(
+            name,
+            tuple((given, atom.shape, atom.dtype) for given, atom in zip(inputs, program.block.inputs, strict=True)),
+            tuple((given, atom.shape, atom.dtype) for given, atom in zip(outputs, program.block.outputs, strict=True)),
+            (sizes["w"], sizes["n"]),
+            head.removeprefix("static "),
+        )
+
+    def source(self) -> str:
+        """The text of the file."""
+        return "\n".join([HEAD, self._tables.text(), *_runtime(self._helpers), *self._functions])
+
+
+def _kind(atom: Atom) -> str:
+    return "double" if atom.dtype.kind == "f" else "int64_t"
+
+
+def _runtime(wanted: dict[str, None]) -> list[str]:
+    """Functions of ``runtime.c`` by name."""
+    found = []
+    for text in RUNTIME.read_text(encoding="utf-8").split("\n\n")[1:]:
+        named = re.search(r"\b(fx_\w+)\(", text)
+        if named and named[1] in wanted:
+            found.append(text.strip() + "\n")
+    return found
+
+
+class _Emitter:
+    """Writes equations, one after another.
+
+    Attributes:
+        at: Where each value is, or how it is worked out.
+    """
+
+    def __init__(self, w: Writer, program: Program):
+        self.w, self.known = w, program.constants
+        self.at: dict[Atom, Value] = {atom: w.tables.value(array) for atom, array in program.constants.items()}
+        self.uses: dict[Atom, int] = {}
+        self._count(program.block)
+
+    def _count(self, block: Block) -> None:
+        for equation in block.equations:
+            for atom in equation.inputs:
+                self.uses[atom] = self.uses.get(atom, 0) + 1
+            for inner in equation.blocks:
+                self._count(inner)
+                # What a loop reads is in memory before it begins.
+                for atom in read_by(inner.equations, inner.outputs):
+                    self.uses[atom] = self.uses.get(atom, 0) + 1
+        for atom in block.outputs:
+            self.uses[atom] = self.uses.get(atom, 0) + 1
+
+    def run(self, equations: list[Equation]) -> None:
+        """Write equations in their order."""
+        for equation in equations:
+            for atom in equation.outputs:
+                _check_type(equation, atom)
+            values = [self.at[atom] for atom in equation.inputs]
+            for atom, value in zip(equation.outputs, self._translated(equation, values), strict=True):
+                if value.cost and (self.uses.get(atom, 0) > 1 or value.cost > OPERATIONS):
+                    value = self.w.copied(value)
+                self.at[atom] = value
+
+    def _translated(self, equation: Equation, values: list[Value]) -> list[Value]:
+        if equation.blocks:
+            return {"scan": self._scan, "while": self._while, "cond": self._cond}[equation.name](equation, values)
+        try:
+            translate = RULES[equation.name] if equation.name in RULES else _unknown
+            if equation.name in BY_INDEX:
+                return translate(self.w, equation, values, known=self.known.get(equation.inputs[1]))  # type: ignore[call-arg]
+            return translate(self.w, equation, values)
+        except NotImplementedError as fault:
+            what = f" of {fault}" if fault.args else ""
+            raise ModelError(
+                f"The operation `{equation.name}`{what}{origin_of(equation.origin)} has no translation to C. Write it"
+                " by others of jax.numpy."
+            ) from None
+
+    def _body(self, block: Block) -> list:
+        """Statements of a body."""
+        outside, self.w.statements = self.w.statements, []
+        self.run(block.equations)
+        inside, self.w.statements = self.w.statements, outside
+        return inside
+
+    def _carried(self, values: list[Value]) -> list[View]:
+        """What a loop changes, in buffers of its own."""
+        return [self.w.copied(value) for value in values]
+
+    def _renewed(self, block: Block, atoms: list[Atom], carried: list[View]) -> None:
+        """Hand the results of a round to the next, all at once."""
+        news = [self.at[atom] for atom in atoms]
+        moving = [(new, old) for new, old in zip(news, carried, strict=True) if new is not old]
+        # Of one result alone nothing else can read what it overwrites before it is read: each entry is by itself,
+        # unless it is worked out from others.
+        fresh = [new if self._is_own(new, block) else self.w.copied(new) for new, _ in moving]
+        for new, (_, old) in zip(fresh, moving, strict=True):
+            self.w.store(new, old)
+
+    def _is_own(self, value: Value, block: Block) -> bool:
+        """Whether a value stands where no carried value does."""
+        carried = {view.start.buffer for view in map(self.at.get, block.inputs) if isinstance(view, View)}
+        return isinstance(value, View) and value.start.buffer not in carried
+
+    def _scan(self, equation: Equation, values: list[Value]) -> list[Value]:
+        (block,), params = equation.blocks, equation.params
+        length, carry = params["length"], params["num_carry"]
+        carried = self._carried(values[:carry])
+        stacks = [self.w.new(atom.shape, atom.dtype) for atom in equation.outputs[carry:]]
+        if not length:
+            return [*carried, *stacks]
+        counter = self.w.new((), np.dtype(np.int64))
+        place = variable(counter.at([]))
+        row = place * -1 + (length - 1) if params["reverse"] else place
+        self.at.update(zip(block.inputs[:carry], carried, strict=True))
+        for atom, value in zip(block.inputs[carry:], values[carry:], strict=True):
+            self.at[atom] = _row(self.w.stored(value), row)
+        inside = self._body(block)
+        outside, self.w.statements = self.w.statements, inside
+        for atom, stack in zip(block.outputs[carry:], stacks, strict=True):
+            self.w.store(self.at[atom], _row(stack, row))
+        self._renewed(block, block.outputs[:carry], carried)
+        self.w.statements = outside
+        i = counter.at([])
+        # The counter is named at the end, so that its place is not given away before.
+        self.w.add(Compound([(f"for ({i} = 0; {i} < {length}; {i}++) {{", inside)], f"}} /* {i} */"))
+        return [*carried, *stacks]
+
+    def _while(self, equation: Equation, values: list[Value]) -> list[Value]:
+        unfinished, block = equation.blocks
+        carried = self._carried(values)
+        for each in (unfinished, block):
+            self.at.update(zip(each.inputs, carried, strict=True))
+        asked = self._body(unfinished)
+        answer = self.at[unfinished.outputs[0]].at([])
+        inside = self._body(block)
+        outside, self.w.statements = self.w.statements, inside
+        self._renewed(block, block.outputs, carried)
+        self.w.statements = outside
+        self.w.add(Compound([("for (;;) {", asked), (f"if (!{answer}) break;", inside)], "}"))
+        return list(carried)
+
+    def _cond(self, equation: Equation, values: list[Value]) -> list[Value]:
+        found = [self.w.new(atom.shape, atom.dtype) for atom in equation.outputs]
+        which = self.w.cheap(values[0]).at([])
+        sections = []
+        for i, block in enumerate(equation.blocks):
+            inside = self._body(block)
+            outside, self.w.statements = self.w.statements, inside
+            for atom, to in zip(block.outputs, found, strict=True):
+                self.w.store(self.at[atom], to)
+            self.w.statements = outside
+            # What is beyond the last branch takes the last, and what is below the first takes the first.
+            ask = "" if i == len(equation.blocks) - 1 else f"if ({which} <= {i}) "
+            sections.append((f"{'} else ' if i else ''}{ask}{{", inside))
+        self.w.add(Compound(sections, "}"))
+        return list(found)
+
+
+def _unknown(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    raise NotImplementedError
+
+
+def _row(view: View, place: Place) -> View:
+    """One row of an array, whose number is known when it runs."""
+    return View(view.pool, view.start + place * view.strides[0], view.strides[1:], view.shape[1:], view.dtype)
+
+
+def _check_type(equation: Equation, atom: Atom) -> None:
+    """Refuse numbers that C does not hold as JAX does."""
+    kind = atom.dtype
+    if kind.kind in "fiub" and (kind.kind != "f" or kind.itemsize == 8) and kind != np.uint64:
+        return
+    raise ModelError(
+        f"The operation `{equation.name}`{origin_of(equation.origin)} gives numbers of type {kind}: in C stand float64,"
+        " integers and truth values only."
+    )

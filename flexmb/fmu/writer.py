@@ -1,0 +1,235 @@
+"""Statements of C, the workspace that they share, and how both become the text of a file."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from .terms import Lazy, Place, Value, View, compact, linear, literal, variable
+
+# So many statements make a function of C: compilers take more than twice the time for one that is twice as long.
+STATEMENTS = 50
+MARK = re.compile(r"\{@(\d+)\+(\d+)\}|\{@(\d+)(-\d+)\}")
+
+
+class Compound(NamedTuple):
+    """A loop or branch: text and statements by turns, and text at its end.
+
+    Attributes:
+        sections: Text, and the statements that follow it.
+        end: Text.
+    """
+
+    sections: list[tuple[str, list["Statement"]]]
+    end: str
+
+
+Statement = str | Compound
+
+
+class Tables:
+    """Constants of a file, equal ones once."""
+
+    def __init__(self):
+        self.numbers: dict[str, list[str]] = {"K": [], "I": []}
+        self._known: dict[tuple, int] = {}
+
+    def value(self, array: np.ndarray) -> Value:
+        """An array of constants: a number, whole numbers that grow evenly, or a place in a table."""
+        array = np.asarray(array)
+        shape, dtype = array.shape, array.dtype
+        if not array.size or all(_same(array, axis) for axis in range(array.ndim)):
+            text = literal(array.flat[0], dtype) if array.size else "0"
+            return Lazy(lambda index: text, 0, shape, dtype)
+        even = linear(array) if dtype.kind in "iu" else None
+        if even is not None:
+            start, strides = even
+
+            def grown(index: list[Place]) -> str:
+                return f"({View('', Place(start), strides, shape, dtype).place(index)})"
+
+            return Lazy(grown, 0, shape, dtype)
+        # An axis along which nothing changes is not written out.
+        moving = [axis for axis, n in enumerate(shape) if n > 1 and not _same(array, axis)]
+        short = array[tuple(slice(None) if axis in moving else slice(0, 1) for axis in range(array.ndim))]
+        pool = "K" if dtype.kind == "f" else "I"
+        own = compact(short.shape)
+        strides = tuple(own[axis] if axis in moving else 0 for axis in range(array.ndim))
+        return View(pool, Place(self._start(pool, short)), strides, shape, dtype)
+
+    def _start(self, pool: str, array: np.ndarray) -> int:
+        array = np.ascontiguousarray(array, float if pool == "K" else np.int64)
+        key = (pool, array.tobytes())
+        if key not in self._known:
+            self._known[key] = len(self.numbers[pool])
+            self.numbers[pool] += [literal(one, array.dtype) for one in array.ravel()]
+        return self._known[key]
+
+    def text(self) -> str:
+        """Their definitions."""
+        found = ""
+        for pool, kind in (("K", "double"), ("I", "int64_t")):
+            numbers = self.numbers[pool]
+            lines = [", ".join(numbers[i : i + 12]) for i in range(0, len(numbers), 12)]
+            if lines:
+                found += f"static const {kind} {pool}[] = {{\n" + ",\n".join(lines) + "\n};\n"
+        return found
+
+
+def _same(array: np.ndarray, axis: int) -> bool:
+    first = np.take(array, [0], axis)
+    return np.broadcast_to(first, array.shape).tobytes() == np.ascontiguousarray(array).tobytes()
+
+
+class Writer:
+    """Statements in their order, and the buffers that they work in.
+
+    Attributes:
+        tables: Constants of the file.
+        helpers: Names of the functions of ``runtime.c`` that are called.
+        statements: The list that is written to.
+    """
+
+    def __init__(self, tables: Tables):
+        self.tables = tables
+        self.helpers: dict[str, None] = {}
+        self.statements: list[Statement] = []
+        self._buffers: list[tuple[str, int]] = []
+        self._parts: list[str] = []
+
+    def add(self, statement: Statement) -> None:
+        """Go on by a statement."""
+        self.statements.append(statement)
+
+    def helper(self, name: str) -> str:
+        """The name of a function of ``runtime.c``, which the file then holds."""
+        self.helpers[name] = None
+        return name
+
+    def new(self, shape: tuple[int, ...], dtype: np.dtype) -> View:
+        """A buffer for an array."""
+        pool = "w" if dtype.kind == "f" else "n"
+        self._buffers.append((pool, int(np.prod(shape, dtype=int))))
+        return View(pool, Place(buffer=len(self._buffers) - 1), compact(shape), shape, dtype)
+
+    def store(self, value: Value, to: View) -> None:
+        """Write an array into memory."""
+        loops, index = counters("i", to.shape)
+        if 0 not in to.shape:
+            self.add(f"{loops}{to.at(index)} = {value.at(index)};")
+
+    def copied(self, value: Value) -> View:
+        """An array in a buffer of its own."""
+        found = self.new(value.shape, value.dtype)
+        self.store(value, found)
+        return found
+
+    def stored(self, value: Value) -> View:
+        """An array in memory, where it is or in a buffer of its own."""
+        return value if isinstance(value, View) else self.copied(value)
+
+    def cheap(self, value: Value) -> Value:
+        """An array that may be read as often as one likes."""
+        return self.copied(value) if value.cost else value
+
+    def sizes(self) -> dict[str, int]:
+        """Lengths of the workspace."""
+        return {pool: max(1, size) for pool, size in self._sizes.items()}
+
+    def text(self, name: str) -> tuple[list[str], list[str]]:
+        """Functions that all statements are divided among, and lines that call them.
+
+        Args:
+            name: How their names begin.
+        """
+        starts = self._placed()
+
+        def put(match: re.Match) -> str:
+            buffer, constant = (match[1], match[2]) if match[1] else (match[3], match[4])
+            return str(starts[int(buffer)] + int(constant))
+
+        functions: list[str] = []
+
+        def lines(statements: list[Statement]) -> list[str]:
+            found = []
+            for one in statements:
+                if isinstance(one, str):
+                    found.append(MARK.sub(put, one))
+                    continue
+                for text, body in one.sections:
+                    found.append("\n".join([MARK.sub(put, text), *divided(body)]))
+                found.append(MARK.sub(put, one.end))
+            return found
+
+        def divided(statements: list[Statement]) -> list[str]:
+            if len(statements) <= STATEMENTS:
+                return lines(statements)
+            calls = []
+            for i in range(0, len(statements), STATEMENTS):
+                body = lines(statements[i : i + STATEMENTS])
+                own = f"{name}_{len(functions)}"
+                head = f"static PART void {own}(double *w, int64_t *n)\n{{\n(void)w;\n(void)n;\n"
+                functions.append(head + "\n".join(body) + "\n}\n")
+                calls.append(f"{own}(w, n);")
+            return calls
+
+        # Arguments are known to the outermost list alone.
+        return functions, lines(self.statements)
+
+    def _placed(self) -> list[int]:
+        """Starts of the buffers: what is read no more gives its place to others."""
+        lives: dict[int, list[int]] = {}
+        loops: list[tuple[int, int]] = []
+        count = 0
+
+        def walk(statements: list[Statement]) -> None:
+            nonlocal count
+            for one in statements:
+                if isinstance(one, str):
+                    seen(one)
+                    continue
+                first = count
+                for text, body in one.sections:
+                    seen(text)
+                    walk(body)
+                seen(one.end)
+                loops.append((first, count))
+
+        def seen(text: str) -> None:
+            nonlocal count
+            for match in MARK.finditer(text):
+                lives.setdefault(int(match[1] or match[3]), [count, count])[1] = count
+            count += 1
+
+        walk(self.statements)
+        # What lives within a loop and beyond lives as long as all its rounds. Inner loops come first.
+        for first, end in loops:
+            for life in lives.values():
+                if life[0] < first <= life[1] < end or first <= life[0] < end <= life[1]:
+                    life[0], life[1] = min(life[0], first), max(life[1], end - 1)
+        starts = [0] * len(self._buffers)
+        self._sizes = {"w": 0, "n": 0}
+        busy: dict[str, list[tuple[int, int, int]]] = {"w": [], "n": []}
+        for buffer, (begin, end) in sorted(lives.items(), key=lambda item: item[1][0]):
+            pool, size = self._buffers[buffer]
+            busy[pool] = [one for one in busy[pool] if one[2] >= begin]
+            start = 0
+            for other, length, _ in sorted(busy[pool]):
+                if other - start >= size:
+                    break
+                start = max(start, other + length)
+            busy[pool].append((start, size, end))
+            starts[buffer] = start
+            self._sizes[pool] = max(self._sizes[pool], start + size)
+        return starts
+
+
+def counters(letter: str, shape: tuple[int, ...]) -> tuple[str, list[Place]]:
+    """Loops over an array, and the index within them.
+
+    Args:
+        letter: How the counters are named; an axis of one entry has none.
+    """
+    names = [f"{letter}{axis}" if length > 1 else "" for axis, length in enumerate(shape)]
+    loops = "".join(f"F({name}, {length}) " for name, length in zip(names, shape, strict=True) if name)
+    return loops, [variable(name) if name else Place() for name in names]
