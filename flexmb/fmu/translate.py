@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import ModelError
 from .flatten import Atom, Block, Equation, Program, flattened, origin_of, read_by
-from .primitives import BY_INDEX, RULES
+from .primitives import BY_CONSTANTS, RULES
 from .terms import Place, Value, View, variable
 from .writer import Compound, Tables, Writer
 
@@ -121,7 +121,8 @@ class Unit:
 
     def source(self) -> str:
         """The text of the file."""
-        return "\n".join([HEAD, self._tables.text(), *_runtime(self._helpers), *self._functions])
+        code = "\n".join([*_runtime(self._helpers), *self._functions])
+        return f"{HEAD}\n{self._tables.completed(code)}"
 
 
 def _kind(atom: Atom) -> str:
@@ -179,8 +180,9 @@ class _Emitter:
             return {"scan": self._scan, "while": self._while, "cond": self._cond}[equation.name](equation, values)
         try:
             translate = RULES[equation.name] if equation.name in RULES else _unknown
-            if equation.name in BY_INDEX:
-                return translate(self.w, equation, values, known=self.known.get(equation.inputs[1]))  # type: ignore[call-arg]
+            if equation.name in BY_CONSTANTS:
+                known = [self.known.get(atom) for atom in equation.inputs]
+                return translate(self.w, equation, values, known)
             return translate(self.w, equation, values)
         except NotImplementedError as fault:
             what = f" of {fault}" if fault.args else ""

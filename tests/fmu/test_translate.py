@@ -24,6 +24,9 @@ P = M @ M.T + np.eye(6)
 K, AT, T = np.array([4, -7, 0, 2, 9, 2]), np.int64(4), V > 0
 S = np.array([np.nan, 1.0, -0.0, 0.0, -np.inf, np.inf])
 GIVEN = (V, M, B, P, K, AT, T, S)
+# Constants with many zeros.
+SPARSE = np.diag(np.arange(1.0, 19)) + np.diag(np.full(7, 0.5), 11)
+BATCHED = np.where(RNG.uniform(size=(18, 5, 6)) < 0.1, 1.5, 0.0)
 ONE = lax.GatherDimensionNumbers(offset_dims=(), collapsed_slice_dims=(0,), start_index_map=(0,))
 TWO = lax.GatherDimensionNumbers(offset_dims=(1,), collapsed_slice_dims=(), start_index_map=(0,))
 PUT = lax.ScatterDimensionNumbers(update_window_dims=(), inserted_window_dims=(0,), scatter_dims_to_operand_dims=(0,))
@@ -110,6 +113,8 @@ CASES = {
     ],
     "products": lambda v, m, b, p, k, i, t, s: [
         *(m @ p, v @ m, v @ v, jnp.outer(v, v), b @ m, b @ b.transpose(0, 2, 1), k @ k, jnp.cross(v[:3], v[3:])),
+        *(SPARSE @ jnp.tile(m, (3, 1)), jnp.tile(b, 3) @ SPARSE, jnp.einsum("aij,jbi->ab", jnp.tile(b, 3), BATCHED)),
+        jnp.einsum("aij,akj->aik", jnp.tile(b, 3), BATCHED.T[:3]),
         *(jnp.einsum("aij,bjk->aibk", b, b), jnp.einsum("aij,aij->a", b, b), m[:2, :2] @ p[:2, :3], 2.0 * m @ v),
     ],
     "sorting": lambda v, m, b, p, k, i, t, s: [
