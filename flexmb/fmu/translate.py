@@ -272,7 +272,7 @@ class _Emitter:
         return list(found)
 
 
-def _unknown(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+def _unknown(*_: Any) -> list[Value]:
     raise NotImplementedError
 
 
