@@ -10,5 +10,18 @@ __version__ = "0.1.0"
 
 __getattr__, __dir__ = names(
     __name__,
-    *("elements", "checks", "statics", "linear", "paths", "motion", "control", "spacar", "design", "blocks", "viewer"),
+    *(
+        "elements",
+        "checks",
+        "statics",
+        "linear",
+        "paths",
+        "motion",
+        "control",
+        "trajectory",
+        "spacar",
+        "design",
+        "blocks",
+        "viewer",
+    ),
 )

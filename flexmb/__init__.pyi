@@ -45,6 +45,7 @@ from .errors import FlexmbWarning as FlexmbWarning
 from .errors import MechanismError as MechanismError
 from .errors import ModelError as ModelError
 from .errors import SpacarError as SpacarError
+from .fmu.save import save_fmu as save_fmu
 from .linear.buckling import buckling as buckling
 from .linear.buckling import buckling_loads as buckling_loads
 from .linear.compliance import compliance as compliance

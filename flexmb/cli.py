@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from .errors import AnalysisError, ModelError, SpacarError, StudyError, clean, heard
+from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
@@ -23,7 +23,9 @@ LONGEST_MESSAGE = 300
 # Files that this call has written, for who stops it from the keyboard.
 WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
-LATER = {"edit": "a page to build mechanisms on", "fmu": "mechanisms as units for co-simulation"}
+LATER = {"edit": "a page to build mechanisms on"}
+# Modes whose answer is a unit for co-simulation.
+OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 
 
 class Once(TyperCommand):
@@ -462,6 +464,98 @@ def _number(option: str, form: str, word: str) -> float:
         return parse(option, "value", (word.strip(),))["value"]
     except Fault as fault:
         _refuse(f"flexmb: {option} takes {form}: {str(fault).partition(';')[0]}.")
+
+
+@app.command(cls=Once)
+def fmu(
+    model: ModelFile,
+    to: Annotated[Path, typer.Option("--to", help="Write the unit here, as .fmu.")],
+    mode: Annotated[
+        str, typer.Option("--mode", help="9 linear, 3 or 4 time-varying along a motion, 1 nonlinear.")
+    ] = "9",
+    fmi: Annotated[str, typer.Option("--fmi", help="Version of the standard, 3 or 2.")] = "3",
+    numbers: Numbers = None,
+    release: Release = "none",
+    debug: Debug = False,
+) -> None:
+    """Save the mechanism as a functional mock-up unit, for Simulink, Dymola, OpenModelica and others."""
+    with _foreseen(debug):
+        _fmu(model, to, mode, fmi, numbers, release)
+
+
+def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, release: str) -> None:
+    from .files import check_writable
+
+    if to.suffix != ".fmu":
+        _refuse(f"flexmb fmu: --to writes .fmu, not '{clean(to)}'.")
+    if fmi not in ("2", "3"):
+        _refuse(f"flexmb fmu: --fmi takes 3 or 2, not '{clean(fmi)}'.")
+    _check_call(release, None, None, None, None)
+    if not to.absolute().parent.is_dir():
+        _refuse(f"flexmb: the folder of '{clean(to)}' does not exist.")
+    with _writing(to):
+        check_writable(to)
+    number = _number_of_unit(mode)
+    _prepare_jax()
+    read = _read(model, given)
+    said, unit, code, message = [], None, "", ""
+    try:
+        with heard() as said:
+            unit = _unit(read, number, release)(to, int(fmi))
+        WRITTEN.append(to)
+    except (AnalysisError, MechanismError) as fault:
+        code, message = fault.code, str(fault)
+    except SpacarError as fault:
+        _refuse(str(fault))
+    except ModelError as fault:
+        _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
+    except OSError as fault:
+        _refuse(f"flexmb: cannot write '{clean(to)}': {fault.strerror or fault}.")
+    warnings = "".join(f"warning: {text}\n" for text in [*read.warnings, *dict.fromkeys(said)])
+    if unit is None:
+        _complain(f"{read.name}: {code}: {(message.splitlines() or [''])[0]}")
+        raise typer.Exit(EXIT_FAILED)
+    _tell(f"{warnings}{unit!r}")
+
+
+def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
+    """What saves the unit of a mode: its analysis done, as the mode of that number does it."""
+    from . import save_fmu, trajectory
+    from .answers.answers import answer
+    from .answers.motion import motions_of
+
+    def given(model: Any) -> Any:
+        if not model.labels.inputs or not model.labels.outputs:
+            raise ModelError(
+                "INPUTF: an FMU needs an input and an output: INPUTF or INPUTS, and OUTX, OUTE or the like; of a"
+                " trajectory NOMF or NOMS, and REFX, REFE or the like"
+            )
+        return model
+
+    if number == 1:
+        model = given(read.builder.build(release=release))
+        motion = motions_of(model, read.settings)
+        return lambda to, fmi: save_fmu(model, to, fmi=fmi, nonlinear=True, motion=motion)
+    found: Any = answer(read.builder, read.name, number, [], release, settings=read.settings)
+    for text in found.data["warnings"]:
+        warn(text)
+    if found.exit_status:
+        raise AnalysisError(found.data["status"], found.data["message"])
+    given(found.model)
+    system = found.lin if number == 9 else trajectory.time_varying(found.found)
+    return lambda to, fmi: save_fmu(system, to, fmi=fmi)
+
+
+def _number_of_unit(mode: str) -> int:
+    """Number of a mode that a unit can be made of."""
+    from .answers.answers import modes
+
+    known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items() if int(number) in modes())
+    if mode in OF_UNITS and int(mode) not in modes():
+        _refuse(f"flexmb fmu: mode {mode} is not available yet. Available: {known}.")
+    if mode not in OF_UNITS:
+        _refuse(f"flexmb fmu: there is no unit of mode '{clean(mode)}'. Available: {known}.")
+    return int(mode)
 
 
 @app.command(cls=Once)

@@ -118,6 +118,16 @@ class RESULTS(enum.IntEnum):
         "The design did not settle within the allowed number of evaluations. Allow more (max_evaluations), or look at"
         " the history: the best design so far is returned.",
     )
+    outside_workspace = (
+        30,
+        "The trajectory leaves the workspace: the mechanism cannot be assembled there, or what is driven cannot go on"
+        " in that direction. Shorten the trajectory, or drive another degree of freedom (driven).",
+    )
+    singular_plant = (
+        31,
+        "The inputs cannot give the forces along what is driven: their effects on it depend on one another, or one has"
+        " none. Let them act elsewhere, or name other inputs.",
+    )
 
 
 def told(result: Any) -> str:

@@ -1454,6 +1454,8 @@ FAULTS = [
     Fault(
         "plot/stress.py", "np.argmax(np.abs(values))", "np.argmin(np.abs(values))", "plot/test_plot.py -k cantilever"
     ),
+    # Trajectories.
+    Fault("trajectory/inverse.py", "second - reached", "second", "trajectory/test_inverse.py -k pendulum"),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

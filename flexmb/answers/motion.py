@@ -37,8 +37,16 @@ def _uniformly_accelerated(t, value, velocity, acceleration):
     return value + velocity * t + 0.5 * acceleration * t**2
 
 
-def _motions(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
-    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration."""
+def motions_of(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
+    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration.
+
+    Args:
+        model: The mechanism.
+        settings: What the file says beside it.
+
+    Returns:
+        By the names of coordinates and deformations.
+    """
     found = {}
     for keyword, entries, start in (
         ("INPUTX", model.labels.x, np.asarray(model.parameters.reference)),
@@ -139,7 +147,7 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     extent = extent_of(model.topology, model.parameters)
     rtol = error.get("relative", RTOL)
     atol = error["absolute"] / extent if "absolute" in error else None
-    driven = _motions(model, settings)
+    driven = motions_of(model, settings)
     # That incremental loads are left out is said by the keywords of the file.
     with heard():
         found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)

@@ -1,0 +1,239 @@
+"""modelDescription.xml of a unit, of FMI 3.0 and 2.0, and how importers are to compile it."""
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import __version__
+from .plant import Plant, Variable
+
+# Exponents of the base units in those that signals have.
+UNITS = {
+    "m": {"m": 1},
+    "rad": {"rad": 1},
+    "s": {"s": 1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "m/s": {"m": 1, "s": -1},
+    "rad/s": {"rad": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "rad/s2": {"rad": 1, "s": -2},
+}
+
+
+class Placed(NamedTuple):
+    """A variable of a unit, with what an importer may do with it.
+
+    Attributes:
+        variable: Name, unit, value at the start.
+        reference: Its number, by which it is asked for.
+        kind: "time", "input", "state", "parameter", "rate" or "output".
+        of: Of a rate, the reference of its state.
+    """
+
+    variable: Variable
+    reference: int
+    kind: str
+    of: int = 0
+
+
+# Causality, variability and how it begins, by kind.
+ROLES = {
+    "time": ("independent", "continuous", None),
+    "input": ("input", "continuous", None),
+    "state": ("local", "continuous", "exact"),
+    "parameter": ("parameter", "tunable", "exact"),
+    "rate": ("local", "continuous", "calculated"),
+    "output": ("output", "continuous", "calculated"),
+}
+
+
+def placed(plant: Plant, settable: bool) -> list[Placed]:
+    """All variables of a unit in the order of their references, which is that of core.c.
+
+    Args:
+        plant: What the unit computes, with names that differ.
+        settable: Whether its matrices are parameters.
+    """
+    parameters = list(plant.parameters)
+    if plant.times is not None:
+        parameters.append(Variable("substep", "s", plant.substep))
+    if settable:
+        # A linear plant has one of each, and no need of an index for it.
+        parameters += [
+            Variable(name, start=m if plant.times is not None else m[0]) for name, m in plant.matrices.items() if m.size
+        ]
+    found = [Placed(Variable("time", "s"), 0, "time")]
+
+    def follow(kind, variables):
+        for v in variables:
+            last = found[-1]
+            found.append(Placed(v, last.reference + np.size(last.variable.start), kind))
+
+    for kind, variables in (("input", plant.inputs), ("state", plant.states), ("parameter", parameters)):
+        follow(kind, variables)
+    states = [one for one in found if one.kind == "state"]
+    follow("rate", [Variable(f"der({one.variable.name})", _rate(one.variable.unit)) for one in states])
+    rates = iter([one.reference for one in states])
+    found = [one._replace(of=next(rates)) if one.kind == "rate" else one for one in found]
+    follow("output", plant.outputs)
+    return found
+
+
+def _rate(unit: str) -> str:
+    return {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}.get(unit, "")
+
+
+def scalars(found: list[Placed]) -> Iterator[Placed]:
+    """The same with each entry of an array on its own, "A[1,2]", as FMI 2.0 has them."""
+    for one in found:
+        if np.ndim(one.variable.start) == 0:
+            yield one
+            continue
+        start = np.asarray(one.variable.start)
+        for i, index in enumerate(np.ndindex(start.shape)):
+            name = f"{one.variable.name}[{','.join(str(k + 1) for k in index)}]"
+            yield Placed(Variable(name, one.variable.unit, float(start[index])), one.reference + i, one.kind)
+
+
+def _attributes(one: Placed, of: int) -> dict[str, str]:
+    """Of a variable, those that both versions share, those of the number itself."""
+    v, found = one.variable, {}
+    if one.kind in ("input", "state", "parameter"):
+        found["start"] = " ".join(repr(float(value)) for value in np.ravel(v.start))
+    if v.unit:
+        found["unit"] = v.unit
+    if one.kind == "rate":
+        found["derivative"] = str(of)
+    if one.kind == "state" and v.nominal != 1.0:
+        found["nominal"] = repr(float(v.nominal))
+    return found
+
+
+def description(plant: Plant, found: list[Placed], identifier: str, title: str, token: str, fmi: int) -> bytes:
+    """modelDescription.xml.
+
+    Args:
+        plant: What the unit computes.
+        found: Its variables; of FMI 2.0 scalars.
+        identifier: Name of its functions' file.
+        title: Name of the model.
+        token: By which its file of functions knows that both belong together.
+        fmi: 2 or 3.
+    """
+    root = ElementTree.Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": f"{fmi}.0",
+            "modelName": title,
+            "guid" if fmi == 2 else "instantiationToken": token,
+            "description": _told(plant),
+            "generationTool": f"flexmb {__version__}",
+            "variableNamingConvention": "flat",
+            **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
+        },
+    )
+    _interfaces(root, identifier, fmi)
+    units = ElementTree.SubElement(root, "UnitDefinitions")
+    for unit in sorted({one.variable.unit for one in found} - {""}):
+        base = ElementTree.SubElement(units, "Unit", name=unit)
+        if unit in UNITS:
+            ElementTree.SubElement(base, "BaseUnit", {k: str(n) for k, n in UNITS[unit].items()})
+    categories = ElementTree.SubElement(root, "LogCategories")
+    ElementTree.SubElement(categories, "Category", name="logStatusError")
+    if plant.times is not None:
+        first, last = (repr(float(t)) for t in plant.times[[0, -1]])
+        ElementTree.SubElement(root, "DefaultExperiment", startTime=first, stopTime=last)
+    variables = ElementTree.SubElement(root, "ModelVariables")
+    places = {one.reference: str(i if fmi == 2 else one.reference) for i, one in enumerate(found, 1)}
+    for one in found:
+        causality, variability, initial = ROLES[one.kind]
+        roles = {"causality": causality, "variability": variability, **({"initial": initial} if initial else {})}
+        named = {"name": one.variable.name, "valueReference": str(one.reference), **roles}
+        number = _attributes(one, int(places[one.of]))
+        if fmi == 2:
+            ElementTree.SubElement(ElementTree.SubElement(variables, "ScalarVariable", named), "Real", number)
+        else:
+            element = ElementTree.SubElement(variables, "Float64", {**named, **number})
+            for size in np.shape(one.variable.start):
+                ElementTree.SubElement(element, "Dimension", start=str(size))
+    _structure(root, plant, found, places, fmi)
+    return _written(root)
+
+
+def _told(plant: Plant) -> str:
+    if plant.source:
+        return "Nonlinear mechanism"
+    if plant.times is not None:
+        return "Mechanism along a motion, linear and time-varying: inputs and outputs are whole, states deviations"
+    return "Linear mechanism"
+
+
+def _interfaces(root: ElementTree.Element, identifier: str, fmi: int) -> None:
+    small = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true"}
+    if fmi == 2:
+        small = {
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+            "providesDirectionalDerivative": "true",
+        }
+        small |= {"canNotUseMemoryManagementFunctions": "true"}
+    not_needed = {"completedIntegratorStepNotNeeded": "true"} if fmi == 2 else {}
+    of_kinds = {"ModelExchange": not_needed, "CoSimulation": {"canHandleVariableCommunicationStepSize": "true"}}
+    for kind, own in of_kinds.items():
+        element = ElementTree.SubElement(root, kind, {"modelIdentifier": identifier, **small, **own})
+        if fmi == 2:
+            files = ElementTree.SubElement(element, "SourceFiles")
+            ElementTree.SubElement(files, "File", name="fmi2.c")
+
+
+def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], places: dict[int, str], fmi: int) -> None:
+    """Which variables are outputs and rates, and on what they depend: where D is zero, outputs on no input."""
+
+    def of(kind):
+        return [one for one in found if one.kind == kind]
+
+    known = [*of("time")] if plant.times is not None or plant.source else []
+    if "D" in plant.matrices or plant.source:
+        known += of("input")
+    known += of("state")
+    n_own = len(plant.outputs) - (len(plant.inputs) + len(plant.outputs)) // 2 * ("u0" in plant.matrices)
+    structure = ElementTree.SubElement(root, "ModelStructure")
+
+    def unknown(parent, tag, one, depends_on=None):
+        number = places[one.reference]
+        attributes = {"index" if fmi == 2 else "valueReference": number}
+        if depends_on is not None:
+            attributes["dependencies"] = " ".join(places[k.reference] for k in depends_on)
+        ElementTree.SubElement(parent, tag, attributes)
+
+    def group(name):
+        return ElementTree.SubElement(structure, name) if fmi == 2 else structure
+
+    outputs, rates = of("output"), of("rate")
+    parent = group("Outputs")
+    for i, one in enumerate(outputs):
+        # Nominal inputs and outputs are functions of time alone.
+        unknown(parent, "Unknown" if fmi == 2 else "Output", one, known if i < n_own else of("time"))
+    parent = group("Derivatives")
+    for one in rates:
+        unknown(parent, "Unknown" if fmi == 2 else "ContinuousStateDerivative", one)
+    parent = group("InitialUnknowns")
+    for one in sorted([*outputs, *rates], key=lambda one: one.reference):
+        unknown(parent, "Unknown" if fmi == 2 else "InitialUnknown", one)
+
+
+def build_description(identifier: str) -> bytes:
+    """buildDescription.xml of FMI 3.0: which file is to be compiled."""
+    root = ElementTree.Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = ElementTree.SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    files = ElementTree.SubElement(configuration, "SourceFileSet", language="C99")
+    ElementTree.SubElement(files, "SourceFile", name="fmi3.c")
+    return _written(root)
+
+
+def _written(root: ElementTree.Element) -> bytes:
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"

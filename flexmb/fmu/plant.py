@@ -1,0 +1,268 @@
+"""What a functional mock-up unit computes, as numbers and names: a linear, a time-varying or a nonlinear plant."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arguments import check_number, numbers, shown
+from ..control.state_space import state_matrices
+from ..display import unit_of, unit_of_force
+from ..errors import ModelError, clean
+from ..linear.linearize import Linearization
+from ..model.model import Model, Signal
+from ..trajectory.linear_along import TimeVarying
+from .nonlinear import plant as translated
+
+# Importers measure the error of states against these: a millimetre of a mechanism, one of what is not known.
+NOMINAL_OF_MECHANISM = 1e-3
+# What no XML file holds, or a name may not in an FMU.
+FORBIDDEN = "[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]"
+FORCES = {"force", "moment", "reaction"}
+RATES = {"velocity": "/s", "acceleration": "/s2"}
+
+
+class Variable(NamedTuple):
+    """One number or array of a unit.
+
+    Attributes:
+        name: As importers show it.
+        unit: SI, in Modelica's notation, such as "N.m"; empty where none is known.
+        start: Its value at the start.
+        nominal: Of a state, its typical size.
+    """
+
+    name: str
+    unit: str = ""
+    start: Any = 0.0
+    nominal: float = 1.0
+
+
+class Plant(NamedTuple):
+    """What a unit computes; the one between Python and the C of this folder, which says what is meant.
+
+    Attributes:
+        inputs: In order.
+        outputs: In order.
+        states: In order, with their values at the start.
+        matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each; a D of zeros, and
+            u0 and y0 of a linear one, are left out.
+        times: Knots of a time-varying plant, (n_t,) [s].
+        substep: Longest step of its integration [s].
+        parameters: Of a nonlinear plant, in order.
+        source: Text of plant.c of a nonlinear plant; see core.c for what it defines.
+        memory: Values at the start of what a nonlinear plant hands from call to call.
+        work: Numbers that it needs room for.
+    """
+
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    states: tuple[Variable, ...]
+    matrices: Mapping[str, np.ndarray] = {}
+    times: np.ndarray | None = None
+    substep: float = 0.0
+    parameters: tuple[Variable, ...] = ()
+    source: str = ""
+    memory: Sequence[float] = ()
+    work: int = 0
+
+
+def named_apart(plant: Plant) -> Plant:
+    """The same with names of which no two are equal: where an input and an output share one, both say what they are.
+
+    States are named "state q", their rates "der(state q)", nominal inputs and outputs "nominal u".
+
+    Raises:
+        ValueError: Two inputs, outputs or states share a name, a name is one of a unit's own, or it is empty or has
+            characters that an FMU does not take.
+    """
+    shared = {v.name for v in plant.inputs} & {v.name for v in plant.outputs}
+
+    def told(kind: str, found: tuple[Variable, ...]) -> tuple[Variable, ...]:
+        return tuple(v._replace(name=f"{kind} {v.name}") if v.name in shared else v for v in found)
+
+    for kind in ("input", "output", "state"):
+        for v in getattr(plant, kind + "s"):
+            if not v.name.strip() or re.search(FORBIDDEN, v.name):
+                raise ValueError(
+                    f"The {kind} '{clean(v.name)}' has no name that an FMU takes: give it one that is not empty and has"
+                    " no line feeds, tabs or other control characters."
+                )
+    inputs, outputs = told("input", plant.inputs), told("output", plant.outputs)
+    states = tuple(v._replace(name=f"state {v.name}") for v in plant.states)
+    if "u0" in plant.matrices:
+        outputs += tuple(Variable(f"nominal {v.name}", v.unit) for v in (*inputs, *outputs))
+    names = [v.name for v in (*inputs, *outputs, *states, *plant.parameters)]
+    own = ["time", *plant.matrices, *(["substep"] if plant.times is not None else [])]
+    for name in names:
+        if names.count(name) > 1 or name in own:
+            what = "is one of the unit's own" if name in own else "is given twice"
+            raise ValueError(f"The name '{clean(name)}' {what}, and in an FMU each name is given once: choose another.")
+    return plant._replace(inputs=inputs, outputs=outputs, states=states)
+
+
+def _unit(model: Model, s: Signal) -> str:
+    """SI unit of a signal, as far as labels tell; what elements call deformations has a unit that they alone know."""
+    if s.index < 0 or s.quantity.startswith(("deformation", "stress")) or getattr(s, "of_element", False):
+        return ""
+    entry = model.labels.x[s.index]
+    if s.quantity in FORCES:
+        return "N.m" if s.axis is not None or s.quantity == "moment" else unit_of_force(entry).replace(" ", ".")
+    unit = "rad" if s.axis is not None else unit_of(entry).replace("-", "")
+    return unit + RATES.get(s.quantity, "") if unit else ""
+
+
+def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Plant:
+    """Linear plant of a mechanism about its equilibrium, or of its linearisation.
+
+    Raises:
+        ModelError: It names no inputs or no outputs; and what :func:`flexmb.control.state_matrices` raises.
+    """
+    found, names = state_matrices(model, modes=modes, bandwidth=bandwidth)
+    own = model.model if isinstance(model, Linearization) else model
+    labels = model.labels
+    if not labels.inputs or not labels.outputs:
+        raise ModelError("An FMU needs an input and an output: name them with input() and output().")
+    if np.ndim(found.A) > 2:
+        raise ModelError(
+            f"This linearisation is along a motion, at {len(found.A)} times: give lin.at_time(0), or the time-varying"
+            " system of the motion."
+        )
+    inputs, outputs, states = _variables(own, names)
+    return linear(*found, inputs, outputs, states)
+
+
+def nonlinear(
+    model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
+) -> Plant:
+    """Nonlinear plant of a mechanism, translated to C; it starts as the builder says, or undeformed and at rest.
+
+    Raises:
+        ModelError: As :func:`flexmb.fmu.nonlinear.plant`.
+    """
+    found = translated(model, loads=loads, motion=motion)
+    inputs, outputs, states = _variables(model, found.states)
+    memory = np.asarray(found.memory).tolist()
+    plant = Plant(inputs, outputs, states, source=found.source, memory=memory, work=found.work)
+    at = model.parameters.start
+    return plant if at is None else started(plant, np.concatenate(at).tolist())
+
+
+def _variables(
+    model: Model, states: Sequence[str]
+) -> tuple[tuple[Variable, ...], tuple[Variable, ...], tuple[Variable, ...]]:
+    """Inputs, outputs and states of a mechanism, with their units."""
+    units = {str(entry): unit_of(entry).replace("-", "") for entry in model.labels.x}
+    units |= {f"d {name}": f"{unit}/s" if unit else "" for name, unit in units.items()}
+    signals = [
+        tuple(Variable(s.name, _unit(model, s)) for s in own) for own in (model.labels.inputs, model.labels.outputs)
+    ]
+    found = tuple(Variable(name, units.get(name, ""), nominal=NOMINAL_OF_MECHANISM) for name in states)
+    return signals[0], signals[1], found
+
+
+def of_state_space(system: Any) -> Plant:
+    """Linear plant of a ``control.StateSpace``, which has names and no units.
+
+    Raises:
+        ValueError: It is sampled, or has no states.
+    """
+    if system.dt:
+        told = "" if system.dt is True else f" (dt = {system.dt:g} s)"
+        raise ValueError(
+            f"This state space is sampled{told}, and an FMU of flexmb moves in continuous time: give the continuous"
+            " system that it was sampled from."
+        )
+    labels = (system.input_labels, system.output_labels, system.state_labels)
+    return linear(system.A, system.B, system.C, system.D, *([Variable(name) for name in own] for own in labels))
+
+
+def linear(a: Any, b: Any, c: Any, d: Any, inputs: Any, outputs: Any, states: Any) -> Plant:
+    """Linear plant of matrices and names."""
+    matrices = {name: np.asarray(m, float)[None] for name, m in zip("ABCD", (a, b, c, d), strict=True)}
+    return _checked(Plant(tuple(inputs), tuple(outputs), tuple(states), matrices))
+
+
+def time_varying(system: TimeVarying, substep: float | None) -> Plant:
+    """Time-varying plant of a system along a motion, whose inputs and outputs are whole: nominal ones and deviations.
+
+    Args:
+        system: Its names, and matrices at its times.
+        substep: Longest step of the integration [s]; a quarter of the shortest time between two knots unless given.
+
+    Raises:
+        ValueError: Times do not ascend, or the substep is not above zero.
+    """
+    t = np.asarray(system.t, float)
+    if len(t) < 2 or not np.all(np.diff(t) > 0):
+        raise ValueError("A time-varying system needs two times at least, ascending.")
+    if substep is None:
+        substep = float(np.min(np.diff(t))) / 4
+    else:
+        check_number("substep", substep, above=0)
+    matrices = {name: np.asarray(getattr(system, name), float) for name in ("A", "B", "C", "D", "u0", "y0")}
+    starts = np.asarray(matrices["u0"])[0]
+    inputs = tuple(Variable(name, start=float(at)) for name, at in zip(system.input_labels, starts, strict=True))
+    outputs, states = (tuple(Variable(name) for name in own) for own in (system.output_labels, system.state_labels))
+    return _checked(Plant(inputs, outputs, states, matrices, t, substep))
+
+
+def _checked(plant: Plant) -> Plant:
+    if not plant.inputs or not plant.outputs or not plant.states:
+        raise ValueError("An FMU needs an input, an output and a state at least.")
+    for name, m in plant.matrices.items():
+        if not np.all(np.isfinite(m)):
+            place = ", ".join(str(i + 1) for i in np.argwhere(~np.isfinite(m))[0][m.shape[0] == 1 :])
+            raise ValueError(f"{name}[{place}] is no finite number: an FMU of it would compute nothing.")
+    kept = {name: m for name, m in plant.matrices.items() if name != "D" or np.any(m)}
+    return plant._replace(matrices=kept)
+
+
+def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -> Plant:
+    """The same with other states at the start.
+
+    Args:
+        plant: Any.
+        start: Values by the names of states, or all of them in order.
+
+    Raises:
+        ValueError: There is no such state, there are not as many, or they are no finite numbers.
+    """
+    if start is None:
+        return plant
+    names = [v.name for v in plant.states]
+    given = dict(start) if isinstance(start, Mapping) else None
+    if given is not None and (unknown := [name for name in given if name not in names]):
+        raise ValueError(
+            f"Argument `start` names '{clean(unknown[0])}', which is no state: there are {', '.join(names)}."
+        )
+    values = numbers([given.get(v.name, v.start) for v in plant.states] if given is not None else start)
+    if values is None or values.shape != (len(names),) or not np.all(np.isfinite(values)):
+        raise ValueError(
+            f"Argument `start` must be {len(names)} finite numbers, one for each state, or a dictionary of them, but is"
+            f" {shown(start)}."
+        )
+    return plant._replace(states=tuple(v._replace(start=float(at)) for v, at in zip(plant.states, values, strict=True)))
+
+
+def measured(plant: Plant, units: Mapping[str, str] | None) -> Plant:
+    """The same with units of inputs, outputs and states.
+
+    Args:
+        plant: Any.
+        units: By name.
+
+    Raises:
+        ValueError: There is no such name, or a unit is no text that a unit can be.
+    """
+    kinds = {kind: getattr(plant, kind) for kind in ("inputs", "outputs", "states")}
+    names = [v.name for found in kinds.values() for v in found]
+    for name, unit in (units or {}).items():
+        if name not in names:
+            raise ValueError(f"Argument `units` names '{clean(name)}', which is none of {', '.join(names)}.")
+        if not isinstance(unit, str) or re.search(FORBIDDEN, unit):
+            raise ValueError(f"Argument `units` must give texts such as 'N.m', not {shown(unit)} for '{clean(name)}'.")
+    given = dict(units or {})
+    changed = {kind: tuple(v._replace(unit=given.get(v.name, v.unit)) for v in found) for kind, found in kinds.items()}
+    return plant._replace(**changed)

@@ -1,0 +1,219 @@
+"""A mechanism as a functional mock-up unit (FMU): one file that other simulation programs import."""
+
+import hashlib
+import io
+import keyword
+import os
+import re
+import uuid
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..errors import warn
+from ..files import check_writable, write_whole
+from ..linear.linearize import Linearization
+from ..model.model import Model
+from ..trajectory.linear_along import TimeVarying
+from . import plant as plants
+from .compiler import compiled, place_of_binary
+from .description import build_description, description, placed, scalars
+from .plant import Plant, Variable
+from .sources import TABLE_FILE, sources, table
+
+# Numbers in matrices up to which they are parameters: FMI 2.0 lists each on its own.
+MOST_SETTABLE = {2: 5_000, 3: 50_000}
+VERSIONS = (2, 3)
+TIME_OF_FILES = (1980, 1, 1, 0, 0, 0)
+
+
+class Fmu(NamedTuple):
+    """What :func:`flexmb.save_fmu` wrote.
+
+    Attributes:
+        path: The file.
+        fmi: Version of the standard, 2 or 3.
+        inputs: In order, each with name, unit and value at the start.
+        outputs: Likewise.
+        states: Likewise.
+        parameters: What importers can set, arrays whole.
+        binary: Where in the file its functions are compiled for this platform; None where it holds sources alone.
+    """
+
+    path: Path
+    fmi: int
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    states: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    binary: str | None
+
+    def __repr__(self) -> str:
+        def listed(found):
+            return ", ".join(f"{v.name} [{v.unit}]" if v.unit else v.name for v in found) or "none"
+
+        return (
+            f"FMU '{self.path}' (FMI {self.fmi}.0, {self.binary or 'sources alone'})\n"
+            f"inputs: {listed(self.inputs)}\noutputs: {listed(self.outputs)}\n"
+            f"states: {len(self.states)}\nparameters: {listed(self.parameters)}"
+        )
+
+
+def save_fmu(
+    system: Any,
+    path: str | os.PathLike,
+    *,
+    fmi: int = 3,
+    start: Mapping[str, float] | Sequence[float] | None = None,
+    units: Mapping[str, str] | None = None,
+    modes: int | Sequence[int] | None = None,
+    bandwidth: float | None = None,
+    substep: float | None = None,
+    nonlinear: bool = False,
+    loads: Mapping[str, Callable] | None = None,
+    motion: Mapping[str, Callable] | None = None,
+) -> Fmu:
+    """Save a mechanism as a functional mock-up unit, which Simulink, Dymola, OpenModelica and others import.
+
+    The unit does co-simulation and model exchange, and needs neither Python nor flexmb where it runs. It holds its
+    sources in C99 and, where this machine has a C compiler (``$CC``, cc, gcc or clang), what they compile to for this
+    platform. Exporting twice gives the same bytes.
+
+    In co-simulation inputs are held for each step. Linear plants move exactly then, by a matrix exponential that is
+    kept for steps of the same length; time-varying ones by Magnus' series of fourth order, in substeps that end at the
+    knots. Model exchange gives rates to the importer's solver; light damping at kilohertz is hard for it, so keep fewer
+    ``modes`` or co-simulate. A nonlinear plant is integrated by Rosenbrock's method of order five, with the importer's
+    relative tolerance or 1e-6, of which a state of less than a millimetre or a milliradian counts as one; its Jacobian
+    takes as many evaluations a step as there are states.
+
+    Args:
+        system: Model or Linearization with named inputs and outputs; control.StateSpace; or a time-varying system
+            along a motion, :class:`flexmb.trajectory.TimeVarying`. Inputs and outputs of the last are whole, nominal
+            ones and deviations together, and the nominal ones are outputs too, named "nominal u".
+        path: Where, ending in .fmu; its name is that of the unit.
+        fmi: Version of the standard, 3 or 2.
+        start: Values of states at the start, by name or all in order; zero unless given. An importer can set them
+            too, as "state q".
+        units: SI units by the names of inputs, outputs and states, such as "m/s" or "N.m", for what has names alone; a
+            Model or Linearization knows those of forces and motions itself.
+        modes: Of a Model or Linearization, see :func:`flexmb.to_statespace`.
+        bandwidth: Likewise, [Hz].
+        substep: Longest step of the integration of a time-varying system, () [s]; a quarter of the shortest time
+            between two knots unless given. It is a parameter of the unit.
+        nonlinear: Of a Model the mechanism with all its nonlinearity, in place of its
+            linear state space: its right-hand side is translated to C. It starts as the builder's start values say,
+            which ``start`` overrules.
+        loads: Of a nonlinear one, loads as functions of time, see :class:`flexmb.motion.Drives`.
+        motion: Likewise, prescribed motion.
+
+    Returns:
+        Fmu with names and units; A, B, C and D are parameters, arrays in FMI 3.0 and scalars "A[1,2]" in FMI 2.0, up
+        to 50000 and 5000 numbers; larger ones lie in its folder of resources, and cannot be set.
+
+    Raises:
+        ValueError: The path ends otherwise, there is no such version, an argument does not belong to this system, the
+            state space is sampled, or a name is one that FMI forbids.
+        ModelError: As :func:`flexmb.to_statespace`; of a nonlinear one, an element or a function of time calls back to
+            Python or does what has no translation, or an output is one that a simulation does not give.
+        TypeError: The system is none of these.
+        OSError: The file cannot be written.
+
+    Warns:
+        FlexmbWarning: No compiler is found, or it fails: the unit holds sources alone.
+
+    Source:
+        Functional Mock-up Interface 3.0 and 2.0; THEORY.md 14, eq. (14.50) to (14.54).
+    """
+    path = Path(path)
+    if path.suffix != ".fmu" or not path.stem:
+        raise ValueError(f"A functional mock-up unit is a file whose name ends in .fmu, not '{path}'.")
+    if fmi not in VERSIONS or isinstance(fmi, bool):
+        raise ValueError(f"Argument `fmi` must be 3 or 2, for FMI 3.0 or 2.0, but is {fmi!r}.")
+    if nonlinear:
+        if not isinstance(system, Model) or modes is not None or bandwidth is not None or substep is not None:
+            raise ValueError("`nonlinear` is for a Model as it is, without `modes`, `bandwidth` or `substep`.")
+        plant = plants.nonlinear(system, loads, motion)
+    elif loads is not None or motion is not None:
+        raise ValueError("`loads` and `motion` are for a nonlinear plant: say nonlinear=True.")
+    else:
+        plant = _plant_of(system, modes, bandwidth, substep)
+    plant = plants.measured(plant, units)
+    plant = plants.named_apart(plants.started(plant, start))
+    check_writable(path)
+    content, binary, parameters = _unit(plant, path.stem, fmi)
+    write_whole(path, content)
+    return Fmu(path, fmi, plant.inputs, plant.outputs, plant.states, parameters, binary)
+
+
+def _plant_of(system: Any, modes: Any, bandwidth: Any, substep: float | None) -> Plant:
+    of_mechanism, varies = isinstance(system, Model | Linearization), isinstance(system, TimeVarying)
+    if not of_mechanism and (modes is not None or bandwidth is not None):
+        raise ValueError("`modes` and `bandwidth` are for a Model or a Linearization: reduce other systems beforehand.")
+    if not varies and substep is not None:
+        raise ValueError("`substep` is for a time-varying system: others are integrated without.")
+    if isinstance(system, Model | Linearization):
+        return plants.of_mechanism(system, modes, bandwidth)
+    if isinstance(system, TimeVarying):
+        return plants.time_varying(system, substep)
+    if isinstance(system, Plant):
+        return system
+    import control
+
+    if isinstance(system, control.StateSpace):
+        return plants.of_state_space(system)
+    raise TypeError(
+        f"save_fmu takes a Model, a Linearization, a control.StateSpace or a time-varying system, not"
+        f" {type(system).__name__}."
+    )
+
+
+def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[Variable, ...]]:
+    """Content of the file, where it has a library for this platform, and what can be set."""
+    settable = bool(plant.matrices) and sum(m.size for m in plant.matrices.values()) <= MOST_SETTABLE[fmi]
+    identifier = _identifier(title)
+    found = placed(plant, settable)
+    listed = list(scalars(found)) if fmi == 2 else found
+    # The token follows from all that the unit is: with another, the same files.
+    parts = [sources(plant, found, "", fmi, settable), {"xml": description(plant, listed, identifier, title, "", fmi)}]
+    resources = {} if settable or plant.source else {f"resources/{TABLE_FILE}": table(plant)}
+    digest = hashlib.sha256()
+    for name, content in sorted({**parts[0], **parts[1], **resources}.items()):
+        digest.update(f"{name} {len(content)} ".encode() + content)
+    token = "{" + str(uuid.uuid5(uuid.NAMESPACE_OID, digest.hexdigest())) + "}"
+    of_c = sources(plant, found, token, fmi, settable)
+    files = {"modelDescription.xml": description(plant, listed, identifier, title, token, fmi), **resources}
+    files |= {f"sources/{name}": content for name, content in of_c.items()}
+    if fmi == 3:
+        files["sources/buildDescription.xml"] = build_description(identifier)
+    binary = place_of_binary(identifier, fmi)
+    library, why = compiled(of_c, f"fmi{fmi}.c") if binary else (None, "FMI has no name for this platform")
+    if binary is not None and library is not None:
+        files[binary] = library
+    else:
+        binary = None
+        warn(
+            f"The FMU '{title}' holds its sources alone, since {why}. Simulink compiles them; other importers want what"
+            " they compile to: export it where there is a C compiler."
+        )
+    parameters = tuple(one.variable for one in found if one.kind == "parameter")
+    return _packed(files), binary, parameters
+
+
+def _identifier(title: str) -> str:
+    """A name of C for the unit's functions."""
+    name = re.sub(r"\W", "_", title, flags=re.ASCII)
+    return f"_{name}" if name[0].isdigit() or keyword.iskeyword(name) else name
+
+
+def _packed(files: dict[str, bytes]) -> bytes:
+    """A zip archive whose bytes follow from its files alone."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for name, file in sorted(files.items(), key=lambda one: (one[0] != "modelDescription.xml", one[0])):
+            member = zipfile.ZipInfo(name, TIME_OF_FILES)
+            member.create_system = 3
+            member.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
+            member.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(member, file)
+    return content.getvalue()

@@ -1,0 +1,82 @@
+"""Sources of a unit: the C files of this folder, and data.h with the numbers of one plant."""
+
+from pathlib import Path
+
+import numpy as np
+
+from .description import Placed
+from .plant import Plant
+
+FOLDER = Path(__file__).parent
+TABLE_FILE = "matrices.bin"
+
+
+def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: bool) -> dict[str, bytes]:
+    """Contents of the files that are compiled, by name.
+
+    Args:
+        plant: What the unit computes.
+        found: Its variables, arrays whole.
+        token: See :func:`flexmb.fmu.description.description`.
+        fmi: 2 or 3.
+        settable: Whether the matrices are parameters; otherwise they are read from a file.
+    """
+    kernel = ["nonlinear.c"] if plant.source else ["linear.c"]
+    files = {name: (FOLDER / name).read_bytes() for name in ("core.c", "algebra.c", *kernel, f"fmi{fmi}.c")}
+    if plant.source:
+        files["plant.c"] = plant.source.encode()
+    files["data.h"] = _data(plant, found, token, fmi, settable).encode()
+    return files
+
+
+def table(plant: Plant) -> bytes:
+    """Matrices as the unit reads them from a file: one after the other, each at all knots; a one before them."""
+    values = [np.ones(1), *(np.ravel(m) for m in plant.matrices.values())]
+    return np.concatenate(values).astype("<f8").tobytes()
+
+
+def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: bool) -> str:
+    n_t = 0 if plant.source else 1 if plant.times is None else len(plant.times)
+    kinds = {kind: [one for one in found if one.kind == kind] for kind in ("input", "state", "parameter", "output")}
+    # FMI 2.0 knows no arrays: each of their entries has a reference.
+    arrays = [one for one in kinds["parameter"] if np.ndim(one.variable.start)] if fmi == 3 else []
+    starts = [np.ravel(one.variable.start) for kind in ("input", "state", "parameter") for one in kinds[kind]]
+    counts = {
+        "N_T": n_t,
+        "N_U": len(plant.inputs),
+        "N_X": len(plant.states),
+        "N_P": sum(np.size(one.variable.start) for one in kinds["parameter"]),
+        "N_Y": len(plant.outputs),
+        "N_NOMINAL": (len(plant.inputs) + len(plant.outputs)) // 2 if "u0" in plant.matrices else 0,
+        "HAS_D": int("D" in plant.matrices),
+        "SETTABLE": int(settable),
+        "N_MEMORY": len(plant.memory),
+        "N_WORK": plant.work,
+        "N_ARRAYS": max(len(arrays), 1),
+    }
+    lines = ["/* The numbers of one plant; core.c says what they are. Generated. */"]
+    lines += [f"#define {name} {count}" for name, count in counts.items()]
+    lines += [f'#define TOKEN "{token}"', f'#define TABLE_FILE "{TABLE_FILE}"']
+    # Without arrays one that no reference is that of.
+    at, sizes = [one.reference for one in arrays], [np.size(one.variable.start) for one in arrays]
+    lines += [_array("unsigned int", "ARRAY_AT", map(str, at or [4294967295]))]
+    lines += [_array("size_t", "ARRAY_SIZE", map(str, sizes or [0]))]
+    lines += [_numbers("NOMINAL", [v.nominal for v in plant.states])]
+    lines += [_numbers("START", np.concatenate([*starts, np.ravel(plant.memory)]))]
+    if n_t > 1:
+        lines += [_numbers("TIMES", plant.times)]
+    return "\n".join(lines) + "\n"
+
+
+def _numbers(name: str, values) -> str:
+    return _array("double", name, (repr(float(value)) for value in values))
+
+
+def _array(kind: str, name: str, values) -> str:
+    words, lines, line = list(values), [], ""
+    for word in words:
+        if len(line) + len(word) > 110:
+            lines.append(line)
+            line = ""
+        line += f"{word}, "
+    return f"static const {kind} {name}[{len(words)}] = {{\n" + "\n".join([*lines, line]).rstrip(", ") + "\n};"

@@ -1,0 +1,157 @@
+"""What a motion is, and what drives a mechanism along it, as that which vibrations are about."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import is_concrete
+from ..compilation.compile import jit_beside_options
+from ..errors import ModelError
+from ..math.rotation import rotation_since
+from ..mechanics.signals import rotation_row
+from ..model.model import Model, Signal
+from ..motion.coordinates_form import coordinates_form
+from ..motion.drive import Driven, Table
+from ..motion.element_forces import deformed
+from ..motion.motion import Motion
+
+
+class About(NamedTuple):
+    """A motion that vibrations are about.
+
+    Attributes:
+        motion: The motion.
+        u0: Its inputs, (n_t, n_u) [N, N m].
+        held: Force that holds each degree of freedom along it and is let go, (n_t, n_q) [N, N m].
+    """
+
+    motion: Motion
+    u0: Float[Array, "n_t n_u"]
+    held: Float[Array, "n_t n_q"]
+
+
+def about(given: Any, function: str) -> About:
+    """The motion of a simulation, along which nothing is held, or that of inverse dynamics.
+
+    Args:
+        given: Motion or Nominal.
+        function: Who asks, for an error.
+
+    Raises:
+        TypeError: It is neither.
+        ModelError: It did not reach its end, or has one time alone.
+    """
+    motion = getattr(given, "motion", given)
+    if not isinstance(motion, Motion):
+        raise TypeError(
+            f"fm.trajectory.{function} takes a Motion, of fm.simulate(..), or a Nominal, of"
+            f" fm.trajectory.inverse_dynamics(..), not {type(given).__name__}."
+        )
+    if len(motion.t) < 2:
+        raise ModelError(f"fm.trajectory.{function} needs a motion of two times at least.")
+    if is_concrete(motion.x) and not np.all(np.isfinite(np.asarray(motion.x))):
+        raise ModelError(
+            f"fm.trajectory.{function} was given a motion that did not reach its end: motion.until(count)."
+        )
+    count = len(motion.t)
+    inputs = len(motion.labels.inputs)
+    if motion is not given:
+        return About(motion, given.u0, given.f0)
+    u0 = motion.u if motion.u.shape[1] else jnp.zeros((count, inputs))
+    return About(motion, u0, jnp.zeros((count, motion.model.topology.n_q)))
+
+
+def freedoms_of(motion: Motion) -> tuple[Float[Array, "n_t n_q"], Float[Array, "n_t n_q"]]:
+    """Degrees of freedom along a motion, from the undeformed mechanism, and their rates, (n_t, n_q) [m, rad; 1/s]."""
+    return _freedoms(motion.model.topology, motion.model.parameters, motion.x, motion.xd, motion.near)
+
+
+@jit_beside_options
+def _freedoms(topology, parameters, x, xd, near):
+    form = coordinates_form(topology, parameters)
+
+    def one(at):
+        x, xd, near = at
+        e, jacobian = deformed(form.elements, x, near)
+        own = jnp.concatenate([(x - parameters.reference)[topology.x.dof], e[topology.e.dof]])
+        return own, jnp.concatenate([xd[topology.x.dof], (jacobian @ xd)[topology.e.dof]])
+
+    return jax.lax.map(one, (x, xd, near))
+
+
+def released(model: Model, t, held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
+    """Loads that cancel, at the times of a motion, what holds the degrees of freedom along it.
+
+    Args:
+        model: Mechanism.
+        t: Times, (n_t,) [s].
+        held: What holds them, (n_t, n_q) [N, N m].
+    """
+    top = model.topology
+    n = top.x.dof.shape[0]
+    if is_concrete(held) and not np.any(np.asarray(held)):
+        return ()
+    found = []
+    if n:
+        found.append(Driven("force", top.x.dof, Table(t, -held[:, :n])))
+    if top.n_q > n:
+        found.append(Driven("stress", top.e.dof, Table(t, held[:, n:])))
+    return tuple(found)
+
+
+def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
+    """Outputs along a motion, as sensors give them; rotations in space since the undeformed mechanism.
+
+    Args:
+        motion: Motion.
+
+    Returns:
+        (n_t, n_y) [m, rad, ..].
+
+    Source:
+        THEORY.md 7: of a rotation in space omega = 2 Lbar(lambda) d(lambda)/dt, whose rate is 2 Lbar(lambda) of the
+        second rate of the parameters.
+    """
+    labels = motion.labels
+    if not labels.outputs:
+        return jnp.zeros((len(motion.t), 0))
+    seen = motion.observe()
+    return _outputs(motion.model.without_names(), labels.outputs, seen.x, seen.xd, seen.xdd, motion.near, seen.sigma)
+
+
+@jit_beside_options
+def _outputs(model: Model, outputs: tuple[Signal, ...], x, xd, xdd, near, sigma):
+    form = coordinates_form(model.topology, model.parameters)
+    reference = model.parameters.reference
+    places = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
+    orders = {"position": 0, "velocity": 1, "acceleration": 2}
+
+    def one(at):
+        x, v, a, near, sigma = at
+
+        def e_of(x):
+            return deformed(form.elements, x, near)[0]
+
+        def rate_of(x, v):
+            return jax.jvp(e_of, (x,), (v,))[1]
+
+        rates = [e_of(x), rate_of(x, v), jax.jvp(rate_of, (x, v), (v, a))[1]]
+        values = []
+        for s in outputs:
+            if s.quantity in places:
+                values.append(rates[places[s.quantity]][s.index])
+            elif s.quantity == "stress":
+                values.append(sigma[s.index])
+            elif s.axis is None:
+                values.append((x - reference, v, a)[orders[s.quantity]][s.index])
+            else:
+                own = s.index + jnp.arange(4)
+                turned = rotation_since(reference[own], x[own], s.local)[s.axis]
+                row = rotation_row(x[own], s.axis, s.local)
+                values.append((turned, row @ v[own], row @ a[own])[orders[s.quantity]])
+        return jnp.stack(values)
+
+    return jax.lax.map(one, (x, xd, xdd, near, sigma))

@@ -1,0 +1,653 @@
+"""Inverse dynamics: what drives a mechanism along a trajectory while its flexible deformations are held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Float, Int
+
+from ..arguments import check_numbers, is_concrete, shown
+from ..compilation.compile import jit_beside_options
+from ..compilation.record import Record, static
+from ..display import Result, States, Summary, listed, short, span
+from ..errors import ModelError
+from ..math.indices import accumulate, put
+from ..math.linear import factorise
+from ..math.rotation import rotation_since
+from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.extent import sizes_of
+from ..mechanics.signals import rotation_row
+from ..mechanics.transfer import correction, transfer
+from ..model.by_name import TURNS
+from ..model.model import Model, Signal, as_determined
+from ..motion.coordinates_form import CoordinatesForm, coordinates_form
+from ..motion.drive import Driven, Table
+from ..motion.drives_by_name import Drives, driven_by
+from ..motion.element_forces import Moving, deformed
+from ..motion.loop import under_inputs
+from ..motion.motion import Motion
+from ..motion.moving_matrices import carried, dynamic_balance
+from ..results import RESULTS, check, told
+from .laws import Law, as_law, rates, sampled
+
+# What is wanted changes by at most this share of the mechanism's extent, or radians, between two solutions.
+STEP = 0.1
+# Steps of Newton's method to each of them at most, and the relative change at which they end.
+CORRECTIONS, SETTLED = 12, 1e-13
+# How far what is wanted may be missed, as a share of the mechanism's extent or in radians.
+TOLERANCE = 1e-8
+# So many steps of that size lie between two times at most.
+MOST_STEPS = 10_000
+ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
+DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
+
+
+class Place(Record):
+    """A quantity of the configuration: a coordinate from its start, a deformation, or a rotation about an axis.
+
+    Attributes:
+        quantity: "x", "e", "rotation" or "local rotation".
+        index: Index in x or e; of a rotation in space, that of its first Euler parameter.
+        axis: Axis of a rotation in space.
+    """
+
+    quantity: str = static()
+    index: Int[Array, ""]
+    axis: Int[Array, ""]
+
+
+class Wanted(Record):
+    """A quantity that follows a law.
+
+    Attributes:
+        place: What it is.
+        law: Function of time.
+    """
+
+    place: Place
+    law: Callable[..., Any]
+
+
+class Nominal(Result, Record):
+    """A motion along a trajectory, and what drives the mechanism along it.
+
+    The motion is one of the whole model: its linearised equations, ``nominal.motion.linearizations()``, are those of a
+    mechanism that is free to vibrate about it.
+
+    Attributes:
+        motion: The motion, as :func:`flexmb.simulate` gives one, under the inputs and what holds the rest.
+        u0: Nominal inputs, in the order in which the builder named them, (n_t, n_u) [N, N m].
+        y0: Outputs along it, likewise, (n_t, n_y).
+        f0: Force that would have to hold each degree of freedom beside the inputs: zero along those that are driven,
+            (n_t, n_q) [N, N m].
+        result: Code of RESULTS at each time, (n_t,).
+    """
+
+    motion: Motion
+    u0: Float[Array, "n_t n_u"]
+    y0: Float[Array, "n_t n_y"]
+    f0: Float[Array, "n_t n_q"]
+    result: Int[Array, "n_t"]
+    one_axis = "result"
+
+    @property
+    def t(self) -> Float[Array, "n_t"]:
+        """Times, (n_t,) [s]."""
+        return self.motion.t
+
+    @property
+    def inputs(self) -> dict[str, Law]:
+        """Nominal inputs as functions of time, by their names."""
+        return self._laws(self.motion.labels.inputs, self.u0)
+
+    @property
+    def outputs(self) -> dict[str, Law]:
+        """Outputs along the trajectory as functions of time, by their names."""
+        return self._laws(self.motion.labels.outputs, self.y0)
+
+    def _laws(self, signals: tuple[Signal, ...], values: Any) -> dict[str, Law]:
+        degree = min(5, (len(self.t) - 2) // 2 * 2 + 1)
+        if degree < 3:
+            raise ValueError("Functions of time need four times at least.")
+        return {signal.name: sampled(self.t, values[:, i], degree=degree) for i, signal in enumerate(signals)}
+
+    def states(self) -> States:
+        """The states, over time."""
+        return self.motion.states()
+
+    def summary(self) -> Summary:
+        """Outcome, and the range of each input and output."""
+        rows = {"result": told(np.max(np.asarray(self.result))), "times": str(len(self.t))}
+        labels = self.motion.labels
+        for word, signals, values in (("input", labels.inputs, self.u0), ("output", labels.outputs, self.y0)):
+            for i, signal in enumerate(signals):
+                rows[f"{word} {signal.name}"] = span(values[:, i], "")
+        held = np.max(np.abs(np.asarray(self.f0)), axis=0, initial=0.0)
+        names = [f"{name} {short(f)}" for name, f in zip(self.motion.model.q_labels, held, strict=True) if f > 0]
+        if names:
+            rows["largest forces that hold"] = listed(names)
+        return Summary("Nominal motion along a trajectory", rows, "history")
+
+
+def inverse_dynamics(
+    model: Model,
+    trajectory: Mapping[str, Callable],
+    times: ArrayLike,
+    *,
+    driven: Sequence[str] | None = None,
+    inputs: Sequence[str] | None = None,
+    throw: bool = True,
+) -> Nominal:
+    """Inputs that drive a mechanism along a trajectory, its flexible deformations held: SPACAR's mode 2.
+
+    The trajectory says where degrees of freedom, PRESCRIBED coordinates and deformations, other coordinates or outputs
+    are to be, each counted from the undeformed mechanism. Other coordinates and outputs are reached by the degrees of
+    freedom that are driven, as the kinematics of the mechanism has it. The degrees of freedom that are not driven, such
+    as the deformations of flexible parts, stay at their start values, zero unless the builder named others.
+
+    The inputs are those that the equations of motion ask for along what is driven,
+    ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``; along what is held the same force is what would have to hold it,
+    ``f0``. An input that acts where the motion is PRESCRIBED has the force or stress that the motion there takes.
+
+    Args:
+        model: Mechanism with named inputs; differentiable in ``model.parameters``.
+        trajectory: Law of each quantity by its name: a coordinate "stage.x", a rotation "arm.phi" or "arm.rz", a
+            deformation "hinge.e1", or an output. Functions of time, twice differentiable, such as
+            :func:`flexmb.trajectory.quintic`; differentiable in their numbers.
+        times: Times at which to give it, ascending, (n_t,) [s].
+        driven: Names of the degrees of freedom that follow other coordinates and outputs, as many as there are of
+            these. None: those that are in no flexible element's stiffness, or all, where their number fits.
+        inputs: Names of the inputs that drive, as many as there are driven degrees of freedom; the others are zero.
+            None: all of them that act on what is not PRESCRIBED.
+        throw: Raise where there is no such motion; otherwise the code is in ``result``.
+
+    Returns:
+        Nominal.
+
+    Raises:
+        ValueError, TypeError: Times that do not ascend, a law that is none.
+        ModelError: An unknown name; a number of inputs or of driven degrees of freedom that does not fit; a quantity
+            that nothing moves.
+        AnalysisError: outside_workspace or singular_plant, with the first time at which it is so.
+
+    Source:
+        THEORY.md 14, eq. (14.13) to (14.15).
+    """
+    as_determined(model, "trajectory.inverse_dynamics")
+    times = _checked_times(times)
+    if not isinstance(trajectory, Mapping) or not trajectory:
+        raise ModelError(f"Argument `trajectory` must be a dictionary of names and laws, not {shown(trajectory)}.")
+    wanted, prescribed = _sorted(model, trajectory)
+    moved = _driven_freedoms(model, wanted, driven)
+    acting, passive = _acting_inputs(model, inputs, len(moved), list(prescribed))
+    laws = driven_by(model, Drives(motion=prescribed)) if prescribed else ()
+    names = list(wanted)
+    found = _nominal(
+        model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), tuple(passive), times
+    )
+    if throw and is_concrete(found):
+        _explain(model, names, found, np.asarray(times))
+    check(found.result, throw)
+    count = len(times)
+    loads = _as_loads(model, times, found.u0, found.f0)
+    none = jnp.zeros((count, 0))
+    motion = Motion(
+        times,
+        found.x,
+        found.xd,
+        found.near,
+        none,
+        jnp.zeros((), jnp.int32),
+        jnp.max(found.result),
+        (*laws, *loads),
+        model,
+        "coordinates",
+        "inverse dynamics",
+    )
+    return Nominal(motion, found.u0, found.y0, found.f0, found.result)
+
+
+class _Found(NamedTuple):
+    """What the kernel gives at every time; ``moves`` is how much each wanted quantity is moved by what is driven."""
+
+    x: Any
+    xd: Any
+    near: Any
+    u0: Any
+    y0: Any
+    f0: Any
+    result: Any
+    moves: Any
+
+
+def place_of(model: Model, name: str) -> Place | None:
+    """Where a quantity is that a name means; None where it means none.
+
+    Args:
+        name: "stage.x", "arm.phi", "arm.rz", "hinge.e1", or an output that is a position, rotation or deformation.
+
+    Raises:
+        ModelError: The name means an output that is the rate of something.
+    """
+    labels, no_axis = model.labels, jnp.array(0)
+    x_names = {str(entry): i for i, entry in enumerate(labels.x)}
+    e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
+    node, _, component = str(name).rpartition(".")
+    turned = f"{node}.rotation"
+    for meant in (str(name), f"{turned}.{component}"):
+        if meant in x_names:
+            return Place("x", jnp.array(x_names[meant]), no_axis)
+    if name in e_names:
+        return Place("e", jnp.array(e_names[name]), no_axis)
+    if component in TURNS and labels.coordinates(turned) and labels.dimension == 3:
+        return Place("rotation", jnp.array(labels.coordinates(turned)[0]), jnp.array(TURNS.index(component)))
+    for signal in labels.outputs:
+        if signal.name == name:
+            if signal.quantity not in ("position", "deformation"):
+                raise ModelError(
+                    f"Trajectory '{name}': the output is a {signal.quantity}. Say where it is to be: give the law of an"
+                    " output that is a position or a deformation."
+                )
+            return _place_of_signal(signal)
+    return None
+
+
+def _place_of_signal(signal: Signal) -> Place:
+    """Where the quantity is whose value or rate an output measures."""
+    index, axis = jnp.array(signal.index), jnp.array(signal.axis or 0)
+    if signal.axis is not None:
+        return Place("local rotation" if signal.local else "rotation", index, axis)
+    return Place("e" if signal.quantity in DEFORMATION_ORDERS else "x", index, axis)
+
+
+def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
+    """What is wanted of what is free, and what is PRESCRIBED."""
+    top = model.topology
+    given = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
+    fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
+    e_names = [str(entry) for entry in model.labels.e]
+    wanted, prescribed = {}, {}
+    for name, law in trajectory.items():
+        law = as_law(f"Trajectory '{name}'", law)
+        turn = f"turn of {str(name).removesuffix('.rotation')}.e1"
+        place = place_of(model, name)
+        if turn in e_names and e_names.index(turn) in given["e"]:
+            prescribed[name] = law
+        elif place is None:
+            known = [*model.q_labels, *(signal.name for signal in model.labels.outputs)]
+            raise ModelError(
+                f"Trajectory '{name}' names no coordinate, deformation or output. There are, among others,"
+                f" {listed(known)}."
+            )
+        elif place.quantity in given and int(place.index) in given[place.quantity]:
+            own = model.labels.x if place.quantity == "x" else model.labels.e
+            prescribed[str(own[int(place.index)])] = law
+        elif place.quantity in fixed and int(place.index) in fixed[place.quantity]:
+            raise ModelError(f"Trajectory '{name}' is of something FIXED, which nothing moves.")
+        else:
+            wanted[name] = Wanted(place, law)
+    return wanted, prescribed
+
+
+def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[str] | None) -> list[int]:
+    """Degrees of freedom that are driven, as places in q: those of the trajectory, and those that others follow."""
+    top, names = model.topology, model.q_labels
+    x_dof, e_dof = np.asarray(top.x.dof).tolist(), np.asarray(top.e.dof).tolist()
+    own, followed = [], []
+    for name, one in wanted.items():
+        index = int(one.place.index)
+        if one.place.quantity == "x" and index in x_dof:
+            own.append(x_dof.index(index))
+        elif one.place.quantity == "e" and index in e_dof:
+            own.append(len(x_dof) + e_dof.index(index))
+        else:
+            followed.append(name)
+    if len(set(own)) < len(own):
+        raise ModelError("Two laws of `trajectory` are of the same degree of freedom: give one of them.")
+    if driven is not None:
+        unknown = [name for name in driven if name not in names]
+        if isinstance(driven, str) or unknown:
+            said = driven if isinstance(driven, str) else unknown[0]
+            raise ModelError(f"Argument `driven` must be a list of degrees of freedom, {listed(names)}; not {said!r}.")
+        chosen = [names.index(name) for name in driven]
+        chosen = own + [i for i in chosen if i not in own]
+        if len(chosen) != len(wanted):
+            raise ModelError(
+                f"Argument `driven`: {len(wanted)} laws are wanted of {listed(list(wanted))}, and"
+                f" {len(chosen)} degrees of freedom are driven. There must be as many."
+            )
+        return chosen
+    rest = [i for i in range(top.n_q) if i not in own]
+    stiff = _stiff(model) if followed else set()
+    soft = [i for i in rest if i < len(x_dof) or e_dof[i - len(x_dof)] not in stiff]
+    for chosen in ([] if not followed else soft, rest):
+        if len(chosen) == len(followed):
+            return own + chosen
+    if not followed:
+        return own
+    raise ModelError(
+        f"Trajectory of {listed(followed)}: {len(followed)} degrees of freedom must be driven to follow it, of"
+        f" {listed([names[i] for i in rest]) if rest else 'none that are left'}. Say which by `driven`."
+    )
+
+
+def _stiff(model: Model) -> set[int]:
+    """Indices of the deformations that have a stiffness of their own."""
+    from ..mechanics.stress_resultants import element_stiffness
+
+    stiffness = jax.lax.stop_gradient(element_stiffness(model.topology, model.parameters))
+    if not is_concrete(stiffness):
+        raise ModelError("Under a trace say which degrees of freedom are driven: argument `driven`.")
+    return set(np.flatnonzero(np.diagonal(np.asarray(stiffness)) != 0).tolist())
+
+
+def _acting_inputs(
+    model: Model, inputs: Sequence[str] | None, count: int, prescribed: list[str]
+) -> tuple[list[int], list[int]]:
+    """Inputs that are found along what is driven, and those that act where the motion is PRESCRIBED."""
+    labels, top = model.labels, model.topology
+    names = [signal.name for signal in labels.inputs]
+    given = {False: np.asarray(top.x.prescribed).tolist(), True: np.asarray(top.e.prescribed).tolist()}
+    there = [s.axis is None and s.index in given[s.quantity == "stress"] for s in labels.inputs]
+    if inputs is None:
+        chosen = list(range(len(names)))
+    else:
+        unknown = [name for name in inputs if name not in names]
+        if isinstance(inputs, str) or unknown:
+            said = inputs if isinstance(inputs, str) else unknown[0]
+            raise ModelError(f"Argument `inputs` must be a list of inputs, {listed(names)}; not {said!r}.")
+        chosen = [names.index(name) for name in inputs]
+    passive = [i for i in chosen if there[i]]
+    acting = [i for i in chosen if not there[i]]
+    if len(acting) != count:
+        has = f"the inputs {listed([names[i] for i in acting])}" if acting else "no input"
+        raise ModelError(
+            f"{count} degrees of freedom are driven, which takes as many inputs, but there is {has} to do so."
+            " Name them by input() in the builder, and those that drive by `inputs`."
+        )
+    return acting, passive
+
+
+def _checked_times(times) -> Float[Array, "n_t"]:
+    check_numbers("Argument `times`", times)
+    times = jnp.asarray(times, float)
+    if times.ndim != 1 or times.shape[0] < 2:
+        raise ValueError(f"Argument `times` must be at least two times, not {shown(times)}.")
+    if is_concrete(times) and not bool(np.all(np.diff(np.asarray(times)) > 0)):
+        raise ValueError("Argument `times` must be ascending, without a time twice.")
+    return times
+
+
+def _explain(model: Model, names: list[str], found: _Found, times: np.ndarray) -> None:
+    """Raise with the first time at which it fails, and with the quantity that nothing driven moves."""
+    codes = np.asarray(found.result)
+    if not np.any(codes):
+        return
+    first = int(np.flatnonzero(codes)[0])
+    moves = np.asarray(found.moves)[first]
+    still = [name for name, part in zip(names, moves, strict=True) if part == 0]
+    if still:
+        raise ModelError(f"Trajectory of {listed(still)}: nothing that is driven moves it.")
+    check(codes[first], True, f"It is so at {short(times[first])} s.")
+
+
+def _measured(form: CoordinatesForm, places: Sequence[Place], x, near) -> Float[Array, "k"]:
+    """Quantities of a configuration, from the undeformed mechanism."""
+    top, parameters = form.topology, form.parameters
+    e = deformations(top, parameters, x, near) if any(p.quantity == "e" for p in places) else near
+    values = []
+    for place in places:
+        if place.quantity == "x":
+            values.append(x[place.index] - parameters.reference[place.index])
+        elif place.quantity == "e":
+            values.append(e[place.index])
+        else:
+            own = place.index + jnp.arange(4)
+            local = place.quantity == "local rotation"
+            values.append(rotation_since(parameters.reference[own], x[own], local)[place.axis])
+    return jnp.stack(values) if values else jnp.zeros(0)
+
+
+class _At(NamedTuple):
+    """Degrees of freedom, nodal coordinates and deformations."""
+
+    q: Any
+    x: Any
+    near: Any
+
+
+class _Corrected(NamedTuple):
+    """A state after one step of Newton's method, how large it was, and how what is driven moves what is wanted."""
+
+    at: _At
+    change: Any
+    rows: Any
+    regular: Any
+
+
+def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int, ...], goal, at: _At):
+    """One step of Newton's method towards a configuration in which what is wanted has its values.
+
+    Source:
+        THEORY.md 14, eq. (14.13).
+    """
+    top, places, driven = form.topology, [one.place for one in wanted], jnp.array(moved, int)
+    n = top.x.dof.shape[0]
+    (held_x, held_e), target = goal
+    x_wanted = put(held_x, top.x.dof, form.parameters.reference[top.x.dof] + at.q[:n])
+    e_wanted = put(put(jnp.zeros(top.n_e), form.held, held_e), top.e.dof, at.q[n:])
+    e, jacobian = deformed(form.elements, at.x, at.near)
+    tangent = transfer(top, jacobian)
+    shift = put(jnp.zeros(top.n_x), top.x.given, (x_wanted - at.x)[top.x.given])
+    change = correction(top, tangent, e - e_wanted + jacobian @ shift, shift)
+    rows, dq = jnp.zeros((0, 0)), jnp.zeros(0)
+    regular = tangent.regular
+    if moved:
+        by_x = jax.jacfwd(lambda x: _measured(form, places, x, at.near))(at.x)
+        rows = by_x @ tangent.DFx[:, driven]
+        factors = factorise(rows)
+        dq = factors.solve(target - _measured(form, places, at.x, at.near) - by_x @ change)
+        change = change + tangent.DFx[:, driven] @ dq
+        regular = regular & factors.regular()
+    at = _At(accumulate(at.q, driven, dq) if moved else at.q, at.x + change, e)
+    return _Corrected(at, change, rows, regular)
+
+
+@jit_beside_options
+def _nominal(model, laws, wanted, moved, acting, passive, times) -> _Found:
+    top, parameters = model.topology, model.parameters
+    form = coordinates_form(top, parameters, laws)
+    places, driven = [one.place for one in wanted], jnp.array(moved, int)
+    sizes = sizes_of(top, parameters)
+    none = jnp.zeros(form.size)
+    start = jnp.zeros(top.n_q) if parameters.start is None else parameters.start[0]
+
+    def given(form, wanted, t):
+        """Where everything is to be at a time: coordinates, held deformations, and values of what is wanted."""
+        whole = form.whole(t, none, none, none)
+        values = [jnp.asarray(one.law(t), float) for one in wanted]
+        return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0)
+
+    def scaled(goal):
+        (x, e), target = goal
+        size = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
+        return jnp.concatenate([x / sizes, e, target / (jnp.stack(size) if size else 1.0)])
+
+    fixed = jax.lax.stop_gradient((form, wanted, start, times))
+
+    def settled(form, wanted, goal, at: _At) -> _At:
+        """Newton's method until nothing changes."""
+
+        def more(loop):
+            i, _, change = loop
+            return (i < CORRECTIONS) & (change > SETTLED)
+
+        def step(loop):
+            i, at, _ = loop
+            found = _closer(form, wanted, moved, goal, at)
+            return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
+
+        return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
+
+    def way(goals, at: _At) -> _At:
+        """From one goal to another, in steps that Newton's method can follow; ``goals`` is a function of a share."""
+        form, wanted = fixed[:2]
+        far = jnp.max(jnp.abs(scaled(goals(1.0)) - scaled(goals(0.0))), initial=0.0)
+        count = jnp.clip(jnp.ceil(far / STEP), 1, MOST_STEPS)
+        count = jnp.where(jnp.isfinite(count), count, 1).astype(jnp.int32)
+
+        def step(i, at):
+            return settled(form, wanted, goals((i + 1).astype(float) / count.astype(float)), at)
+
+        return jax.lax.fori_loop(0, count, step, at)
+
+    def between(a, b, share):
+        return jax.tree.map(lambda a, b: a + share * (b - a), a, b)
+
+    fixed_form, fixed_wanted, fixed_start, fixed_times = fixed
+    undeformed = (fixed_form.parameters.reference, jnp.zeros(form.held.shape[0]))
+    first = given(fixed_form, fixed_wanted, fixed_times[0])
+    origin = _At(jnp.zeros(top.n_q), fixed_form.parameters.reference, zero_near(top))
+    origin_goal = (undeformed, _measured(fixed_form, places, origin.x, origin.near))
+
+    def from_rest(share):
+        return between(origin_goal, first, share)
+
+    # The degrees of freedom that are held go to their start values on the same way.
+    held = put(fixed_start, driven, 0.0) if moved else fixed_start
+    count = jnp.ceil(jnp.max(jnp.abs(held), initial=0.0) / STEP).astype(jnp.int32) + 1
+
+    def toward_held(i, at):
+        share = (i + 1).astype(float) / count.astype(float)
+        q = share * held
+        q = put(q, driven, at.q[driven]) if moved else q
+        return settled(fixed_form, fixed_wanted, origin_goal, _At(q, at.x, at.near))
+
+    begun = jax.lax.fori_loop(0, count, toward_held, origin)
+    begun = way(from_rest, begun)
+
+    def follow(carry, t):
+        before, at = carry
+        at = way(lambda share: given(fixed_form, fixed_wanted, before + share * (t - before)), at)
+        return (t, at), at
+
+    _, walked = jax.lax.scan(follow, (fixed_times[0], begun), fixed_times)
+    walked = jax.lax.stop_gradient(walked)
+
+    def one(row):
+        t, at = row
+        # Through this step derivatives pass: they are those of the implicit function.
+        goal = given(form, wanted, t)
+        q = at.q if not moved else put(start, driven, at.q[driven])
+        found = _closer(form, wanted, moved, goal, _At(q, at.x, at.near))
+        x = found.at.x
+        near, jacobian = deformed(form.elements, x, at.near)
+        tangent = transfer(top, jacobian)
+        moving = _moving(form, wanted, driven, found.rows, tangent, t, x, near)
+
+        def residual(u):
+            return dynamic_balance(under_inputs(model, form, u), t, moving).residual
+
+        n_u = len(model.labels.inputs)
+        needed = residual(jnp.zeros(n_u))
+        u0, plant = jnp.zeros(n_u), jnp.array(True)
+        f0 = needed
+        if moved:
+            b0 = -jax.jacfwd(residual)(jnp.zeros(n_u))
+            own = b0[driven][:, jnp.array(acting, int)]
+            factors = factorise(own / jnp.maximum(jnp.max(jnp.abs(own)), 1e-300))
+            u0 = u0.at[jnp.array(acting, int)].set(
+                factors.solve(needed[driven]) / jnp.maximum(jnp.max(jnp.abs(own)), 1e-300)
+            )
+            plant = factors.regular()
+            f0 = put(needed - b0 @ u0, driven, 0.0)
+        if passive:
+            u0 = _passive(model, form, passive, u0, t, moving)
+        outputs = [_output(form, signal, moving) for signal in model.labels.outputs]
+        y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
+        missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
+        fine = jnp.isfinite(missed) & (missed < TOLERANCE) & found.regular & tangent.regular
+        fine = fine & jnp.all(jnp.isfinite(needed))
+        result = jnp.where(plant & jnp.all(jnp.isfinite(u0)), RESULTS.successful, RESULTS.singular_plant)
+        result = jnp.where(fine, result, RESULTS.outside_workspace).astype(jnp.int32)
+        moves = jnp.max(jnp.abs(found.rows), axis=1, initial=0.0)
+        return _Found(x, moving.v, near, u0, y0, f0, result, moves)
+
+    return jax.lax.map(one, (times, walked))
+
+
+def _moving(form, wanted, driven, rows, tangent, t, x, near) -> Moving:
+    """Velocities and accelerations along the trajectory.
+
+    Source:
+        THEORY.md 14, eq. (14.14).
+    """
+    none = jnp.zeros(form.topology.n_q)
+    if not wanted:
+        return carried(form, t, x, none, none, near)
+    places = [one.place for one in wanted]
+    _, first, second = jax.tree.map(lambda *parts: jnp.stack(parts), *[rates(one.law, t) for one in wanted])
+    factors = factorise(rows)
+
+    def measured(x):
+        return _measured(form, places, x, near)
+
+    def rate(x, v):
+        return jax.jvp(measured, (x,), (v,))[1]
+
+    given = carried(form, t, x, none, none, near)
+    qd = put(none, driven, factors.solve(first - rate(x, given.v)))
+    given = carried(form, t, x, qd, none, near)
+    reached = jax.jvp(rate, (x, given.v), (given.v, given.a))[1]
+    qdd = put(none, driven, factors.solve(second - reached))
+    return given._replace(a=given.a + tangent.DFx @ qdd)
+
+
+def _passive(model, form, passive, u0, t, moving) -> Float[Array, "n_u"]:
+    """Inputs with those where the motion is PRESCRIBED: what the motion there takes beside the others."""
+    at = dynamic_balance(under_inputs(model, form, u0), t, moving)
+    reactions = at.jacobian.T @ at.sigma - at.force
+    for i in passive:
+        signal = model.labels.inputs[i]
+        u0 = u0.at[i].set((at.sigma if signal.quantity == "stress" else reactions)[signal.index])
+    return u0
+
+
+def _output(form, signal: Signal, moving: Moving) -> Float[Array, ""]:
+    """Value of an output at a state of motion."""
+    x, v, a, near = moving
+    place = _place_of_signal(signal)
+    order = {**ORDERS, **DEFORMATION_ORDERS}[signal.quantity]
+    if signal.axis is not None and order:
+        own = signal.index + jnp.arange(4)
+        return rotation_row(x[own], signal.axis, signal.local) @ (v, a)[order - 1][own]
+    if place.quantity == "x" and order:
+        return (v, a)[order - 1][signal.index]
+
+    def value(x):
+        return _measured(form, [place], x, near)[0]
+
+    def rate(x, v):
+        return jax.jvp(value, (x,), (v,))[1]
+
+    return (lambda: value(x), lambda: rate(x, v), lambda: jax.jvp(rate, (x, v), (v, a))[1])[order]()
+
+
+def _as_loads(model: Model, times, u0, f0) -> tuple[Driven, ...]:
+    """Inputs and what holds the rest, as loads that depend on time: their values at the times are exact."""
+    top = model.topology
+    plain = coordinates_form(top, model.parameters)
+    found = []
+    if model.labels.inputs:
+        constant: Any = jax.vmap(lambda u: under_inputs(model, plain, u).driven)(u0)
+        found += [Driven(one.quantity, one.at[0], Table(times, one.value.value)) for one in constant]
+    n = top.x.dof.shape[0]
+    if n:
+        found.append(Driven("force", top.x.dof, Table(times, f0[:, :n])))
+    if top.n_q > n:
+        found.append(Driven("stress", top.e.dof, Table(times, -f0[:, n:])))
+    return tuple(found)

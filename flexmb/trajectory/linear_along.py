@@ -1,0 +1,432 @@
+"""Linear equations along a motion: matrices that vary with time, between the times too."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Float
+
+from ..arguments import check_number, check_numbers, is_concrete, shown
+from ..compilation.compile import jit
+from ..compilation.record import Record, static
+from ..control.state_space import StateMatrices, state_matrices
+from ..display import Result, Summary, short, span
+from ..linear.spectrum import general_spectrum, is_real, to_frequency
+from ..math.linear import factorise
+from .about_motion import about, freedoms_of, outputs_of
+from .cubic import Spline, spline
+from .radau import march
+from .refined import refined
+from .slow_modes import check_modes, slow_modes
+
+if TYPE_CHECKING:
+    import control
+
+# Times may lie outside of those of the system by this share of all of them.
+ROUND_OFF = 1e-9
+
+
+class TimeVarying(Result, Record):
+    """Linear time-varying system z_dot = A(t) z + B(t) u, y = C(t) z + D(t) u along a motion.
+
+    z, u and y are deviations from the motion, that of the degrees of freedom and their rates first; the same states at
+    all times, so that what is between the times is a cubic spline through the matrices (SciPy's ``CubicSpline``).
+
+    Attributes:
+        t: Times, (n_t,) [s].
+        A: (n_t, n_z, n_z).
+        B: (n_t, n_z, n_u).
+        C: (n_t, n_y, n_z).
+        D: (n_t, n_y, n_u).
+        M: Mass of the motions whose amplitudes are the first n states, their rates the next n, (n_t, n, n).
+        u0: Inputs of the motion itself, (n_t, n_u) [N, N m].
+        y0: Its outputs, (n_t, n_y) [m, rad, ..].
+        z0: Its states at the first time, (n_z,).
+        sigma: Its stress resultants, (n_t, n_e) [N, N m].
+        basis: Degrees of freedom that carry mass by the first n states, one a column; None where these are they.
+        error: Of a reduced system, the largest difference of its frequencies from those of the whole one at any of the
+            times, over these, (n,) [-]; None of a whole one or under a trace.
+        left_out: Of a reduced system, the lowest frequency that is not kept, (n_t,) [Hz]; None likewise.
+        state_labels: Names of the states.
+        input_labels: Names of the inputs.
+        output_labels: Names of the outputs.
+    """
+
+    t: Float[Array, "n_t"]
+    A: Float[Array, "n_t n_z n_z"]
+    B: Float[Array, "n_t n_z n_u"]
+    C: Float[Array, "n_t n_y n_z"]
+    D: Float[Array, "n_t n_y n_u"]
+    M: Float[Array, "n_t n n"]
+    u0: Float[Array, "n_t n_u"]
+    y0: Float[Array, "n_t n_y"]
+    z0: Float[Array, "n_z"]
+    sigma: Float[Array, "n_t n_e"]
+    basis: Float[Array, "n_q n"] | None
+    error: Float[Array, "n"] | None
+    left_out: Float[Array, "n_t"] | None
+    state_labels: tuple[str, ...] = static()
+    input_labels: tuple[str, ...] = static()
+    output_labels: tuple[str, ...] = static()
+    one_axis = "t"
+
+    def __call__(self, t) -> StateMatrices:
+        """Matrices at one time, by a cubic spline.
+
+        Args:
+            t: Time, () [s], from the first to the last.
+
+        Raises:
+            ValueError: It is outside of them.
+
+        Source:
+            THEORY.md 14, eq. (14.20).
+        """
+        if is_concrete(t):
+            check_number("t", t)
+        self._within("t", jnp.asarray(t, float))
+        return _matrices_at(self._splines(), jnp.asarray(t, float))
+
+    def frequencies(self) -> Float[np.ndarray, "n_t n"]:
+        """Undamped frequencies at the times, ascending, (n_t, n) [Hz]; negative where the motion grows, NaN if complex.
+
+        Source:
+            THEORY.md 7, eq. (7.2).
+        """
+        n = self.M.shape[1]
+        stiffness, mass = -np.asarray(self.M @ self.A[:, n : 2 * n, :n]), np.asarray(self.M)
+        return np.array([_frequencies(k, m) for k, m in zip(stiffness, mass, strict=True)])
+
+    def statespace(self, t: float) -> control.StateSpace:
+        """The system as it is at one time, as if its matrices stayed so.
+
+        Args:
+            t: Time, () [s].
+
+        Source:
+            THEORY.md 7, eq. (7.7).
+        """
+        import control
+
+        names = [
+            [name.replace(".", " ") for name in own]
+            for own in (self.state_labels, self.input_labels, self.output_labels)
+        ]
+        parts = [np.asarray(part) for part in self(t)]
+        return control.StateSpace(*parts, states=names[0], inputs=names[1], outputs=names[2])
+
+    def solution(
+        self,
+        times: ArrayLike,
+        u: Any = None,
+        initial: ArrayLike | None = None,
+        *,
+        rtol: float = 1e-6,
+        substeps: int | None = None,
+    ) -> tuple[Float[Array, "n_y k"], Float[Array, "n_z k"]]:
+        """Outputs and states over time, as arrays that can be differentiated.
+
+        Args:
+            times: Ascending, within those of the system, (k,) [s].
+            u: Inputs at them, linear in between: (n_u, k), or (k,) of a single one, or a dictionary of names with (k,)
+                each, the others zero; None: all zero.
+            initial: States at the first time, (n_z,); None: zero.
+            rtol: Error that is aimed at, over the largest value of each output [-].
+            substeps: Steps of integration from each time to the next; None: as many as ``rtol`` asks for, or 4 under a
+                trace.
+
+        Returns:
+            Outputs, (n_y, k), and states, (n_z, k), as deviations from the motion.
+
+        Raises:
+            ValueError: Times are outside of those of the system, or sizes do not agree.
+
+        Warns:
+            FlexmbWarning: The error is not reached.
+
+        Source:
+            THEORY.md 14, eq. (14.21).
+        """
+        times, u, start = self._given(times, u, initial)
+        splines = self._splines()
+
+        def run(count):
+            if isinstance(count, int):
+                return _solved(splines, times, u, start, None, substeps=count)
+            return _solved(splines, times, u, start, count)
+
+        def apart(fine, coarse):
+            seen, before = (of[0] if self.output_labels else of[1] for of in (fine, coarse))
+            size = jnp.max(jnp.abs(seen), axis=1, initial=0.0)
+            off = jnp.max(jnp.abs(seen - before), axis=1, initial=0.0)
+            return float(jnp.max(jnp.where(size > 0, off / jnp.where(size > 0, size, 1.0), 0.0), initial=0.0))
+
+        traced = not is_concrete((self, times, u, start))
+        return refined(run, apart, substeps, rtol, traced, "The response of the time-varying system")[0]
+
+    def response(
+        self,
+        times: ArrayLike,
+        u: Any = None,
+        initial: ArrayLike | None = None,
+        *,
+        rtol: float = 1e-6,
+        substeps: int | None = None,
+    ) -> control.TimeResponseData:
+        """Response to inputs and an initial state, as ``control.forced_response`` gives it of a system that stays.
+
+        Args:
+            times: See :meth:`solution`.
+            u: See :meth:`solution`.
+            initial: See :meth:`solution`.
+            rtol: See :meth:`solution`.
+            substeps: See :meth:`solution`.
+
+        Returns:
+            control.TimeResponseData with time (k,), outputs (n_y, k), states (n_z, k) and inputs (n_u, k), deviations
+            from the motion.
+
+        Raises:
+            ValueError: See :meth:`solution`.
+
+        Source:
+            See :meth:`solution`.
+        """
+        import control
+
+        y, z = self.solution(times, u, initial, rtol=rtol, substeps=substeps)
+        times, u, _ = self._given(times, u, initial)
+        names = [
+            [name.replace(".", " ") for name in own]
+            for own in (self.state_labels, self.input_labels, self.output_labels)
+        ]
+        return control.TimeResponseData(
+            np.asarray(times),
+            np.asarray(y),
+            states=np.asarray(z),
+            inputs=np.asarray(u).T,
+            state_labels=names[0],
+            input_labels=names[1],
+            output_labels=names[2],
+            title="Along a motion",
+        )
+
+    def reduced(self, modes: int) -> TimeVarying:
+        """The same in a few motions that vary slowly, which all others follow at once.
+
+        Args:
+            modes: How many to keep. They span what the lowest modes at nine instants have most in common, and do not
+                change with time.
+
+        Returns:
+            TimeVarying with ``error`` and ``left_out``.
+
+        Raises:
+            ValueError: There are not so many.
+
+        Source:
+            THEORY.md 14, eq. (14.24) and (14.25).
+        """
+        n = self.M.shape[1]
+        check_modes(modes, n)
+        (a, b, c, d, mass), start, kept = _reduced(self, modes=modes)
+        more = self.state_labels[2 * n :]
+        names = [f"mode {i + 1}" for i in range(modes)]
+        found = dataclasses.replace(
+            self,
+            **dict(zip("ABCDM", (a, b, c, d, mass), strict=True)),
+            z0=start,
+            basis=kept if self.basis is None else self.basis @ kept,
+            state_labels=(*names, *(f"d {name}" for name in names), *more),
+        )
+        if not is_concrete(self):
+            return found
+        whole, own = self.frequencies(), found.frequencies()
+        size = np.where(whole[:, :modes] == 0, 1.0, np.abs(whole[:, :modes]))
+        left_out = whole[:, modes] if modes < n else np.full(len(whole), np.inf)
+        error = np.max(np.abs(own - whole[:, :modes]) / size, axis=0)
+        return dataclasses.replace(found, error=jnp.asarray(error), left_out=jnp.asarray(left_out))
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Save as .npz or .mat, under the names of SPACAR's ltv file.
+
+        Args:
+            path: Where; see :func:`flexmb.trajectory.ltv_file.save_time_varying`.
+
+        Source:
+            See there.
+        """
+        from .ltv_file import save_time_varying
+
+        save_time_varying(self, path)
+
+    def summary(self) -> Summary:
+        """Times, sizes and the span of the frequencies."""
+        t = np.asarray(self.t)
+        hertz = self.frequencies()
+        rows = {
+            "time": f"{short(t[0])} to {short(t[-1])} s, {len(t)} times",
+            "states": _listed(self.state_labels),
+            "inputs": _listed(self.input_labels),
+            "outputs": _listed(self.output_labels),
+            "lowest frequency": span(hertz[:, 0], "Hz"),
+            "highest frequency": span(hertz[:, -1], "Hz"),
+        }
+        return Summary(f"{type(self).__name__}: linear system of {len(self.state_labels)} states along a motion", rows)
+
+    def _splines(self) -> tuple[Spline, Spline, Spline, Spline]:
+        return _splined(self.t, (self.A, self.B, self.C, self.D))
+
+    def _within(self, name: str, times) -> None:
+        if not is_concrete((self.t, times)):
+            return
+        first, last = float(self.t[0]), float(self.t[-1])
+        slack = ROUND_OFF * max(abs(first), abs(last))
+        if np.any(np.asarray(times) < first - slack) or np.any(np.asarray(times) > last + slack):
+            raise ValueError(
+                f"Argument `{name}` must lie within the times of the system, {short(first)} to {short(last)} s, but is"
+                f" {shown(np.asarray(times).tolist())}."
+            )
+
+    def _given(self, times, u, initial):
+        """Times, inputs (k, n_u) and initial state as arrays."""
+        check_numbers("Argument `times`", times)
+        times = jnp.asarray(times, float)
+        if times.ndim != 1 or len(times) < 2 or (is_concrete(times) and not np.all(np.diff(np.asarray(times)) > 0)):
+            raise ValueError("Argument `times` must be at least two times, ascending, without a time twice.")
+        self._within("times", times)
+        sizes = len(self.input_labels), times.shape[0]
+        if isinstance(u, Mapping):
+            unknown = [name for name in u if name not in self.input_labels]
+            if unknown:
+                raise ValueError(
+                    f"There is no input '{unknown[0]}'; there is {', '.join(self.input_labels) or 'none'}."
+                )
+            rows = [jnp.broadcast_to(jnp.asarray(u.get(name, 0.0), float), sizes[1:]) for name in self.input_labels]
+            u = jnp.stack(rows) if rows else None
+        u = jnp.zeros(sizes) if u is None else jnp.asarray(u, float)
+        u = u[None] if u.ndim == 1 and sizes[0] == 1 else u
+        if u.shape != sizes:
+            raise ValueError(
+                f"Argument `u` must have a row for each input ({', '.join(self.input_labels) or 'none'}) and a column for"
+                f" each time, {sizes}, but has shape {u.shape}."
+            )
+        count = len(self.state_labels)
+        start = jnp.zeros(count) if initial is None else jnp.asarray(initial, float)
+        if start.shape != (count,):
+            raise ValueError(
+                f"Argument `initial` must have one number for each of the {count} states, not shape {start.shape}."
+            )
+        return times, u.T, start
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:6]) + (f", … ({len(names)})" if len(names) > 6 else "") if names else "none"
+
+
+def _frequencies(stiffness: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    values, _ = general_spectrum(stiffness, mass)
+    return np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))
+
+
+@jit
+def _splined(t, parts: tuple[Any, ...]) -> tuple[Spline, ...]:
+    return tuple(spline(t, part) for part in parts)
+
+
+@jit
+def _matrices_at(splines: tuple[Spline, ...], t) -> StateMatrices:
+    return StateMatrices(*(of(t) for of in splines))
+
+
+@jit
+def _solved(splines: tuple[Spline, ...], times, u, start, count, *, substeps: int | None = None):
+    """Outputs and states; z_dot = A z + B u is the equation of second order in the integral of z, without stiffness."""
+    a, b, c, d = splines
+    eye = jnp.eye(start.shape[0])
+
+    def equation(t):
+        i = jnp.clip(jnp.searchsorted(times, t, side="right") - 1, 0, times.shape[0] - 2)
+        given = u[i] + (t - times[i]) / (times[i + 1] - times[i]) * (u[i + 1] - u[i])
+        return eye, -a(t), jnp.zeros_like(eye), b(t) @ given
+
+    _, z = march(equation, times, jnp.zeros_like(start), start, count if substeps is None else substeps)
+    y = jax.lax.map(lambda at: c(at[0]) @ at[1] + d(at[0]) @ at[2], (times, z, u))
+    return y.T, z.T
+
+
+@jit
+def _reduced(system: TimeVarying, *, modes: int):
+    """Matrices, mass, start and basis in a few motions; the others follow as if they had no mass."""
+    n = system.M.shape[1]
+    stiffness = -system.M @ system.A[:, n : 2 * n, :n]
+    kept, rest = slow_modes(system.M, stiffness, modes)
+    more = system.A.shape[1] - 2 * n
+    whole = jax.scipy.linalg.block_diag(kept, kept, jnp.eye(more))
+
+    def one(a, b, c, d, mass, stiffness):
+        momentum = mass @ kept
+        own = kept.T @ momentum
+        back = factorise(own).solve(momentum.T)
+        left = jax.scipy.linalg.block_diag(back, back, jnp.eye(more))
+        soft = rest.T @ stiffness @ rest
+        force = rest.T @ mass @ b[n : 2 * n]
+        follows = rest @ factorise(soft).solve(force)
+        return left @ a @ whole, left @ b, c @ whole, d + c[:, :n] @ follows, own
+
+    parts = jax.lax.map(lambda of: one(*of), (system.A, system.B, system.C, system.D, system.M, stiffness))
+    mean = jnp.mean(system.M, axis=0) @ kept
+    start = jnp.concatenate([mean.T @ system.z0[:n], mean.T @ system.z0[n : 2 * n], system.z0[2 * n :]])
+    return parts, start, kept
+
+
+def time_varying(along: Any) -> TimeVarying:
+    """Linear time-varying system along a motion, or along a nominal one.
+
+    Args:
+        along: Motion of a simulation (SPACAR's mode 4), or nominal motion of inverse dynamics (mode 3) with the inputs
+            that belong to it. Its times should resolve how the matrices vary, not how anything vibrates.
+
+    Returns:
+        TimeVarying from the named inputs to the named outputs of the model [SI].
+
+    Raises:
+        TypeError: It is neither.
+        ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or it did not reach its end.
+
+    Source:
+        THEORY.md 6, eq. (6.4) and (6.5), 7, eq. (7.7), and 14, eq. (14.20).
+    """
+    motion, u0, _ = about(along, "time_varying")
+    y0 = getattr(along, "y0", None)
+    y0 = outputs_of(motion) if y0 is None else y0
+    model = motion.model
+    lin = motion.linearizations()
+    (a, b, c, d), states = state_matrices(lin)
+    own = states[: states.index(f"d {states[0]}")] if states else model.q_labels
+    names = [tuple(s.name for s in signals) for signals in (model.labels.inputs, model.labels.outputs)]
+    place = [model.q_labels.index(name) for name in own]
+    q, qd = freedoms_of(motion)
+    return TimeVarying(
+        motion.t,
+        a,
+        b,
+        c,
+        d,
+        lin.M0[:, place][:, :, place],
+        u0,
+        y0,
+        jnp.concatenate([q[0, jnp.array(place)], qd[0, jnp.array(place)], jnp.zeros(a.shape[1] - 2 * len(place))]),
+        lin.sigma,
+        None,
+        None,
+        None,
+        tuple(states) or tuple([*own, *(f"d {name}" for name in own)]),
+        *names,
+    )

@@ -1,0 +1,74 @@
+"""Linear equations of second order in time whose matrices vary, integrated in steps by collocation."""
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.linear import factorise
+
+ROOT = 6**0.5
+# Radau IIA of three stages: places of the stages in a step, and weights of their rates in the states there.
+PLACES = np.array([(4 - ROOT) / 10, (4 + ROOT) / 10, 1.0])
+WEIGHTS = np.array(
+    [
+        [(88 - 7 * ROOT) / 360, (296 - 169 * ROOT) / 1800, (-2 + 3 * ROOT) / 225],
+        [(296 + 169 * ROOT) / 1800, (88 + 7 * ROOT) / 360, (-2 - 3 * ROOT) / 225],
+        [(16 - ROOT) / 36, (16 + ROOT) / 36, 1 / 9],
+    ]
+)
+
+
+def march(
+    equation: Callable, times: Float[Array, "n_t"], q: Float[Array, "n"], v: Float[Array, "n"], substeps
+) -> tuple[Float[Array, "n_t n"], Float[Array, "n_t n"]]:
+    """Solution of M qdd + C qd + K q = f, all of which depend on time.
+
+    The accelerations at the three stages of a step are one linear system; the mass may be singular. The method is of
+    order five and damps what vibrates much faster than the steps.
+
+    Args:
+        equation: Of the time, () [s]; gives M, C, K, each (n, n), and f, (n,).
+        times: Times, ascending, (n_t,) [s].
+        q: Start, (n,).
+        v: Its rate, (n,).
+        substeps: Equal steps from each time to the next; a whole number of Python's where derivatives are taken in
+            reverse.
+
+    Returns:
+        q and qd at the times, (n_t, n) each.
+
+    Source:
+        THEORY.md 14, eq. (14.21): Hairer and Wanner (1996), Solving Ordinary Differential Equations II, table IV.5.6.
+    """
+    n, stages = q.shape[0], len(PLACES)
+    # In q the weights act twice.
+    first, second = jnp.asarray(WEIGHTS), jnp.asarray(WEIGHTS @ WEIGHTS)
+    eye = jnp.eye(stages)
+
+    def step(t, h, q, v):
+        mass, damping, stiffness, force = jax.vmap(equation)(t + h * PLACES)
+        blocks = (
+            eye[:, :, None, None] * mass[:, None]
+            + h * first[:, :, None, None] * damping[:, None]
+            + h**2 * second[:, :, None, None] * stiffness[:, None]
+        )
+        moved = q + h * jnp.asarray(PLACES)[:, None] * v
+        right = force - damping @ v - jnp.einsum("sij,sj->si", stiffness, moved)
+        matrix = jnp.transpose(blocks, (0, 2, 1, 3)).reshape(stages * n, stages * n)
+        a = factorise(matrix).solve(right.reshape(-1)).reshape(stages, n)
+        return q + h * v + h**2 * second[-1] @ a, v + h * first[-1] @ a
+
+    def interval(state, ends):
+        begin, h = ends[0], (ends[1] - ends[0]) / jnp.asarray(substeps, float)
+
+        def once(i, state):
+            return step(begin + i.astype(float) * h, h, *state)
+
+        state = jax.lax.fori_loop(0, substeps, once, state)
+        return state, state
+
+    _, (qs, vs) = jax.lax.scan(interval, (q, v), jnp.stack([times[:-1], times[1:]], axis=1))
+    return jnp.concatenate([q[None], qs]), jnp.concatenate([v[None], vs])

@@ -1,0 +1,309 @@
+"""The perturbation method: vibrations of small amplitude on top of a nominal motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, ArrayLike, Float, Int
+
+from ..arguments import check_numbers, is_concrete
+from ..compilation.compile import jit, jit_beside_options
+from ..compilation.record import Record
+from ..display import Result, States, Summary, largest, short
+from ..linear.linearize import Matrices
+from ..math.linear import factorise
+from ..mechanics.extent import sizes_of
+from ..mechanics.signals import input_row
+from ..model.model import Labels, Model
+from ..motion.coordinates_form import coordinates_form
+from ..motion.motion import Motion
+from ..motion.moving_matrices import carried
+from ..results import check
+from .about_motion import about, freedoms_of, released
+from .cubic import Spline, spline
+from .radau import march
+from .refined import refined
+from .slow_modes import check_modes, slow_modes
+
+
+class Perturbation(Result, Record):
+    """Vibrations on top of a nominal motion, of first order in their amplitude.
+
+    Attributes:
+        t: Times, (n_t,) [s].
+        q: Deviations of the degrees of freedom from the nominal motion, (n_t, n_q) [m, rad].
+        qd: Their rates, (n_t, n_q) [1/s].
+        u: Inputs beside what the nominal motion has in its loads, (n_t, n_u), or (n_t, 0) for none [N, N m].
+        held: Force that holds each degree of freedom along the nominal motion and is let go, (n_t, n_q) [N, N m].
+        nominal: The nominal motion.
+        error: Estimated error of the time steps: largest displacement by which ``q`` is off, over the largest by which
+            the vibrations move anything; NaN where the steps were given [-].
+        substeps: Time steps taken from each time to the next.
+    """
+
+    t: Float[Array, "n_t"]
+    q: Float[Array, "n_t n_q"]
+    qd: Float[Array, "n_t n_q"]
+    u: Float[Array, "n_t n_u"]
+    held: Float[Array, "n_t n_q"]
+    nominal: Motion
+    error: Float[Array, ""]
+    substeps: Int[Array, ""]
+    one_axis = "t"
+
+    @property
+    def model(self) -> Model:
+        """The mechanism."""
+        return self.nominal.model
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.nominal.labels
+
+    def motion(self) -> Motion:
+        """Nominal motion and vibrations together, to be asked by name as any motion is.
+
+        The degrees of freedom are the sum of both; all else is placed there as the constraints want it, so that what
+        vibrations do to second order by the geometry, such as the shortening of a leaf spring that bends, is in it
+        where deformations are the degrees of freedom. Accelerations, stresses and forces that are asked of it are those
+        of the equations of motion in these states.
+
+        Returns:
+            Motion.
+
+        Source:
+            THEORY.md 14, eq. (14.26).
+        """
+        own = self.nominal
+        model = own.model
+        q, qd = freedoms_of(own)
+        moved = (own.t, own.x, own.near, self.q, q + self.q, qd + self.qd)
+        x, xd, near = _placed(model.topology, model.parameters, own.driven, *moved)
+        taken = (own.t.shape[0] - 1) * self.substeps
+        driven = (*own.driven, *released(model, self.t, self.held))
+        return Motion(self.t, x, xd, near, self.u, taken, own.result, driven, model, "perturbation method", "Radau IIA")
+
+    def states(self) -> States:
+        """The states over time, of nominal motion and vibrations together."""
+        return self.motion().states()
+
+    def summary(self) -> Summary:
+        """Times, how far the vibrations go, and the error of the time steps."""
+        t, q = np.asarray(self.t), np.asarray(self.q)
+        extreme = q[np.argmax(np.abs(q), axis=0), np.arange(q.shape[1])]
+        rows = {
+            "time": f"{short(t[0])} to {short(t[-1])} s, {len(t)} times",
+            "largest vibration": largest(extreme, self.model.q_labels, "[m, rad]"),
+            "error of the steps": f"{short(self.error)} with {int(self.substeps)} between two times",
+        }
+        return Summary(f"Perturbation: vibrations of {q.shape[1]} degrees of freedom on a motion", rows)
+
+
+@jit_beside_options
+def _placed(topology, parameters, driven, t, x, near, change, q, qd):
+    """Configurations, velocities and deformations at degrees of freedom that have changed along a motion."""
+    form = coordinates_form(topology, parameters, driven)
+    none, still = jnp.zeros(form.size), jnp.zeros(topology.n_q)
+
+    def one(at):
+        t, x, near, change, q, qd = at
+        guess = x + carried(form, t, x, change, still, near, 0.0).v
+        x, near = form.placed(form.whole(t, none, none, none), q, guess, near)
+        return x, carried(form, t, x, qd, still, near).v, near
+
+    return jax.lax.map(one, (t, x, near, change, q, qd))
+
+
+@jit
+def _equations(t, m: Matrices, force, kept: Array, basis, rest):
+    """Spline of [M, C, K, f], in the freedoms that are kept or in modes, and what the rest does at rest with its rate.
+
+    Args:
+        force: Along all degrees of freedom, (n_t, n_q).
+        kept: Which of them may vibrate.
+        basis: Shapes of modes, (kept, r), and those of the rest; None for all of them.
+        rest: See there.
+    """
+    own = [part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K)]
+    force = force[:, kept]
+    if basis is None:
+        still = jnp.zeros_like(force)
+        return spline(t, jnp.concatenate([*own, force[:, :, None]], axis=2)), still, still
+
+    def follows(stiffness, force):
+        return rest @ factorise(rest.T @ stiffness @ rest).solve(rest.T @ force)
+
+    still = jax.lax.map(lambda at: follows(*at), (own[2], force))
+    own = [basis.T @ part @ basis for part in own]
+    still_rate = spline(t, still).slopes
+    return spline(t, jnp.concatenate([*own, (force @ basis)[:, :, None]], axis=2)), still, still_rate
+
+
+@jit
+def _vibrations(equations: Spline, q, qd, count, *, substeps: int | None = None):
+    n = q.shape[0]
+
+    def equation(t):
+        found = equations(t)
+        return found[:, :n], found[:, n : 2 * n], found[:, 2 * n : 3 * n], found[:, 3 * n]
+
+    return march(equation, equations.t, q, qd, count if substeps is None else substeps)
+
+
+@jit
+def _pushed(model, m: Matrices, u):
+    """Forces of inputs along the degrees of freedom, (n_t, n_q)."""
+
+    def one(at):
+        m, u = at
+        rows = [input_row(s, m.x, m.DFx, m.DFe) for s in model.labels.inputs]
+        return u @ jnp.stack(rows)
+
+    return jax.lax.map(one, (m, u))
+
+
+@jit
+def _sway(topology, parameters, dfx, q):
+    """Displacements in extents and radians, (n_t, n_x)."""
+    return jnp.einsum("tij,tj->ti", dfx, q) / sizes_of(topology, parameters)
+
+
+def perturbation(
+    nominal: Any,
+    *,
+    q: ArrayLike | None = None,
+    qd: ArrayLike | None = None,
+    u: ArrayLike | None = None,
+    held: Sequence[str] = (),
+    modes: int | None = None,
+    rtol: float = 1e-6,
+    substeps: int | None = None,
+) -> Perturbation:
+    """Vibrations of small amplitude on top of a nominal motion: SPACAR's modes 5 and 6.
+
+    What held the flexible deformations along the nominal motion is let go, and the deviations dq of the degrees of
+    freedom from it follow M0 dqdd + (C0 + D0) dqd + (K0 + N0 + G0) dq = f0 + B0 du, with matrices along the nominal
+    motion and f0 the opposite of what held. The error is of second order in the vibration; what a step costs does not
+    depend on the number of elements.
+
+    Args:
+        nominal: Nominal of inverse dynamics, or the Motion of a simulation, along which nothing is held: then only the
+            start and ``u`` make it vibrate. Its times should resolve how it goes, not how anything vibrates; between
+            them matrices and forces are cubic splines.
+        q: Deviation of the degrees of freedom at the first time, (n_q,) [m, rad]; None: zero.
+        qd: Its rate, (n_q,) [1/s]; None: zero.
+        u: Inputs beside those of the nominal motion at its times, (n_t, n_u) [N, N m]; None: none.
+        held: Names of degrees of freedom that follow the nominal motion whatever that takes, as a stiff servo has it.
+        modes: How many amplitudes of slowly varying modes to integrate; None: all degrees of freedom. What is not in
+            them follows at once, as it does at rest.
+        rtol: Error of the time steps that is aimed at, over the largest displacement of the vibrations [-].
+        substeps: Time steps from each time to the next; None: as many as ``rtol`` asks for, or 4 under a trace.
+
+    Returns:
+        Perturbation, whose ``motion()`` is the sum of both.
+
+    Raises:
+        TypeError: Neither a Nominal nor a Motion.
+        ValueError: Sizes that do not agree; an unknown degree of freedom, or all are held; not so many modes.
+        AnalysisError: The degrees of freedom do not determine the configuration at one of the times.
+
+    Warns:
+        FlexmbWarning: ``rtol`` is not reached.
+
+    Source:
+        THEORY.md 14, eq. (14.22) to (14.26).
+    """
+    motion, _, holding = about(nominal, "perturbation")
+    model, t, names = motion.model, motion.t, motion.model.q_labels
+    n_q = len(names)
+    start = [_as_freedoms(name, value, names) for name, value in (("q", q), ("qd", qd))]
+    kept = _not_held(names, held)
+    lin = motion.linearizations()
+    m = lin.matrices
+    if is_concrete(m.result):
+        check(m.result.max(), True)
+    force, inputs = -holding, jnp.zeros((len(t), 0))
+    if u is not None:
+        inputs = _as_inputs(u, len(t), len(model.labels.inputs))
+        force = force + _pushed(model, m, inputs)
+    basis = rest = None
+    q0, qd0 = (value[kept] for value in start)
+    if modes is not None:
+        check_modes(modes, len(kept))
+        mass, stiffness = (of[:, kept][:, :, kept] for of in (m.M0, m.K))
+        basis, rest = slow_modes(mass, stiffness, modes)
+    equations, still, still_rate = _equations(t, m, force, kept, basis, rest)
+    if basis is not None:
+        onto = basis.T @ m.M0[0][kept][:, kept]
+        q0, qd0 = (factorise(onto @ basis).solve(onto @ value) for value in (q0, qd0))
+
+    def run(count):
+        if isinstance(count, int):
+            return _vibrations(equations, q0, qd0, None, substeps=count)
+        return _vibrations(equations, q0, qd0, count)
+
+    def whole(found, beside):
+        own = found if basis is None else found @ basis.T + beside
+        return jnp.zeros((len(t), n_q)).at[:, kept].set(own)
+
+    def apart(fine, coarse):
+        change, size = (
+            jnp.max(jnp.abs(_sway(model.topology, model.parameters, m.DFx, whole(value, 0.0))), initial=0.0)
+            for value in (fine[0] - coarse[0], fine[0])
+        )
+        return float(change / jnp.where(size > 0, size, 1.0))
+
+    traced = not is_concrete((m, q0, qd0, force))
+    (found, rates), error, count = refined(run, apart, substeps, rtol, traced, "The vibration")
+    return Perturbation(
+        t,
+        whole(found, still),
+        whole(rates, still_rate),
+        inputs,
+        holding,
+        motion,
+        jnp.asarray(error),
+        jnp.asarray(count),
+    )
+
+
+def _as_freedoms(name: str, value: Any, names: list[str]) -> Float[Array, "n_q"]:
+    if value is None:
+        return jnp.zeros(len(names))
+    check_numbers(f"Argument `{name}`", value)
+    found = jnp.asarray(value, float)
+    if found.shape != (len(names),):
+        raise ValueError(
+            f"Argument `{name}` must have one number for each of the {len(names)} degrees of freedom"
+            f" ({', '.join(names)}), but has shape {found.shape}."
+        )
+    return found
+
+
+def _as_inputs(u: Any, times: int, inputs: int) -> Float[Array, "n_t n_u"]:
+    check_numbers("Argument `u`", u)
+    found = jnp.asarray(u, float)
+    if found.shape != (times, inputs):
+        raise ValueError(
+            f"Argument `u` must have a row for each of the {times} times and a column for each of the {inputs} inputs,"
+            f" but has shape {found.shape}."
+        )
+    return found
+
+
+def _not_held(names: list[str], held: Sequence[str]) -> Array:
+    """Places of the degrees of freedom that may vibrate."""
+    if isinstance(held, str):
+        raise TypeError(f"Argument `held` must be a list of degrees of freedom, such as [{held!r}].")
+    unknown = [name for name in held if name not in names]
+    if unknown:
+        raise ValueError(f"Argument `held`: '{unknown[0]}' is no degree of freedom; there is {', '.join(names)}.")
+    kept = np.array([i for i, name in enumerate(names) if name not in held], int)
+    if not len(kept):
+        raise ValueError("All degrees of freedom are held, so that none is left to vibrate.")
+    return jnp.asarray(kept)
