@@ -13,7 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
-from ..compilation.compile import jit
+from ..compilation.compile import QUICK
+from ..compilation.threads import one_thread
 from ..errors import ModelError
 
 # Calls whose program is that of the function itself; what is said of their derivatives does not matter here.
@@ -262,7 +263,10 @@ class _Opener:
                 at.update(zip(equation.outputs, found, strict=True))
             return [at[one] for one in later]
 
-        found = jit(work_out)([jnp.asarray(self.values[one]) for one in given]) if later else []
+        # A trace is never kept on disk: what it captures is this program's own.
+        run = jax.jit(work_out, compiler_options=QUICK)
+        with one_thread():
+            found = run([jnp.asarray(self.values[one]) for one in given]) if later else []
         computed = {one: np.asarray(number) for one, number in zip(later, found, strict=True)}
         return {one: computed[one] if one in computed else self.values[one] for one in wanted}
 

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from cases.c_code import called, compiled, needs_compiler, pointer
 from cases.mechanisms import planar_guide, spatial_guide
+from cases.units import simulated
+from fmpy.validation import validate_fmu
 from jax import lax
 
 import flexmb as fm
@@ -211,13 +213,21 @@ def around(n, size, speed, count=20):
 def test_the_guide_in_c_is_that_in_jax(tmp_path):
     """Three thousand equations, scans of Newton's method and LU factors among them, and a load as function of time."""
     model = planar_guide(force=(0, -1.0)).build()
-    loads = {"left1.x": lambda t: jnp.where(t > 0.5, jnp.sin(30 * t), fm.motion.Table([0.0, 1.0], [1.0, 2.0])(t))}
+    loads = {"left1.x": lambda t: 10 * jnp.sin(30 * t), "right1.x": fm.motion.Table([0.0, 0.7, 5.0], [1.0, 2.0, -3.0])}
     worst, found = beside(model, tmp_path, around(1, 0.02, 0.3, 50), loads=loads)
     assert worst < RELATIVE
     # A loop an operation: written out it was twenty times as long.
     assert len(found.source) < 60_000
-    again = plant(model, loads=loads)
-    assert again.source == found.source
+    assert plant(model, loads=loads).source == found.source
+    # As a unit, beside our own simulation: the importer's tolerance and ours, of a stroke of 19 mm.
+    times = np.linspace(0, 0.2, 21)
+    expected = fm.simulate(model, times, loads=loads, rtol=1e-9).position("left1", "x")
+    for fmi in (2, 3):
+        path = tmp_path / f"guide{fmi}.fmu"
+        fm.save_fmu(model, path, fmi=fmi, nonlinear=True, loads=loads)
+        assert validate_fmu(str(path)) == []
+        moved = simulated(path, "cs", 0.2, 0.01, {"force right1.x": 0.0}, relative_tolerance=1e-8)
+        np.testing.assert_allclose(moved["position left1.x"], expected, atol=1e-9)
 
 
 @needs_compiler
