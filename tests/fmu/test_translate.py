@@ -193,15 +193,20 @@ def beside(model, folder, states, **drives):
     library.call.argtypes = [ctypes.c_void_p] * 6 + [ctypes.c_double]
     system = fm.control.to_nonlinear_system(model, **drives)
     n_u = len(model.labels.inputs)
-    memory, work = np.array(found.memory), np.full(found.work, np.nan)
+    near, work = np.array(found.memory), np.full(found.work, np.nan)
+
+    def called(t, x, u, memory=near):
+        xd, y = np.full(len(x), np.nan), np.full(len(model.labels.outputs), np.nan)
+        assert library.call(*map(pointer, (x, u, xd, y, memory, work)), t) == 0
+        return xd, y
+
     worst = 0.0
     for t, x in enumerate(states):
         u = RNG.standard_normal(n_u)
-        xd, y = np.zeros(len(x)), np.zeros(len(model.labels.outputs))
-        assert library.call(*map(pointer, (x, u, xd, y, memory, work)), t / 10) == 0
+        xd, y = called(t / 10, x, u)
         for result, wanted in ((xd, system.dynamics(t / 10, x, u)), (y, system.output(t / 10, x, u))):
             worst = max(worst, np.max(np.abs(result - wanted)) / np.max(np.abs(wanted)))
-    return worst, found
+    return worst, found, called
 
 
 def around(n, size, speed, count=20):
@@ -214,7 +219,7 @@ def test_the_guide_in_c_is_that_in_jax(tmp_path):
     """Three thousand equations, scans of Newton's method and LU factors among them, and a load as function of time."""
     model = planar_guide(force=(0, -1.0)).build()
     loads = {"left1.x": lambda t: 10 * jnp.sin(30 * t), "right1.x": fm.motion.Table([0.0, 0.7, 5.0], [1.0, 2.0, -3.0])}
-    worst, found = beside(model, tmp_path, around(1, 0.02, 0.3, 50), loads=loads)
+    worst, found, _ = beside(model, tmp_path, around(1, 0.02, 0.3, 50), loads=loads)
     assert worst < RELATIVE
     # A loop an operation: written out it was twenty times as long.
     assert len(found.source) < 60_000
@@ -235,10 +240,14 @@ def test_a_guide_in_space_in_c_is_that_in_jax(tmp_path):
     b = spatial_guide(extra=(5,))
     with pytest.warns(fm.BeamTheoryWarning):
         model = b.build()
-    worst, found = beside(model, tmp_path, around(1, 0.02, 0.3))
+    worst, found, call = beside(model, tmp_path, around(1, 0.02, 0.3))
     assert worst < RELATIVE
-    # From a start too far away for Newton's method the degrees of freedom go there in steps.
     assert found.states == ("left1.y", "d left1.y")
+    # Too far away for Newton's method: as if one had gone there slowly.
+    for way in np.linspace(0, 0.085, 100):
+        slowly = call(0.0, np.array([way, 0.0]), np.zeros(1))
+    at_once = call(0.0, np.array([0.085, 0.0]), np.zeros(1), np.array(found.memory))
+    np.testing.assert_allclose(np.concatenate(at_once), np.concatenate(slowly), rtol=1e-9, atol=1e-12)
 
 
 def cart():
