@@ -158,9 +158,10 @@ class _Emitter:
                 self.uses[atom] = self.uses.get(atom, 0) + 1
             for inner in equation.blocks:
                 self._count(inner)
-                # What a loop reads is in memory before it begins.
+                # What a loop reads from outside is in memory before it begins.
+                own = {atom for one in inner.equations for atom in one.outputs}
                 for atom in read_by(inner.equations, inner.outputs):
-                    self.uses[atom] = self.uses.get(atom, 0) + 1
+                    self.uses[atom] = self.uses.get(atom, 0) + (atom not in own)
         for atom in block.outputs:
             self.uses[atom] = self.uses.get(atom, 0) + 1
 
