@@ -244,10 +244,9 @@ def test_a_guide_in_space_in_c_is_that_in_jax(tmp_path):
     assert worst < RELATIVE
     assert found.states == ("left1.y", "d left1.y")
     # Too far away for Newton's method: as if one had gone there slowly.
-    for way in np.linspace(0, 0.085, 100):
-        slowly = call(0.0, np.array([way, 0.0]), np.zeros(1))
+    slowly = [call(0.0, np.array([way, 0.0]), np.zeros(1)) for way in np.linspace(0, 0.085, 100)]
     at_once = call(0.0, np.array([0.085, 0.0]), np.zeros(1), np.array(found.memory))
-    np.testing.assert_allclose(np.concatenate(at_once), np.concatenate(slowly), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(np.concatenate(at_once), np.concatenate(slowly[-1]), rtol=1e-9, atol=1e-12)
 
 
 def cart():
