@@ -523,6 +523,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
     from . import save_fmu, trajectory
     from .answers.answers import answer
     from .answers.motion import motions_of
+    from .fmu.plant import units_of
 
     def given(model: Any) -> Any:
         if not model.labels.inputs or not model.labels.outputs:
@@ -542,8 +543,11 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
     if found.exit_status:
         raise AnalysisError(found.data["status"], found.data["message"])
     given(found.model)
-    system = found.lin if number == 9 else trajectory.time_varying(found.found)
-    return lambda to, fmi: save_fmu(system, to, fmi=fmi)
+    if number == 9:
+        return lambda to, fmi: save_fmu(found.lin, to, fmi=fmi)
+    system = trajectory.time_varying(found.found)
+    units = units_of(found.model, system.state_labels)
+    return lambda to, fmi: save_fmu(system, to, fmi=fmi, units=units)
 
 
 def _number_of_unit(mode: str) -> int:

@@ -1472,6 +1472,37 @@ FAULTS = [
     ),
     # Trajectories.
     Fault("trajectory/inverse.py", "second - reached", "second", "trajectory/test_inverse.py -k pendulum"),
+    # Functional mock-up units.
+    Fault(
+        "fmu/algebra.c",
+        "a[i * n + j] *= d[i] / d[j]",
+        "a[i * n + j] *= d[j] / d[i]",
+        "fmu/test_save.py -k linear_plant_is",
+    ),
+    Fault(
+        "fmu/linear.c",
+        "- off / 2 * (there[i] - back[i])",
+        "+ off / 2 * (there[i] - back[i])",
+        "fmu/test_save.py -k independent",
+    ),
+    Fault("fmu/linear.c", "y[j] += m[OF_Y0 + j]", "y[j] -= m[OF_Y0 + j]", "fmu/test_save.py -k independent"),
+    Fault("fmu/linear.c", "if (unit->stale) {", "if (unit->stale < 0) {", "fmu/test_save.py -k can_be_set"),
+    Fault("fmu/core.c", "if (memcmp(state", "if (0 && memcmp(state", "fmu/test_save.py -k can_be_set"),
+    Fault("fmu/core.c", "strcmp(token, TOKEN) != 0", "strcmp(token, TOKEN) == 2", "fmu/test_save.py -k importer"),
+    Fault(
+        "fmu/nonlinear.c",
+        "(rates[i] - k[i]) / (at[n]",
+        "(k[i] - rates[i]) / (at[n]",
+        "fmu/test_save.py -k own_integrator",
+    ),
+    Fault("fmu/sources.py", "np.ones(1)", "np.zeros(1)", "fmu/test_save.py -k large"),
+    Fault(
+        "fmu/description.py", 'if "D" in plant.matrices or', 'if "A" in plant.matrices or', "fmu/test_save.py -k valid"
+    ),
+    Fault("fmu/plant.py", "if v.name in shared else v", "if not shared else v", "fmu/test_save.py -k valid"),
+    Fault("fmu/plant.py", "if system.dt:", "if system.dt is True:", "fmu/test_save.py -k refused"),
+    Fault("fmu/compiler.py", "if run.returncode:", "if run.returncode < 0:", "fmu/test_save.py -k refuses"),
+    Fault("cli.py", 'if fmi not in ("2", "3"):', 'if fmi not in ("1", "2", "3"):', "test_cli.py -k fmu"),
     # Pictures, pages, files.
     Fault(
         "plot/state.py", "base + scale * (x - base)", "base - scale * (x - base)", "plot/test_plot.py -k deformed_shape"

@@ -133,6 +133,16 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
     return linear(*found, inputs, outputs, states)
 
 
+def units_of(model: Model, names: Sequence[str]) -> dict[str, str]:
+    """SI units by the names of inputs, outputs and states of a mechanism, of those that are known.
+
+    Args:
+        model: Mechanism.
+        names: Of its states.
+    """
+    return {v.name: v.unit for found in _variables(model, names) for v in found if v.unit and v.name}
+
+
 def nonlinear(
     model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> Plant:

@@ -2,7 +2,6 @@
 
 import hashlib
 import io
-import keyword
 import os
 import re
 import uuid
@@ -108,8 +107,9 @@ def save_fmu(
         motion: Likewise, prescribed motion.
 
     Returns:
-        Fmu with names and units; A, B, C and D are parameters, arrays in FMI 3.0 and scalars "A[1,2]" in FMI 2.0, up
-        to 50000 and 5000 numbers; larger ones lie in its folder of resources, and cannot be set.
+        Fmu with names and units. A, B, C and a D that is not zero, along a motion at all knots and with u0 and y0, are
+        parameters: arrays in FMI 3.0 and scalars "A[1,2]" in FMI 2.0, up to 50000 and 5000 numbers; larger ones lie in
+        its folder of resources, and cannot be set.
 
     Raises:
         ValueError: The path ends otherwise, there is no such version, an argument does not belong to this system, the
@@ -203,7 +203,7 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
 def _identifier(title: str) -> str:
     """A name of C for the unit's functions."""
     name = re.sub(r"\W", "_", title, flags=re.ASCII)
-    return f"_{name}" if name[0].isdigit() or keyword.iskeyword(name) else name
+    return f"_{name}" if name[0].isdigit() else name
 
 
 def _packed(files: dict[str, bytes]) -> bytes:

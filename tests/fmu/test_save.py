@@ -212,6 +212,16 @@ def test_time_varying_plant_agrees_with_an_independent_integration(fmi, tmp_path
             x, u = np.array([0.1, 0.4]), -0.3 - m["u0"]
             np.testing.assert_allclose(unit.get("der(state d q)"), (m["A"] @ x + m["B"] @ u)[1:], rtol=1e-13)
             np.testing.assert_allclose(unit.get("angle"), m["y0"] + m["C"] @ x + m["D"] @ u, rtol=1e-13)
+        # Of a rate by a state, the input and an entry of B at a knot, and of what is nominal by its entry in the table.
+        unit.own.setTime(0.33)
+        entry = ["B[4,2,1]"] if fmi == 2 else []
+        found = unit.derivative(["der(state d q)"], ["state q", "torque", *entry], [1.0, 2.0, *([3.0] * len(entry))])
+        expected = system.A[3, 1, 0] + 2 * system.B[3, 1, 0] + 3 * len(entry) * (-0.3 - system.u0[3, 0])
+        np.testing.assert_allclose(found, [expected], rtol=1e-13)
+        if fmi == 2:
+            found = unit.derivative(["nominal angle", "angle", "der(state d q)"], ["y0[4,1]", "u0[4,1]"], [1.0, 2.0])
+            expected = [1.0, 1 - 2 * system.D[3, 0, 0], -2 * system.B[3, 1, 0]]
+            np.testing.assert_allclose(found, expected, rtol=1e-13)
         # Beyond the last knot all stays as it is there.
         unit.own.setTime(7.0)
         np.testing.assert_allclose(unit.get("nominal angle"), system.y0[-1], rtol=1e-15)
@@ -318,6 +328,28 @@ def test_sources_compile_alone_and_export_all_functions_of_the_standard(fmi, tmp
     assert np.ptp(found["angle"]) > 0
 
 
+@needs_compiler
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_what_an_importer_does_wrong_is_told(fmi, tmp_path):
+    path = tmp_path / "one.fmu"
+    fm.save_fmu(oscillators([3.0]), path, fmi=fmi)
+    with opened(path, tmp_path / "cs") as unit:
+        for wrong in (
+            lambda: unit.own.doStep(0.5, 0.1),
+            lambda: unit.own.doStep(0.0, -0.1),
+            lambda: unit.set("place", 1.0),
+            lambda: unit.derivative(["place"], ["rate"], [1.0]),
+        ):
+            with pytest.raises(Exception, match=f"fmi{fmi}"):
+                wrong()
+        if fmi == 3:
+            assert unit.said[0] == "A step must go forward, from the time at which the last one ended."
+            assert unit.said[2].startswith("Inputs, states and parameters alone can be set")
+        unit.own.guid = "{00000000-0000-0000-0000-000000000000}"
+        with pytest.raises(Exception, match=r"nstantiat"):
+            unit.own.instantiate()
+
+
 def test_without_a_compiler_a_unit_holds_sources_and_says_so(tmp_path, monkeypatch):
     monkeypatch.setenv("CC", "/no/such/cc")
     path = tmp_path / "bare.fmu"
@@ -333,6 +365,15 @@ def test_without_a_compiler_a_unit_holds_sources_and_says_so(tmp_path, monkeypat
     assert not any(name.startswith("binaries") for name in names)
 
 
+def test_a_compiler_that_refuses_is_quoted(tmp_path, monkeypatch):
+    program = tmp_path / "cc"
+    program.write_text("#!/bin/sh\necho 'in file: data.h' >&2; echo 'data.h:1: error: no' >&2; touch library; exit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("CC", str(program))
+    with pytest.warns(FlexmbWarning, match=r"since .*cc refused them: data\.h:1: error: no\. Simulink"):
+        assert fm.save_fmu(oscillators([1.0]), tmp_path / "bare.fmu").binary is None
+
+
 PENDULUM = """
 static int plant(const double *p, double t, const double *x, const double *u, double *xdot, double *y,
                  double *memory, double *work) {
@@ -342,6 +383,7 @@ static int plant(const double *p, double t, const double *x, const double *u, do
     xdot[1] = -p[0] * sin(x[0]) - 0.1 * x[1] + u[0] + 0.3 * cos(2 * t) - 1e6 * (x[2] - x[0]) * 0;
     xdot[2] = -1e6 * (x[2] - cos(x[0]));
     y[0] = x[0] + 2 * u[0];
+    y[1] = memory[0];
     return fabs(x[0]) > 100;
 }
 """
@@ -354,7 +396,7 @@ def test_a_nonlinear_plant_by_its_own_integrator(fmi, tmp_path):
     states = (Variable("q", start=2.0), Variable("d q"), Variable("fast", start=np.cos(2.0)))
     plant = Plant(
         (Variable("torque", "N.m"),),
-        (Variable("angle", "rad"),),
+        (Variable("angle", "rad"), Variable("calls")),
         states,
         parameters=(Variable("stiffness", start=30.0),),
         source=PENDULUM,
@@ -372,10 +414,12 @@ def test_a_nonlinear_plant_by_its_own_integrator(fmi, tmp_path):
     times = np.linspace(0, 2, 21)
     expected = solve_ivp(rates, (0, 2), [2.0, 0.0, np.cos(2.0)], "Radau", times, rtol=1e-10, atol=1e-12).y
     options = {"start_values": {"stiffness": 20.0}, "relative_tolerance": 1e-9}
-    found = simulated(path, "cs", 2.0, 0.1, {"torque": 0.5}, output=["angle", "state fast"], **options)
+    found = simulated(path, "cs", 2.0, 0.1, {"torque": 0.5}, output=["angle", "calls", "state fast"], **options)
     # A hundred times the tolerance, over two swings.
     np.testing.assert_allclose(found["angle"], expected[0] + 1.0, atol=1e-7)
     np.testing.assert_allclose(found["state fast"], expected[2], atol=1e-7)
+    # Some 250 steps of as many evaluations as there are stages, states and times; a wrong Jacobian takes thousands more.
+    assert found["calls"][-1] < 6000
     with opened(path, tmp_path / "me", "me") as unit:
         np.testing.assert_allclose(unit.derivative(["angle"], ["state q", "torque"], [1.0, 1.0]), [3.0], rtol=1e-9)
 
@@ -484,8 +528,9 @@ def test_command(mode, tmp_path):
     assert result.exit_code == 0, result.output
     assert "FMI 2.0, binaries/" in result.stdout
     assert validate_fmu(str(path)) == []
-    names = {v.name for v in fmpy.read_model_description(str(path)).modelVariables}
-    assert {"force 2.1", "position 2.1", "der(state 2.x)"} <= names
+    names = {v.name: v.unit for v in fmpy.read_model_description(str(path)).modelVariables}
+    units = {"force 2.1": "N", "position 2.1": "m", "der(state 2.x)": "m/s"}
+    assert {name: names.get(name) for name in units} == units
     assert ("nominal force 2.1" in names) == (mode == 4)
 
 
