@@ -241,7 +241,10 @@ def locked_inputs(model: Model) -> list[Signal]:
     uneven = motions @ np.cos(np.arange(1.0, motions.shape[1] + 1) ** 2)
     away = SHIFT * uneven / max(np.max(np.abs(uneven), initial=0.0), np.finfo(float).tiny)
     moved = np.array(model.parameters.reference) + columns * away
-    for entry in model.labels.x:
+    for place, entry in enumerate(model.labels.x):
+        if entry.kind in ("internal", "warping"):
+            # Undeformed elements have none, wherever they are built.
+            moved[place] = model.parameters.reference[place]
         if entry.symbol == "l0":
             own = model.labels.coordinates(entry.of)
             moved[own] /= np.linalg.norm(moved[own])

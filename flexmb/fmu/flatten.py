@@ -5,7 +5,7 @@ every inner program is put in the place of its call, what follows from constants
 does not change in a loop goes in front of it, and what is done twice is done once.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -13,7 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
-from ..compilation.compile import jit
+from ..compilation.compile import QUICK
+from ..compilation.threads import one_thread
 from ..errors import ModelError
 
 # Calls whose program is that of the function itself; what is said of their derivatives does not matter here.
@@ -74,7 +75,7 @@ class Equation(NamedTuple):
         inputs: What it reads.
         outputs: What it gives.
         blocks: Bodies of a loop or branch.
-        origin: The equation of the trace.
+        origin: The equation of the trace, then those that called it, the outermost first.
     """
 
     name: str
@@ -82,7 +83,7 @@ class Equation(NamedTuple):
     inputs: list[Atom]
     outputs: list[Atom]
     blocks: tuple[Block, ...]
-    origin: Any
+    origin: tuple[Any, ...]
 
 
 class Program(NamedTuple):
@@ -141,6 +142,7 @@ class _Opener:
         self.known: list[dict[Any, list[Atom]]] = [{}, {}]
         self.values: dict[Atom, np.ndarray] = {}
         self.words: dict[Any, Atom] = {}
+        self.callers: list[Any] = []
 
     def constant(self, number: Any) -> Atom:
         """A number as a value; equal ones are one."""
@@ -165,7 +167,9 @@ class _Opener:
             return self.constant(np.asarray(one.val, kind.dtype))
 
         for equation in jaxpr.eqns:
+            self.callers.append(equation)
             results = self.equation(equation, [read(one) for one in equation.invars])
+            self.callers.pop()
             place.update(zip(equation.outvars, results, strict=True))
         return [read(one) for one in jaxpr.outvars]
 
@@ -208,7 +212,8 @@ class _Opener:
             if key in known:
                 return known[key]
         outputs = [_atom(v, depth) for v in origin.outvars]
-        self.lists[depth].append(Equation(name, params, inputs, outputs, blocks, origin))
+        whence = (origin, *self.callers[:-1])
+        self.lists[depth].append(Equation(name, params, inputs, outputs, blocks, whence))
         if key:
             self.known[depth][key] = outputs
         return outputs
@@ -251,13 +256,17 @@ class _Opener:
         def work_out(numbers: list) -> list:
             at = dict(zip(given, numbers, strict=True))
             for equation in equations:
-                options = equation.origin.primitive.get_bind_params(equation.params)
-                found = equation.origin.primitive.bind(*[at[one] for one in equation.inputs], **options)
-                found = found if equation.origin.primitive.multiple_results else [found]
+                primitive = equation.origin[0].primitive
+                options = primitive.get_bind_params(equation.params)
+                found = primitive.bind(*[at[one] for one in equation.inputs], **options)
+                found = found if primitive.multiple_results else [found]
                 at.update(zip(equation.outputs, found, strict=True))
             return [at[one] for one in later]
 
-        found = jit(work_out)([jnp.asarray(self.values[one]) for one in given]) if later else []
+        # A trace is never kept on disk: what it captures is this program's own.
+        run = jax.jit(work_out, compiler_options=QUICK)
+        with one_thread():
+            found = run([jnp.asarray(self.values[one]) for one in given]) if later else []
         computed = {one: np.asarray(number) for one, number in zip(later, found, strict=True)}
         return {one: computed[one] if one in computed else self.values[one] for one in wanted}
 
@@ -325,8 +334,8 @@ def refuse_callbacks(jaxpr: Jaxpr) -> None:
         if "callback" in equation.primitive.name:
             called = equation.params.get("callback")
             called = getattr(called, "callback_func", called)
-            name = getattr(called, "__qualname__", type(called).__name__).replace("<locals>.", "")
-            found[f"{equation.primitive.name} of `{name}`{origin_of(equation)}"] = None
+            name = getattr(called, "__name__", type(called).__name__)
+            found[f"{equation.primitive.name} of `{name}`{origin_of([equation])}"] = None
     if found:
         raise ModelError(
             f"C cannot call back to Python, but the model does: {'; '.join(found)}. Write these functions with"
@@ -334,11 +343,16 @@ def refuse_callbacks(jaxpr: Jaxpr) -> None:
         )
 
 
-def origin_of(equation: Any) -> str:
-    """Where an equation was written, as text to go on with: " in law, springs.py:12"; empty if that is not known."""
-    trace = getattr(equation.source_info, "traceback", None)
-    for frame in trace.frames if trace is not None else ():
+def origin_of(equations: Sequence[Any]) -> str:
+    """Where an equation was written, as text to go on with: " in law, springs.py:12"; empty if that is not known.
+
+    Args:
+        equations: It, then those that called it, the outermost first.
+    """
+    traces = [getattr(one.source_info, "traceback", None) for one in [*equations[:1], *reversed(equations[1:])]]
+    for frame in (frame for trace in traces if trace is not None for frame in trace.frames):
         parts = frame.file_name.replace("\\", "/").split("/")
+        name = frame.function_name.rpartition("<locals>.")[2]
         if not {"jax", "jaxlib", "equinox"}.intersection(parts[:-1]) and not frame.file_name.startswith("<frozen"):
-            return f" in {frame.function_name}, {parts[-1]}:{frame.line_num}"
+            return f" in {name}, {parts[-1]}:{frame.line_num}"
     return ""

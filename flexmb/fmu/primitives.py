@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from .flatten import Equation
-from .terms import Lazy, Place, Value, View, literal, reshaped, variable
+from .flatten import Atom, Equation
+from .terms import Lazy, Place, Value, View, compact, literal, reshaped, variable
 from .writer import Writer, counters
 
 # So many terms of a sum are written out; more make a loop.
 SHORT = 4
-RULES: dict[str, Callable[[Writer, Equation, list[Value]], list[Value]]] = {}
+# A constant matrix of at least so many entries, of which this share or less is not zero, is multiplied by those alone.
+# What is no number goes on from there only where it meets one of them.
+LARGE, SPARSE = 256, 0.25
+RULES: dict[str, Callable[..., list[Value]]] = {}
 
 
 def rule(*names: str):
@@ -432,18 +435,25 @@ for _kind in ("sum", "prod", "max", "min", "and", "or", "xor"):
 
 
 @rule("dot_general")
-def _dot_general(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
     (left, right), (out,) = values, equation.outputs
     (lc, rc), (lb, rb) = (
         tuple(tuple(map(int, axes)) for axes in pair) for pair in equation.params["dimension_numbers"]
     )
     own = [axis for axis in range(len(left.shape)) if axis not in (*lc, *lb)]
     other = [axis for axis in range(len(right.shape)) if axis not in (*rc, *rb)]
+    orders = ([*lb, *own, *lc], [*rb, *other, *rc])
+    ours = range(len(lb) + len(own)), [*range(len(lb)), *range(len(lb) + len(own), len(out.shape))]
+    for side, array in enumerate(known):
+        many = array is not None and array.dtype.kind == "f" and array.size >= LARGE
+        if array is not None and many and np.count_nonzero(array) <= SPARSE * array.size:
+            operand = w.stored(values[1 - side])
+            operand = _in_order(operand, orders[1 - side])
+            return [_sparse(w, out, np.transpose(array, orders[side]), len(lc), operand, list(ours[side]), len(lb))]
     # A number that is read once is worked out where it is read.
     left = left if np.prod([right.shape[axis] for axis in other], dtype=int) <= 1 else w.cheap(left)
     right = right if np.prod([left.shape[axis] for axis in own], dtype=int) <= 1 else w.cheap(right)
     along = tuple(left.shape[axis] for axis in lc)
-    orders = ([*lb, *own, *lc], [*rb, *other, *rc])
 
     def at(index: list[Place]) -> str:
         batch, rest = index[: len(lb)], index[len(lb) :]
@@ -462,6 +472,43 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value]) -> list[Val
     product = Lazy(at, 1 + left.cost + right.cost, (*out.shape, *along), out.dtype)
     axes = tuple(range(len(out.shape), len(out.shape) + len(along)))
     return [reduced(w, product, axes, "sum") if axes else product]
+
+
+def _in_order(view: View, axes: list[int]) -> View:
+    """The same numbers with their axes in another order."""
+    shape, strides = (tuple(kind[axis] for axis in axes) for kind in (view.shape, view.strides))
+    return view._replace(shape=shape, strides=strides)
+
+
+def _sparse(w: Writer, out: Atom, array: np.ndarray, summed: int, other: View, axes: list[int], batch: int) -> View:
+    """A product with a constant matrix, row by row of what is not zero in it.
+
+    Args:
+        array: The constant; its last axes are summed over.
+        summed: How many of them.
+        other: The other operand, with these axes last too.
+        axes: Those of the product that belong to the constant, in its order.
+        batch: So many first axes belong to both.
+    """
+    rows, columns = array.shape[: array.ndim - summed], array.shape[array.ndim - summed :]
+    table = array.reshape(int(np.prod(rows, dtype=int)), -1)
+    row, column = np.nonzero(table)
+    steps = np.zeros(columns, np.int64)
+    for axis, stride in enumerate(other.strides[len(other.strides) - summed :]):
+        steps += np.arange(columns[axis]).reshape([-1 if i == axis else 1 for i in range(summed)]) * stride
+    ends = w.tables.start("I", np.searchsorted(row, np.arange(len(table) + 1)))
+    places, numbers = w.tables.start("I", steps.ravel()[column]), w.tables.start("K", table[row, column])
+    found = w.new(out.shape, out.dtype)
+    loops, index = counters("i", out.shape)
+    at = ends
+    for axis, stride in zip(axes, compact(rows), strict=True):
+        at = at + index[axis] * stride
+    own = [*index[:batch], *(index[axis] for axis in range(batch, len(out.shape)) if axis not in axes)]
+    start = other.place([*own, *[Place()] * summed])
+    entry = f"{other.pool}[{start + variable(f'I[k+{places}]')}]"
+    step = f"for (int64_t k = I[{at}]; k < I[{at + 1}]; k++) s += K[k+{numbers}] * {entry};"
+    w.add(f"{loops}{{ double s = 0; {step} {found.at(index)} = s; }}")
+    return found
 
 
 @rule("cumsum", "cumprod", "cummax", "cummin")
@@ -681,7 +728,7 @@ def _places(
 
 
 @rule("gather")
-def _gather(w: Writer, equation: Equation, values: list[Value], known: np.ndarray | None = None) -> list[Value]:
+def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
     (x, indices), (out,), params = values, equation.outputs, equation.params
     numbers, sizes = params["dimension_numbers"], [int(one) for one in params["slice_sizes"]]
     collapsed = (*map(int, numbers.collapsed_slice_dims), *map(int, numbers.operand_batching_dims))
@@ -694,7 +741,7 @@ def _gather(w: Writer, equation: Equation, values: list[Value], known: np.ndarra
     if 0 in out.shape:
         return [Lazy(lambda index: "0", 0, out.shape, out.dtype)]
     most = {int(axis): x.shape[axis] - sizes[axis] for axis in numbers.start_index_map}
-    where = _Indices(w, equation, indices, known, most)
+    where = _Indices(w, equation, indices, known[1], most)
     source = w.cheap(x)
 
     def at(index: list[Place]) -> str:
@@ -739,7 +786,7 @@ def _filling(given: Any, dtype: np.dtype) -> str:
 
 @rule("scatter", "scatter-add", "scatter_add", "scatter-mul", "scatter_mul", "scatter-min", "scatter_min",
       "scatter-max", "scatter_max", "scatter-sub", "scatter_sub")  # fmt: skip
-def _scatter(w: Writer, equation: Equation, values: list[Value], known: np.ndarray | None = None) -> list[Value]:
+def _scatter(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
     (x, indices, change), params = values, equation.params
     numbers = params["dimension_numbers"]
     windows = list(map(int, numbers.update_window_dims))
@@ -754,7 +801,7 @@ def _scatter(w: Writer, equation: Equation, values: list[Value], known: np.ndarr
         return [found]
     size = {axis: change.shape[own] for axis, own in zip(along, windows, strict=True)}
     most = {int(axis): x.shape[axis] - size.get(int(axis), 1) for axis in numbers.scatter_dims_to_operand_dims}
-    where = _Indices(w, equation, indices, known, most)
+    where = _Indices(w, equation, indices, known[1], most)
     loops, index = counters("i", change.shape)
     batch = [index[axis] for axis in batch_axes]
     window = {axis: index[own] for axis, own in zip(along, windows, strict=True)}
@@ -771,4 +818,5 @@ def _scatter(w: Writer, equation: Equation, values: list[Value], known: np.ndarr
     return [found]
 
 
-BY_INDEX = frozenset(name for name, function in RULES.items() if function in (_gather, _scatter))
+# What is written otherwise where operands are constants.
+BY_CONSTANTS = frozenset(name for name, function in RULES.items() if function in (_gather, _scatter, _dot_general))

@@ -2,7 +2,7 @@
 
 A number of the program stands in one of four arrays of C: ``w`` (double) and ``n`` (int64_t) are the workspace, ``K``
 and ``I`` the constants. Where in the workspace is decided when all is written; until then a place has a mark:
-``{@3+5}`` is the sixth number of buffer 3.
+``{@3+5}`` is the sixth number of buffer 3, ``{@K3+5}`` that of table 3.
 """
 
 from collections.abc import Callable
@@ -17,12 +17,12 @@ class Place:
     Attributes:
         constant: The number.
         terms: Factors by C expression.
-        buffer: Of the workspace, whose start is decided when all is written; None of none.
+        buffer: Of the workspace, or table of constants, whose start is decided when all is written; None of none.
     """
 
     __slots__ = ("buffer", "constant", "terms")
 
-    def __init__(self, constant: int = 0, terms: dict[str, int] | None = None, buffer: int | None = None):
+    def __init__(self, constant: int = 0, terms: dict[str, int] | None = None, buffer: int | str | None = None):
         self.constant, self.buffer = int(constant), buffer
         self.terms = {key: int(factor) for key, factor in (terms or {}).items() if factor}
 

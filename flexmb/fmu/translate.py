@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import ModelError
 from .flatten import Atom, Block, Equation, Program, flattened, origin_of, read_by
-from .primitives import BY_INDEX, RULES
+from .primitives import BY_CONSTANTS, RULES
 from .terms import Place, Value, View, variable
 from .writer import Compound, Tables, Writer
 
@@ -121,7 +121,8 @@ class Unit:
 
     def source(self) -> str:
         """The text of the file."""
-        return "\n".join([HEAD, self._tables.text(), *_runtime(self._helpers), *self._functions])
+        code = "\n".join([*_runtime(self._helpers), *self._functions])
+        return f"{HEAD}\n{self._tables.completed(code)}"
 
 
 def _kind(atom: Atom) -> str:
@@ -157,9 +158,10 @@ class _Emitter:
                 self.uses[atom] = self.uses.get(atom, 0) + 1
             for inner in equation.blocks:
                 self._count(inner)
-                # What a loop reads is in memory before it begins.
+                # What a loop reads from outside is in memory before it begins.
+                own = {atom for one in inner.equations for atom in one.outputs}
                 for atom in read_by(inner.equations, inner.outputs):
-                    self.uses[atom] = self.uses.get(atom, 0) + 1
+                    self.uses[atom] = self.uses.get(atom, 0) + (atom not in own)
         for atom in block.outputs:
             self.uses[atom] = self.uses.get(atom, 0) + 1
 
@@ -179,8 +181,9 @@ class _Emitter:
             return {"scan": self._scan, "while": self._while, "cond": self._cond}[equation.name](equation, values)
         try:
             translate = RULES[equation.name] if equation.name in RULES else _unknown
-            if equation.name in BY_INDEX:
-                return translate(self.w, equation, values, known=self.known.get(equation.inputs[1]))  # type: ignore[call-arg]
+            if equation.name in BY_CONSTANTS:
+                known = [self.known.get(atom) for atom in equation.inputs]
+                return translate(self.w, equation, values, known)
             return translate(self.w, equation, values)
         except NotImplementedError as fault:
             what = f" of {fault}" if fault.args else ""
@@ -270,7 +273,7 @@ class _Emitter:
         return list(found)
 
 
-def _unknown(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+def _unknown(*_: Any) -> list[Value]:
     raise NotImplementedError
 
 

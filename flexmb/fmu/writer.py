@@ -1,6 +1,7 @@
 """Statements of C, the workspace that they share, and how both become the text of a file."""
 
 import re
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,10 @@ from .terms import Lazy, Place, Value, View, compact, linear, literal, variable
 
 # So many statements make a function of C: compilers take more than twice the time for one that is twice as long.
 STATEMENTS = 50
+# So many zeros in a table are passed over.
+ZEROS = 4
 MARK = re.compile(r"\{@(\d+)\+(\d+)\}|\{@(\d+)(-\d+)\}")
+TABLE = re.compile(r"\{@([KI]\d+)([+-]\d+)\}")
 
 
 class Compound(NamedTuple):
@@ -31,8 +35,8 @@ class Tables:
     """Constants of a file, equal ones once."""
 
     def __init__(self):
-        self.numbers: dict[str, list[str]] = {"K": [], "I": []}
-        self._known: dict[tuple, int] = {}
+        self._arrays: list[np.ndarray] = []
+        self._known: dict[tuple, str] = {}
 
     def value(self, array: np.ndarray) -> Value:
         """An array of constants: a number, whole numbers that grow evenly, or a place in a table."""
@@ -55,25 +59,56 @@ class Tables:
         pool = "K" if dtype.kind == "f" else "I"
         own = compact(short.shape)
         strides = tuple(own[axis] if axis in moving else 0 for axis in range(array.ndim))
-        return View(pool, Place(self._start(pool, short)), strides, shape, dtype)
+        return View(pool, self.start(pool, short), strides, shape, dtype)
 
-    def _start(self, pool: str, array: np.ndarray) -> int:
+    def start(self, pool: str, array: np.ndarray) -> Place:
+        """Where an array begins in a table, "K" of numbers or "I" of whole numbers."""
         array = np.ascontiguousarray(array, float if pool == "K" else np.int64)
         key = (pool, array.tobytes())
         if key not in self._known:
-            self._known[key] = len(self.numbers[pool])
-            self.numbers[pool] += [literal(one, array.dtype) for one in array.ravel()]
-        return self._known[key]
+            self._known[key] = f"{pool}{len(self._arrays)}"
+            self._arrays.append(array)
+        return Place(buffer=self._known[key])
 
-    def text(self) -> str:
-        """Their definitions."""
-        found = ""
+    def completed(self, code: str) -> str:
+        """Definitions of the tables that a text reads, and the text with their places put in."""
+        starts: dict[str, int] = {}
+        numbers: dict[str, list[str]] = {"K": [], "I": []}
+
+        def put(match: re.Match) -> str:
+            name = match[1]
+            if name not in starts:
+                array, table = self._arrays[int(name[1:])], numbers[name[0]]
+                starts[name] = len(table)
+                table.extend(literal(one, array.dtype) for one in array.ravel())
+            return str(starts[name] + int(match[2]))
+
+        code = TABLE.sub(put, code)
+        tables = ""
         for pool, kind in (("K", "double"), ("I", "int64_t")):
-            numbers = self.numbers[pool]
-            lines = [", ".join(numbers[i : i + 12]) for i in range(0, len(numbers), 12)]
-            if lines:
-                found += f"static const {kind} {pool}[] = {{\n" + ",\n".join(lines) + "\n};\n"
-        return found
+            lines, line = [], ""
+            for word in _words(numbers[pool]):
+                if len(line) + len(word) > 110:
+                    lines.append(line)
+                    line = ""
+                line += f"{word}, "
+            if line:
+                head = f"static const {kind} {pool}[{len(numbers[pool])}] = {{"
+                tables += "\n".join([head, *lines, line, "};\n"])
+        return tables + code
+
+
+def _words(numbers: list[str]) -> Iterator[str]:
+    """Entries of a table as C takes them; where it is zero for long it goes on at a place."""
+    skipped = 0
+    for place, number in enumerate(numbers):
+        if number in ("0.0", "0"):
+            skipped += 1
+            continue
+        zeros = 0 if skipped > ZEROS else skipped
+        yield from ["0"] * zeros
+        yield number if skipped == zeros else f"[{place}] = {number}"
+        skipped = 0
 
 
 def _same(array: np.ndarray, axis: int) -> bool:

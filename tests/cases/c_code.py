@@ -1,18 +1,15 @@
 """C that the package writes: compiled by the compiler of this machine, called with arrays of NumPy."""
 
 import ctypes
-import os
-import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-COMPILER = next(
-    (found for name in (os.environ.get("CC"), "cc", "gcc", "clang") if name and (found := shutil.which(name))), None
-)
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler (cc, gcc, clang, or $CC)")
+from flexmb.fmu.compiler import found_compiler
+
+needs_compiler = pytest.mark.skipif(found_compiler() is None, reason="there is no C compiler: install gcc, or set $CC")
 
 
 def compiled(source: str, folder: Path) -> ctypes.CDLL:
@@ -20,7 +17,7 @@ def compiled(source: str, folder: Path) -> ctypes.CDLL:
     (folder / "code.c").write_text(source)
     options = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -ffp-contract=off -shared -fPIC".split()
     run = subprocess.run(
-        [str(COMPILER), *options, "code.c", "-o", "code.so", "-lm"],
+        [*(found_compiler() or []), *options, "code.c", "-o", "code.so", "-lm"],
         cwd=folder,
         capture_output=True,
         text=True,

@@ -5,7 +5,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.checks.mobility import removals
+from flexmb.checks.mobility import locked_inputs, removals
 
 
 def braced_rectangle() -> fm.Model:
@@ -83,3 +83,17 @@ def test_forces_and_moments_of_a_self_stress_have_their_own_units():
     assert found.overconstraints == 1
     assert shares["lock", 1] / shares["strut", 1] == pytest.approx(0.5, rel=1e-12)
     assert shares["bar", 2] / shares["strut", 1] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_inputs_on_leaf_springs_are_looked_at_elsewhere_too():
+    """The mechanism is looked at a little further along as well, where the inner coordinates of a leaf are zero too."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (0, 0.1))
+    leaf = fm.Rectangle(width=0.018, thickness=0.5e-3, material=fm.Material(E=210e9, G=80e9, rho=7850))
+    b.add(planar.leaf_spring, "foot", "tip", name="leaf", section=leaf, order=2)
+    b.fix("foot")
+    b.mass("tip", 0.1, inertia=1e-4)
+    b.dof("tip", "x")
+    b.input("tip", "x")
+    assert locked_inputs(b.build()) == []

@@ -418,7 +418,7 @@ def test_a_nonlinear_plant_by_its_own_integrator(fmi, tmp_path):
     # A hundred times the tolerance, over two swings.
     np.testing.assert_allclose(found["angle"], expected[0] + 1.0, atol=1e-7)
     np.testing.assert_allclose(found["state fast"], expected[2], atol=1e-7)
-    # Some 250 steps of as many evaluations as there are stages, states and times; a wrong Jacobian takes thousands more.
+    # Some 250 steps of as many evaluations as there are stages, states and times; a wrong Jacobian takes far more.
     assert found["calls"][-1] < 6000
     with opened(path, tmp_path / "me", "me") as unit:
         np.testing.assert_allclose(unit.derivative(["angle"], ["state q", "torque"], [1.0, 1.0]), [3.0], rtol=1e-9)
