@@ -88,8 +88,9 @@ def second_order(lin: Linearization) -> SecondOrder:
     weights = model.parameters.weights
     if is_concrete((m, weights)) and m.M0.ndim == 2:
         # For sizes that come but once, where compiling takes longer than computing.
-        numbers = jax.tree.map(np.asarray, (m, whole, weights))
-        found = _about_state(*numbers, inputs, outputs, held, np)
+        numbers: Any = jax.tree.map(np.asarray, (m, whole, weights))
+        plain: Any = np
+        found = _about_state(numbers[0], numbers[1], numbers[2], inputs, outputs, held, plain)
     else:
         found = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
     orders, moves = kinds_of(inputs)

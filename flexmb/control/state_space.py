@@ -233,7 +233,8 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
         condensed = _all_massless(lin)
     whole = second_order(lin)
     if not traced:
-        whole = SecondOrder(*(np.asarray(of) for of in whole))
+        plain: Any = [np.asarray(of) for of in whole]
+        whole = SecondOrder(*plain)
         _refuse_idle_inputs(lin, whole, condensed)
     kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
     names = [f"mode {i + 1}" for i in kept]
@@ -343,7 +344,8 @@ def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple
     idle = set(range(len(inputs)))
     numbers = whole[:12] if whole.M.ndim > 2 else [of[None] for of in whole[:12]]
     for m, *parts in zip(_at_each_time(lin), *numbers, strict=True):
-        now = SecondOrder(*parts, whole.orders, whole.moves)
+        own_parts: Any = (*parts, whole.orders, whole.moves)
+        now = SecondOrder(*own_parts)
         # How far, in extents and radians, each degree of freedom moves what it moves most.
         reach = np.max(np.abs(m.DFx) / sizes[:, None], axis=0, initial=0.0)
         for i in sorted(idle):

@@ -2,10 +2,11 @@
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from ..control.second_order_form import SecondOrder, second_order
+from ..control.second_order_form import second_order
 from ..errors import AnalysisError
 from ..linear.linearize import Linearization
 from ..linear.spectrum import symmetric_eigenvalues, to_frequency
@@ -126,7 +127,8 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
             "A model is compared with leaner ones about a stable state, and here the stiffness K0 + N0 is not positive"
             " definite: support or stiffen the free motion, or lower the load.",
         )
-    whole, dfx = SecondOrder(*(np.asarray(of) for of in second_order(lin))), np.asarray(m.DFx)
+    whole: Any = second_order(lin)
+    whole, dfx = whole._replace(M=np.asarray(whole.M)), np.asarray(m.DFx)
     extent = extent_of(lin.model.topology, lin.model.parameters)
     turns = [not s.of_element and not s.parts and labels.x[s.index].kind == "rotation" for s in labels.outputs]
     motions = [s.quantity in ("position", "velocity", "acceleration") for s in labels.outputs]
