@@ -1,5 +1,7 @@
 """Controllers around one mass: limits, delays, samples, schedules, poles, margins; against SciPy and closed forms."""
 
+from typing import Any
+
 import control
 import diffrax
 import jax
@@ -167,7 +169,7 @@ def test_gains_along_a_schedule():
     found = fm.simulate(MODEL, TIMES, control=fm.control.scheduled(at, table), reference=held, rtol=1e-8)
     np.testing.assert_allclose(place(found), by_scipy.y[0], atol=1e-7)
     lags = [control.ss([[-30.0]], [[1.0]], [[k]], [[0.0]], inputs=["place"], outputs=["force"]) for k in gains]
-    scheduled = fm.control.scheduled(at, lags)
+    scheduled: Any = fm.control.scheduled(at, lags)
     np.testing.assert_allclose(scheduled.output(0.05, jnp.ones(1), jnp.ones(1)), [30.0])
     np.testing.assert_allclose(scheduled.rate(0.05, 2 * jnp.ones(1), jnp.ones(1)), [-59.0])
 
@@ -181,8 +183,8 @@ def test_a_continuous_delay_is_all_pass():
         fm.control.delayed(control.tf([2.0], [1, 3]), 0.1)
 
 
-INTEGRATOR = control.tf([1.0], [1.0, 0.0])
-LAG = control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
+INTEGRATOR: Any = control.tf([1.0], [1.0, 0.0])
+LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
 
 
 @pytest.mark.parametrize(
