@@ -525,6 +525,8 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
     from .answers.answers import answer
     from .answers.motion import motions_of
     from .fmu.plant import units_of
+    from .model.roles import Role
+    from .spacar.laws import laws_of
 
     def given(model: Any) -> Any:
         if not model.labels.inputs or not model.labels.outputs:
@@ -536,7 +538,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
 
     if number == 1:
         model = given(read.builder.build(release=release))
-        motion = motions_of(model, read.settings)
+        motion = motions_of(model, read.settings) | laws_of(read.builder, model.labels, read.settings, Role.PRESCRIBED)
         return lambda to, fmi: save_fmu(model, to, fmi=fmi, nonlinear=True, motion=motion)
     found: Any = answer(read.builder, read.name, number, [], release, settings=read.settings)
     for text in found.data["warnings"]:

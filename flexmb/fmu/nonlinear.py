@@ -100,7 +100,7 @@ def plant(
     """
     model = as_model(model, "plant")
     warn_of_increment(model, "plant")
-    check_signals(model, "A plant", "A plant gives")
+    check_signals(model, "A plant")
     driven = driven_by(model, Drives(loads=loads, motion=motion))
     nameless, topology, labels = model.without_names(), model.topology, model.labels
     sizes = sizes_of(topology, model.parameters)

@@ -31,7 +31,7 @@ def rotation_row(lam: Float[Array, "4"], axis: Any, local: bool) -> Float[Array,
     return 2 * (lbody if local else lbar)(lam)[axis]
 
 
-def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Float[Array, "k"]]:
+def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Any]:
     """Coordinates that a signal is about, and its derivative by them.
 
     Args:

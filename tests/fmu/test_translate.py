@@ -13,6 +13,7 @@ from fmpy.validation import validate_fmu
 from jax import lax
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.fmu.nonlinear import plant
 from flexmb.fmu.translate import Unit
 

@@ -13,7 +13,7 @@ from cases.spacar_checks import assert_same, faults
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.answers.motion import _over_time as over_time
+from flexmb.answers.motion import over_time
 from flexmb.model.roles import Role
 
 fm.enable_x64()
