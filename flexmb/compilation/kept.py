@@ -89,7 +89,7 @@ def _text() -> tuple[str, dict[str | None, list[tuple[str, str]]]]:
     for path in sorted(Path(__file__).parents[1].rglob("*.py")):
         text = path.read_text(encoding="utf-8")
         found.update(f"{path.parent.name}/{path.name}\n{text}".encode())
-        numbers[str(path)] = re.findall(r"^([A-Z]\w*) = (-?[\d.]\S*)$", text, re.M)
+        numbers[str(path)] = re.findall(r"^([A-Z]\w*) = (-?[\d._]+(?:e-?\d+)?)$", text, re.M)
     return found.hexdigest(), numbers
 
 

@@ -267,7 +267,7 @@ def _names(names: list[str], lin: Linearization, orders: tuple[int, ...], shifte
 
 def _refuse_rates(lin: Linearization, late: np.ndarray, orders: tuple[int, ...]) -> None:
     """Refuse an output that takes a rate of an input, by the quantity to take in its place."""
-    late = late.reshape(-1, *late.shape[-2:]).max(axis=0)
+    late = np.max(late, axis=tuple(range(late.ndim - 2)), initial=0)
     if not np.any(late):
         return
     y, u = np.argwhere(late)[0]

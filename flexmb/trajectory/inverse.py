@@ -14,7 +14,7 @@ from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short, span
-from ..errors import ModelError
+from ..errors import AnalysisError, ModelError
 from ..math.indices import accumulate, put
 from ..math.linear import factorise
 from ..math.rotation import rotation_since
@@ -32,6 +32,7 @@ from ..motion.loop import under_inputs
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
 from ..results import RESULTS, check, told
+from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 
 # What is wanted changes by at most this share of the mechanism's extent, or radians, between two solutions.
@@ -184,7 +185,7 @@ def inverse_dynamics(
     wanted, prescribed = _sorted(model, trajectory)
     moved = _driven_freedoms(model, wanted, driven)
     acting = _acting_inputs(model, inputs, len(moved))
-    _check_outputs(model)
+    _check_inputs(model)
     laws = driven_by(model, Drives(motion=prescribed)) if prescribed else ()
     names = list(wanted)
     found = _nominal(model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), times)
@@ -207,7 +208,16 @@ def inverse_dynamics(
         "coordinates",
         "inverse dynamics",
     )
-    return Nominal(motion, found.u0, found.y0, found.f0, found.result)
+    y0 = found.y0
+    if not _are_of_the_motion(model.labels.outputs):
+        y0 = outputs_of(motion)
+        if is_concrete(y0) and not np.all(np.isfinite(np.asarray(y0)[np.asarray(found.result) == 0])):
+            raise AnalysisError(
+                "singular_mass",
+                "An output that needs forces or combines others is not determined along the motion: some coordinate"
+                " carries no mass. Give it mass, or leave the output out.",
+            )
+    return Nominal(motion, found.u0, y0, found.f0, found.result)
 
 
 class _Found(NamedTuple):
@@ -367,14 +377,18 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
     return chosen
 
 
-def _check_outputs(model: Model) -> None:
-    """Refuse outputs that are no quantity of the motion."""
-    known = (*ORDERS, *DEFORMATION_ORDERS)
-    for signal in model.labels.outputs:
-        if signal.quantity not in known:
+def _are_of_the_motion(outputs: Sequence[Signal]) -> bool:
+    """Whether no output needs forces, or combines others."""
+    return all(signal.quantity in (*ORDERS, *DEFORMATION_ORDERS) for signal in outputs)
+
+
+def _check_inputs(model: Model) -> None:
+    """Refuse inputs that move what is held: where that goes, a trajectory says."""
+    for signal in model.labels.inputs:
+        if any(part.order is not None for part in signal.terms):
             raise ModelError(
-                f"Output '{signal.name}' is a {signal.quantity}. Inverse dynamics gives one of: {', '.join(known)}."
-                " Ask nominal.motion.observe() for the others."
+                f"Input '{signal.name}' moves something that is held, and inverse dynamics gives forces, moments and"
+                " stresses. Leave it out, say prescribe() of what moves, and give its law in the trajectory."
             )
 
 
@@ -553,7 +567,8 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
             )
             plant = factors.regular()
             f0 = put(needed - b0 @ u0, driven, 0.0)
-        outputs = [_output(form, signal, moving) for signal in model.labels.outputs]
+        seen = model.labels.outputs if _are_of_the_motion(model.labels.outputs) else ()
+        outputs = [_output(form, signal, moving) for signal in seen]
         y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
         missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
         fine = jnp.isfinite(missed) & (missed < TOLERANCE) & found.regular & tangent.regular

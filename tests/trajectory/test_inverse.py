@@ -49,6 +49,27 @@ def test_torque_of_a_pendulum():
     np.testing.assert_allclose(found.motion.acceleration("tip", "x"), a, rtol=0, atol=1e-10 * np.max(np.abs(a)))
 
 
+def test_reactions_and_sensors_of_a_pendulum():
+    """m (g + y'') at the pivot, and a sum of coordinates, to round-off."""
+    b = fm.Builder()
+    b.node("pivot", (0, 0))
+    b.node("tip", (0.8, 0))
+    b.add(planar.beam, "pivot", "tip", name="arm")
+    b.fix("pivot", "position")
+    b.mass("tip", 1.5)
+    b.gravity((0, -9.81))
+    b.dof("pivot", "phi")
+    b.input("pivot", "phi")
+    b.output("pivot", "y", "reaction", name="support")
+    b.sensor("sum", {"tip.x": 1.0, "tip.y": 2.0})
+    law = fm.trajectory.septic(0.0, 2.0, 0.05)
+    found = fm.trajectory.inverse_dynamics(b.build(), {"pivot.phi": law}, TIMES)
+    phi, rate, second = jax.vmap(lambda t: _rates(law, t))(jnp.asarray(TIMES))
+    support = 1.5 * (9.81 + 0.8 * (jnp.cos(phi) * second - jnp.sin(phi) * rate**2))
+    np.testing.assert_allclose(found.y0[:, 0], support, rtol=0, atol=1e-10 * np.max(np.abs(support)))
+    np.testing.assert_allclose(found.y0[:, 1], 0.8 * (jnp.cos(phi) - 1 + 2 * jnp.sin(phi)), rtol=0, atol=1e-12)
+
+
 def _rates(law, t):
     return fm.trajectory.rates(law, t)
 
