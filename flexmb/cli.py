@@ -521,6 +521,10 @@ def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, re
 
 def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
     """What saves the unit of a mode: its analysis done, as the mode of that number does it."""
+    import dataclasses
+
+    import jax.numpy as jnp
+
     from . import save_fmu, trajectory
     from .answers.answers import answer
     from .answers.motion import motions_of
@@ -549,6 +553,8 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
     if number == 9:
         return lambda to, fmi: save_fmu(found.lin, to, fmi=fmi)
     system = trajectory.time_varying(found.found)
+    # The motion has nominal inputs as loads among others; which they are, the answer says.
+    system = dataclasses.replace(system, u0=jnp.asarray(found.data["u0"], float))
     units = units_of(found.model, system.state_labels)
     return lambda to, fmi: save_fmu(system, to, fmi=fmi, units=units)
 

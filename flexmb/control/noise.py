@@ -20,6 +20,7 @@ from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, closed, closed_by_frequency, controller_of
 from .frequency_response import check_hertz, chosen, one_of, plain, response_of
 from .second_order_form import SecondOrder, second_order
+from .state_space import damped_without_mass
 
 # A motion decays, or grows, whose pole has a real part beyond this share of the largest pole: round-off leaves less, of
 # a free motion, whose pole is double, its root.
@@ -202,6 +203,11 @@ def noise_budget(
     exact = hertz is None and band is None
     if exact:
         _check_white(entering, by_states)
+        if is_concrete(lin.matrices) and (name := damped_without_mass(lin)):
+            warn(
+                f"The motion of {name} carries no mass but is damped, which the exact sum leaves out. Give `band`, by"
+                " which it counts, or give it a mass."
+            )
     # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
     system, orders = plain(second_order(lin))
     entries = entering.inputs, entering.sensors

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..compilation.compile import jit
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError, ModelError, warn
 from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import massless_freedoms, response_without_mass
@@ -25,6 +25,8 @@ from .truncation import chosen_modes, error_of, truncated
 if TYPE_CHECKING:
     import control
 
+# A state space may be off by so much without a word, looked at at so many frequencies.
+LOST_DAMPING, MOST_COMPARED = 0.01, 60
 # What an input does below this share of what it could, as round-off leaves it, is nothing.
 IDLE = 1e-12
 # A rate of an input below this share of what it consists of is round-off.
@@ -146,7 +148,14 @@ def _first_order(mass, damping, stiffness, by_p, c_q, through, orders) -> _Reali
     d = c0 @ at_once + c1 @ rates + c2 @ pull + d0
     z_dot, eye = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n), np.zeros((n, more))], axis=1), np.eye(n_u)
     # The rate of a second integral is the first one of the same input.
-    first = np.concatenate([np.zeros((len(twice), 2 * n)), eye[np.ix_(twice, once)], np.zeros((len(twice),) * 2)], 1)
+    first = np.concatenate(
+        [
+            np.zeros((len(twice), 2 * n)),
+            eye[np.asarray(twice, int)][:, np.asarray(once, int)],
+            np.zeros((len(twice),) * 2),
+        ],
+        1,
+    )
     a = jnp.concatenate([z_dot, v_dot, np.zeros((len(once), 2 * n + more)), first])
     b = jnp.concatenate([rates, pull, eye[once], np.zeros((len(twice), n_u))])
     # Into the order of names: displacements after z, velocities after v.
@@ -190,7 +199,8 @@ def state_matrices(
             input.
         modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes
             [m sqrt(kg)] and rates. All others follow inputs at once, as they do at rest: the response at rest of
-            positions, deformations and stresses is right, and that in the band nearly so. Velocities and accelerations
+            positions, deformations and stresses to forces is right, and that in the band nearly so; to a velocity or
+            acceleration of what is held it lacks the inertia of what is left out. Velocities and accelerations
             of what follows would take rates of the inputs and are left out, so that these outputs are off by the share
             of the flexibility at rest that is not that of the modes kept. Left out, too, is damping between modes
             that are kept and others. Differentiable where the frequencies of modes that are kept differ from all
@@ -209,8 +219,9 @@ def state_matrices(
         NotImplementedError: Modes are to be kept, and an unsymmetric stiffness gives none.
 
     Warns:
-        FlexmbWarning: What is kept is off by more than 1 % in its band, up to ``bandwidth`` or else the highest mode
-            that is kept, measured as :func:`to_statespace` says.
+        FlexmbWarning: Damping of motions without mass is left out, and responses at the frequencies of poles are off by
+            more than 1 % for that. What is kept is off by more than 1 % in its band, up to ``bandwidth`` or else the
+            highest mode that is kept, measured as :func:`to_statespace` says.
 
     Source:
         THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I],
@@ -250,8 +261,44 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
         return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)), None
     _refuse_rates(lin, np.asarray(found.late), orders)
     shifted = [np.any(np.asarray(of).reshape(-1, len(names)), axis=0).tolist() for of in found.shifted]
+    if condensed and lin.matrices.M0.ndim == 2 and not kept:
+        _warn_of_lost_damping(lin, whole, found.matrices)
     error = error_of(lin, kept, bandwidth, whole, found.matrices) if kept else None
     return found.matrices, _names(names, lin, orders, shifted), error
+
+
+def damped_without_mass(lin: Linearization) -> str:
+    """Name of a motion without mass that is damped, empty where there is none; of concrete numbers."""
+    condensed = _all_massless(lin)
+    damping = np.asarray(lin.matrices.C0 + lin.matrices.D0)
+    return lin.model.q_labels[condensed[0]] if np.any(damping[..., list(condensed), :]) else ""
+
+
+def _warn_of_lost_damping(lin: Linearization, whole: SecondOrder, found: StateMatrices) -> None:
+    """Warn where damping of motions without mass matters, for which positions and rates of the others are no states.
+
+    Responses to all inputs are compared, at the frequencies of the poles, with those of the second-order form.
+    """
+    name = damped_without_mass(lin)
+    if not name or not found.B.size or not found.C.size:
+        return
+    a, b, c, d = (np.asarray(part) for part in found)
+    rates = np.unique(np.abs(np.linalg.eigvals(a)).round(9))
+    right, own = [], []
+    for w in rates[rates > 0][:MOST_COMPARED]:
+        k, forces, rows, through = whole.at(1j * w)
+        right.append(rows @ np.linalg.solve(k, forces) + through)
+        own.append(c @ np.linalg.solve(1j * w * np.eye(len(a)) - a, b) + d)
+    if not right:
+        return
+    sizes = np.maximum(np.abs(right), 1e-9 * np.max(np.abs(right), axis=0))
+    off = np.max(np.abs(np.subtract(own, right)) / np.where(sizes > 0, sizes, 1.0))
+    if not off < LOST_DAMPING:
+        warn(
+            f"The motion of {name} carries no mass but is damped. A state space has it follow at once, without that"
+            f" damping: responses are off by up to {100 * off:.2g} %, and poles with them. fm.poles,"
+            " fm.frequency_response and a noise budget in a band have the damping. Give it a mass, or no damper."
+        )
 
 
 def _names(names: list[str], lin: Linearization, orders: tuple[int, ...], shifted: Any) -> list[str]:

@@ -83,7 +83,13 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
             raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
         found.append(Driven(quantity, jnp.array([place]), value))
     _check_inputs(model, inputs)
-    found += [_input(signal, inputs[signal.name]) for signal in model.labels.inputs if signal.name in inputs]
+    weights, count = model.parameters.weights, 0
+    for signal in model.labels.inputs:
+        for place, term in enumerate(signal.terms, count):
+            if signal.name in inputs:
+                weight = None if weights is None or not signal.parts else weights[0][place]
+                found.append(_input(signal, term, inputs[signal.name], weight))
+        count += len(signal.terms)
     if drives.increment is not None:
         own = model.parameters.increment
         if own is None:
@@ -120,23 +126,32 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
         if name not in known:
             there = f"There are: {_some(known)}." if known else "The model has none: name them with input()."
             raise ModelError(f"Argument `inputs` names '{name}', which is no input of the model. {there}")
+    for signal in model.labels.inputs:
+        moved = next((term for term in signal.terms if term.order is not None), None)
+        if signal.name in inputs and moved is not None:
+            owner = (model.labels.e if moved.of_element else model.labels.x)[moved.index]
+            raise ModelError(
+                f"Input '{signal.name}' is the {moved.quantity} of something held, {owner}; functions of time by"
+                f" `inputs` are forces, moments and stresses. Say prescribe() of it in the builder, and give"
+                f" motion={{'{owner}': f}}."
+            )
     if not inputs or not is_concrete(model):
         return
     with jax.ensure_compile_time_eval():
         locked = locked_inputs(model)
     for signal in locked:
         if signal.name in inputs:
-            raise ModelError(
-                f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Leave it out."
-            )
+            raise ModelError(f"Input '{signal.name}' moves nothing, wherever the mechanism goes. Leave it out.")
 
 
-def _input(signal: Signal, value: Any) -> Driven:
-    """An input as a function of time."""
-    what = f"Input '{signal.name}'"
-    if signal.quantity not in ("force", "moment", "stress"):
-        raise ModelError(f"{what} is a {signal.quantity}. Functions of time drive one of: force, moment, stress.")
+def _input(whole: Signal, signal: Signal, value: Any, weight: Any) -> Driven:
+    """An input as a function of time, or one of the parts of an actuator, with its weight."""
+    what = f"Input '{whole.name}'"
     value = _function(what, value, 1)
+    if weight is not None and isinstance(value, Table):
+        value = Table(value.times, weight * jnp.asarray(value.values, float))
+    elif weight is not None:
+        value = captured(lambda t, given=value: weight * given(t), jax.ShapeDtypeStruct((), float))
     if signal.axis is None:
         return Driven(signal.quantity, jnp.array([signal.index]), value)
     about = jnp.eye(3)[signal.axis]

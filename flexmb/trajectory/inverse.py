@@ -43,6 +43,8 @@ CORRECTIONS, SETTLED = 12, 1e-13
 TOLERANCE = 1e-8
 # So many steps of that size lie between two times at most.
 MOST_STEPS = 10_000
+# From the undeformed mechanism to its start values.
+STEPS_TO_START = 40
 ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
 DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
 
@@ -147,8 +149,9 @@ def inverse_dynamics(
 
     The trajectory says where degrees of freedom, PRESCRIBED coordinates and deformations, other coordinates or outputs
     are to be, each counted from the undeformed mechanism. Other coordinates and outputs are reached by the degrees of
-    freedom that are driven, as the kinematics of the mechanism has it. The degrees of freedom that are not driven, such
-    as the deformations of flexible parts, stay at their start values, zero unless the builder named others.
+    freedom that are driven, as the kinematics of the mechanism has it, on the branch that start values begin on. The
+    degrees of freedom that are not driven, such as the deformations of flexible parts, stay at their start values, zero
+    unless the builder named others.
 
     The inputs are those that the equations of motion ask for along what is driven,
     ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``; along what is held the same force is what would have to hold it,
@@ -190,7 +193,7 @@ def inverse_dynamics(
     names = list(wanted)
     found = _nominal(model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), times)
     if throw and is_concrete(found):
-        _explain(model, names, found, np.asarray(times))
+        _explain(names, {**{name: one.law for name, one in wanted.items()}, **prescribed}, found, np.asarray(times))
     check(found.result, throw)
     count = len(times)
     loads = _as_loads(model, times, found.u0, found.f0)
@@ -364,14 +367,16 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
         if isinstance(inputs, str) or unknown:
             said = inputs if isinstance(inputs, str) else unknown[0]
             raise ModelError(f"Argument `inputs` must be a list of inputs, {listed(names)}; not {said!r}.")
+        if len(set(inputs)) < len(inputs):
+            raise ModelError(f"Argument `inputs` names an input twice: {listed(list(inputs))}.")
         chosen = [names.index(name) for name in inputs]
     if inputs is None and not count:
         # What is PRESCRIBED moves by itself.
         return []
     if len(chosen) != count:
-        has = f"the inputs {listed([names[i] for i in chosen])}" if chosen else "no input"
+        has = f"to do so there are {listed([names[i] for i in chosen])}" if chosen else "there is none to do so"
         raise ModelError(
-            f"{count} degrees of freedom are driven, which takes as many inputs, but there is {has} to do so."
+            f"{count} degrees of freedom are driven, which takes as many inputs, but {has}."
             " Name them by input() in the builder, and those that drive by `inputs`."
         )
     return chosen
@@ -402,7 +407,7 @@ def _checked_times(times) -> Float[Array, "n_t"]:
     return times
 
 
-def _explain(model: Model, names: list[str], found: _Found, times: np.ndarray) -> None:
+def _explain(names: list[str], laws: dict[str, Callable], found: _Found, times: np.ndarray) -> None:
     """Raise with the first time at which it fails, and with the quantity that nothing driven moves."""
     codes = np.asarray(found.result)
     if not np.any(codes):
@@ -412,6 +417,11 @@ def _explain(model: Model, names: list[str], found: _Found, times: np.ndarray) -
     still = [name for name, part in zip(names, moves, strict=True) if part == 0]
     if still:
         raise ModelError(f"Trajectory of {listed(still)}: nothing that is driven moves it.")
+    for name, law in laws.items():
+        if not np.all(np.isfinite(np.asarray(rates(law, jnp.asarray(times[first]))))):
+            raise ModelError(
+                f"Trajectory '{name}': its law, or a derivative of it, is not finite at {short(times[first])} s."
+            )
     check(codes[first], True, f"It is so at {short(times[first])} s.")
 
 
@@ -503,7 +513,7 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
 
     fixed_form, fixed_wanted, fixed_times = jax.lax.stop_gradient((form, wanted, times))
 
-    def settled(goal, at: _At) -> _At:
+    def settled(goal, at: _At, wanted=fixed_wanted, moved=moved) -> _At:
         """Newton's method until nothing changes."""
 
         def more(loop):
@@ -512,7 +522,7 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
 
         def step(loop):
             i, at, _ = loop
-            found = _closer(fixed_form, fixed_wanted, moved, goal, at)
+            found = _closer(fixed_form, wanted, moved, goal, at)
             return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
 
         return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
@@ -535,6 +545,18 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
     origin = _At(jnp.zeros(top.n_q), reference, zero_near(top))
     held = jnp.zeros(form.held.shape[0])
     rest = (reference, held), _measured(fixed_form, places, reference, origin.near), jnp.zeros(top.n_q)
+    if moved and parameters.start is not None:
+        # The start values tell on which branch it begins: which way an elbow is bent.
+        begun = given(fixed_form, fixed_wanted, fixed_times[0])[0]
+        begin = jax.lax.stop_gradient((begun, jnp.zeros(0), start))
+        plain = (rest[0], jnp.zeros(0), rest[2])
+
+        def step(i, at):
+            share = (i + 1.0) / STEPS_TO_START
+            return settled(jax.tree.map(lambda a, b: a + share * (b - a), plain, begin), at, (), ())
+
+        origin = jax.lax.fori_loop(0, STEPS_TO_START, step, origin)
+        rest = begin[0], _measured(fixed_form, places, origin.x, origin.near), begin[2]
     _, walked = jax.lax.scan(follow, (rest, origin), fixed_times)
     walked = jax.lax.stop_gradient(walked)
 

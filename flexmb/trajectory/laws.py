@@ -436,7 +436,8 @@ def _rise(degree: int, start, end, duration, limits, begin) -> Law:
     else:
         if all(limit is None for limit in limits):
             raise ValueError("Give `duration`, or a limit to find it from: `velocity`, `acceleration` or `jerk`.")
-        far = _positive(xp, xp.abs(way))
+        # Where it goes nowhere, any time serves: it stays.
+        far = xp.where(way == 0, 1.0, xp.abs(way))
         needed = [
             (peak * far / limit) ** (1 / (k + 1))
             for k, (peak, limit) in enumerate(zip(PEAKS[degree], _limits(limits), strict=True))

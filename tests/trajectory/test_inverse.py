@@ -134,7 +134,7 @@ def test_input_of_a_tip_by_a_dimension():
 
 def test_wrong_inputs_are_refused():
     law = fm.trajectory.quintic(0.0, 0.3, 0.05)
-    with pytest.raises(fm.ModelError, match=r"1 degrees of freedom.*the inputs pull, torque"):
+    with pytest.raises(fm.ModelError, match=r"1 degrees of freedom.*there are pull, torque"):
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES)
     with pytest.raises(fm.ModelError, match=r"list of inputs, pull, torque; not 'motor'"):
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES, inputs=["motor"])
