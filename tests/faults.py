@@ -1737,6 +1737,20 @@ FAULTS = [
         "if np.max(jumps) > 1e9 * JUMP",
         "trajectory/test_flexible.py -k refused",
     ),
+    Fault(
+        "trajectory/inverse.py",
+        "if moved and parameters.start is not None",
+        "if False",
+        "trajectory/test_inverse.py -k elbow",
+    ),
+    Fault(
+        "trajectory/laws.py",
+        "xp.where(way == 0, 1.0, xp.abs(way))",
+        "xp.abs(way)",
+        "trajectory/test_laws.py -k nowhere",
+    ),
+    Fault("control/state_space.py", "if not off < LOST_DAMPING", "if off < 0", "control/test_state_space.py -k word"),
+    Fault("motion/drives_by_name.py", "weight * given(t)", "given(t)", "motion/test_loop.py -k actuator"),
     # Functional mock-up units.
     Fault(
         "fmu/algebra.c",

@@ -1,6 +1,7 @@
 """State-space matrices of masses on springs, written down by hand."""
 
 import numpy as np
+import pytest
 from cases.motions import sprung_mass
 
 import flexmb as fm
@@ -58,3 +59,24 @@ def test_what_has_no_mass_follows_at_once():
     np.testing.assert_allclose(found.C, [[share, 0], [1, 0], [-k / m, 0], [k1 * share, 0]], rtol=1e-12)
     expected = [[soft, 0], [0, 0], [share / m, 1 / m], [k1 * soft, 0]]
     np.testing.assert_allclose(found.D, expected, rtol=1e-12, atol=1e-15)
+
+
+def test_damping_without_mass_is_not_left_out_without_a_word():
+    """A damper between a spring and a mass: m lambda^2 + c k/(c + k/lambda) is no pair of a position and its rate."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.1 * i, 0))
+    b.add(planar.truss, "n0", "n1", section=fm.Rigidity(EA=9.0))
+    b.add(planar.truss, "n1", "n2", section=fm.Rigidity(EA=0.1), damping=fm.Damping(EA=0.5))
+    b.fix("n0")
+    for node in ("n1", "n2"):
+        b.fix(node, "y")
+        b.dof(node, "x")
+    b.mass("n2", 0.3)
+    b.input("n2", "x", name="push")
+    b.output("n2", "x")
+    model = b.build()
+    with pytest.warns(fm.FlexmbWarning, match=r"motion of n1\.x carries no mass but is damped.*off by up to"):
+        fm.to_statespace(model)
+    with pytest.warns(fm.FlexmbWarning, match=r"n1\.x carries no mass but is damped, which the exact sum leaves out"):
+        fm.control.noise_budget(model, sources={"push": 1.0})

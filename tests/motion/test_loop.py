@@ -66,6 +66,15 @@ def test_inputs_as_functions_of_time_beside_a_controller():
     np.testing.assert_allclose(seen.sigma[:, 0], STIFFNESS * x + found.u[:, 1] + 2.0, atol=1e-5)
 
 
+def test_an_actuator_as_a_function_of_time():
+    b = sprung_mass(stiffness=STIFFNESS, mass=MASS)
+    b.actuator("both", {"mass.x": 2.0, "s.1": -0.5})
+    b.output("mass", "x")
+    found = fm.simulate(b.build(), TIMES, inputs={"both": lambda t: 2.0}, rtol=1e-9)
+    x, _ = oscillation(TIMES, STIFFNESS, 0.0, MASS, 5.0)
+    np.testing.assert_allclose(found.at("mass")[:, 0] - 0.4, x, atol=1e-7)
+
+
 @pytest.mark.parametrize(
     ("inputs", "words"),
     [

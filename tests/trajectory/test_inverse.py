@@ -145,6 +145,38 @@ def test_wrong_inputs_are_refused():
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law, "tip.y": law}, TIMES)
 
 
+def test_start_values_say_which_way_an_elbow_is_bent():
+    """An arm of two links is drawn straight, where it has no inverse, and begins bent."""
+    b = fm.Builder()
+    for name, place in {"shoulder": (0, 0), "elbow": (0.5, 0), "tip": (0.9, 0)}.items():
+        b.node(name, place)
+    b.rotation("upper")
+    b.rotation("lower")
+    b.rotation("ground")
+    b.add(planar.rigid_beam, "shoulder", "upper", "elbow", name="first")
+    b.add(planar.rigid_beam, "elbow", "lower", "tip", name="second")
+    b.add(planar.hinge, "ground", "upper", name="j1")
+    b.add(planar.hinge, "upper", "lower", name="j2")
+    b.fix("shoulder")
+    b.fix("ground")
+    for node in ("elbow", "tip"):
+        b.mass(node, 0.5)
+    for joint, start in {"j1": 0.3, "j2": -0.5}.items():
+        b.dof(joint, 1)
+        b.input(joint, 1)
+        b.start(joint, 1, start)
+    x, y = (0.5 * f(0.3) + 0.4 * f(-0.2) for f in (np.cos, np.sin))
+    laws = {"tip.x": fm.trajectory.septic(x - 0.9, x - 1.0, 0.05), "tip.y": fm.trajectory.septic(y, y, 0.05)}
+    motion = fm.trajectory.inverse_dynamics(b.build(), laws, TIMES[::20]).motion
+    # By the law of cosines.
+    elbow = -np.arccos(((x - 0.1) ** 2 + y**2 - 0.41) / 0.4)
+    found = [motion.deformation(joint, 1)[k] for joint, k in (("j1", 0), ("j2", 0), ("j2", -1))]
+    np.testing.assert_allclose(found, [0.3, -0.5, elbow], atol=1e-10)
+    laws["tip.y"] = lambda t: jnp.sqrt(t)
+    with pytest.raises(fm.ModelError, match=r"'tip\.y': its law.*not finite at 0 s"):
+        fm.trajectory.inverse_dynamics(motion.model, laws, TIMES[::20])
+
+
 @pytest.mark.parametrize("wrong", ["pivot.psi", "pivot.x"])
 def test_names_that_cannot_be_driven_are_refused(wrong):
     with pytest.raises(fm.ModelError, match=wrong):

@@ -106,6 +106,11 @@ def test_shapers_leave_no_vibration(shaper, order):
     assert float(shaped(0.7)) == pytest.approx(1.0, rel=1e-14)
 
 
+def test_a_law_that_goes_nowhere_stays():
+    law = fm.trajectory.quintic(0.3, 0.3, velocity=1.0)
+    assert [float(of) for of in fm.trajectory.rates(law, 0.5)] == [0.3, 0.0, 0.0]
+
+
 def test_wrong_laws_are_refused():
     with pytest.raises(ValueError, match="not both"):
         law.quintic(0.0, 1.0, 1.0, velocity=1.0)
