@@ -561,12 +561,8 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
 
 def _number_of_unit(mode: str) -> int:
     """Number of a mode that a unit can be made of."""
-    from .answers.answers import modes
-
-    known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items() if int(number) in modes())
-    if mode in OF_UNITS and int(mode) not in modes():
-        _refuse(f"flexmb fmu: mode {mode} is not available yet. Available: {known}.")
     if mode not in OF_UNITS:
+        known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items())
         _refuse(f"flexmb fmu: there is no unit of mode '{clean(mode)}'. Available: {known}.")
     return int(mode)
 

@@ -1751,6 +1751,12 @@ FAULTS = [
     ),
     Fault("control/state_space.py", "if not off < LOST_DAMPING", "if off < 0", "control/test_state_space.py -k word"),
     Fault("motion/drives_by_name.py", "weight * given(t)", "given(t)", "motion/test_loop.py -k actuator"),
+    Fault(
+        "cli.py",
+        'dataclasses.replace(system, u0=jnp.asarray(found.data["u0"], float))',
+        "dataclasses.replace(system)",
+        "answers/test_trajectory.py -k unit",
+    ),
     # Functional mock-up units.
     Fault(
         "fmu/algebra.c",

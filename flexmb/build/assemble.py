@@ -126,7 +126,10 @@ def _weights(signals: dict[str, list[NamedSignal]]) -> tuple[Any, Any] | None:
     """Of the terms of all inputs and of all outputs; None where there is no combination among them."""
     if not any(s.parts for some in signals.values() for s in some):
         return None
-    return tuple(_stacked([w for s in signals[side] for w in s.weights or (1.0,)]) for side in ("input", "output"))  # type: ignore
+    inputs, outputs = (
+        _stacked([w for s in signals[side] for w in s.weights or (1.0,)]) for side in ("input", "output")
+    )
+    return inputs, outputs
 
 
 def _stacked(weights: list[Any]) -> Any:

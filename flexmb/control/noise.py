@@ -308,7 +308,9 @@ def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "
     check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
     if is_concrete(found) and np.any(np.asarray(found) < 0):
         raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(found)}.")
-    return np.asarray(found, float) if is_concrete(found) else found  # type: ignore
+    if is_concrete(found):
+        found = np.asarray(found, float)
+    return found
 
 
 def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:

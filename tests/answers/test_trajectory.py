@@ -2,10 +2,12 @@
 
 import functools
 import re
+import zipfile
 
 import numpy as np
 import pytest
 import scipy.integrate
+from cases.commands import command
 
 import flexmb as fm
 from flexmb.answers.answers import answer
@@ -119,6 +121,18 @@ def test_torques_of_the_joints_are_those_of_rigid_links():
     assert data["inputs"] == ["stress 1.1", "stress 2.1"]
     assert data["outputs"] == ["deformation 1.1", "deformation 2.1", "position 6.1", "position 6.2"]
     assert [(d["kind"], d["of"], d["component"]) for d in data["dofs"]][:2] == [("e", 1, 1), ("e", 2, 1)]
+
+
+def test_a_unit_has_the_nominal_inputs(tmp_path):
+    """A unit of mode 3 bears the torques of the rigid links at all times."""
+    to = tmp_path / "arm.fmu"
+    result = command("fmu", mechanism_path("manipulator"), "--to", to, "--mode", "3")
+    assert result.exit_code == 0
+    text = zipfile.ZipFile(to).read("modelDescription.xml").decode()
+    start = re.search(r'name="u0"[^>]*start="([^"]*)"', text)
+    values = np.array(start.group(1).split(), float).reshape(-1, 2)
+    torques, *_ = arm(*joints(np.array(linearised()["time"])))
+    np.testing.assert_allclose(values, -torques, atol=1e-9 * np.abs(torques).max())
 
 
 def test_linearised_equations_of_the_joints():
