@@ -32,7 +32,11 @@ KEPT_PAGES = 50
 MOST_UNDER_WAY = 50
 # Jobs whose last state a new page is told.
 KEPT_JOBS = 30
-FILES = {"": ("page.html", "text/html"), "workbench.js": ("workbench.js", "text/javascript")}
+FILES = {
+    "": ("page.html", "text/html"),
+    "page.css": ("page.css", "text/css"),
+    "workbench.js": ("workbench.js", "text/javascript"),
+}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:;"
     " connect-src 'self'; base-uri 'none'; form-action 'none'"
@@ -199,7 +203,10 @@ class Server:
         if name not in FILES:
             return self._refusal(connection, 404, "There is no such file.")
         file, kind = FILES[name]
-        return self._response(connection, 200, files("flexmb.workbench").joinpath(file).read_bytes(), kind)
+        content = files("flexmb.workbench").joinpath(file)
+        if not content.is_file():
+            return self._refusal(connection, 404, "There is no such file.")
+        return self._response(connection, 200, content.read_bytes(), kind)
 
     def _refusal(self, connection: Any, status: int, text: str) -> Any:
         return self._response(connection, status, f"{text}\n".encode(), "text/plain")
