@@ -35,6 +35,8 @@ class History:
                 new["things"] = [one for one in new["things"] if one["id"] not in op["ids"]]
             elif op["op"] == "name":
                 new["names"][op["name"]] = op["to"]
+            else:
+                raise ValueError(f"There is no operation '{op['op']}'.")
         self.steps.append((label, self.document))
         self.document, self.later = new, []
         return {"ids": ids, "also": []}
