@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Stopped(KeyboardInterrupt):
-    """Raised by a user's ``progress`` function to stop what it watches, as Ctrl-C does: what there is so far is kept."""
+    """Raised by a ``progress`` function to stop what it watches, as Ctrl-C does: what there is so far is kept."""
 
 
 @contextlib.contextmanager
