@@ -8,30 +8,28 @@ import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..errors import warn
+from .begin import session_of
 from .notebook import frame, in_notebook
 from .server import Server
-from .session import Session
 
 if TYPE_CHECKING:
     from ..build.builder import Builder
     from ..model.model import Model
 
 
-def edit(
-    model: Any = None, *, names: dict[str, float] | None = None, port: int = 0, browser: bool | None = None
-) -> Workbench:
+def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **names: Any) -> Workbench:
     """Open the workbench: a page on which a mechanism is drawn and changed, with its answers beside it.
 
     In a notebook the page stands in the cell; in a script it opens in the browser, and ``.wait()`` keeps the script
     there until the keyboard ends it. The mechanism that was given stays as it is: take what was made from the result.
 
     Args:
-        model: A :class:`flexmb.Builder`, what :func:`flexmb.read_spacar` returns, or the path of a file (.dat, or .json
-            as the workbench saves it); None for a new mechanism.
-        names: Numbers of the mechanism that are to have a name and a slider, by name: where a number of the builder
-            is equal to one, the name stands in its place.
+        model: A :class:`flexmb.Builder`, a Model, what :func:`flexmb.read_spacar` returns, the path of a file (.dat, or
+            .json as the workbench saves it), or a function that builds a mechanism of ``names``; None for a new one.
         port: Where to listen on this machine; 0 for any port that is free.
         browser: Whether to open the browser; by default outside of notebooks alone.
+        names: Arguments of the function: numbers, or (value, lowest, highest), which get a slider each.
 
     Returns:
         The open workbench; ``.document``, ``.builder()``, ``.model()`` and ``.python()`` give what is in it.
@@ -45,13 +43,16 @@ def edit(
     from ..setup import enable_x64
 
     enable_x64()
-    session = Session.of(model, names)
+    session = session_of(model, names)
+    if session.notes:
+        warn(f"The workbench does not hold all of it: {'; '.join(session.notes)}.")
     notebook = in_notebook()
     try:
         server = Server(session, port=port, framed=True)
     except BaseException:
         session.close()
         raise
+    session.answers_at(server.port, server.token)
     server.start()
     if browser or (browser is None and not notebook):
         threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
@@ -80,7 +81,7 @@ class Workbench:
         Raises:
             ModelError: Something in it cannot be built; the message lists it.
         """
-        return self._server.session.built().builder
+        return self._server.session.builder()
 
     def model(self) -> Model:
         """The mechanism as it is now.

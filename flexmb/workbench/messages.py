@@ -2,10 +2,12 @@
 
 import asyncio
 import json
+import logging
 import re
 from collections.abc import Callable, Hashable
 from typing import Any
 
+from ..errors import AnalysisError, clean
 from .session import Refused
 
 # Letters of one message from a page [-]: a longer one is refused by name, one beyond the second ends the connection.
@@ -49,9 +51,13 @@ def guarded(work: Callable[..., Any], *arguments: Any) -> Any:
         return work(*arguments)
     except Refused:
         raise
+    except OSError as fault:
+        raise Refused(f"'{clean(fault.filename)}': {fault.strerror}." if fault.filename else str(fault)) from fault
+    except (AnalysisError, ValueError, ModuleNotFoundError) as fault:
+        raise Refused(str(fault), getattr(fault, "address", None)) from fault
     except Exception as fault:
-        words = " ".join(str(fault).split())
-        raise Refused(f"{type(fault).__name__}: {words}") from fault
+        logging.getLogger("flexmb").debug("a request failed", exc_info=True)
+        raise Refused(f"{type(fault).__name__}: {' '.join(str(fault).split())}") from fault
 
 
 def parsed(text: str | bytes) -> tuple[int, str, dict[str, Any]]:

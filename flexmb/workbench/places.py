@@ -1,140 +1,96 @@
-"""Where workbenches keep their journals, and which of them run: files of the user, in a folder that no other can read."""
+"""Where a workbench keeps its journal, and how another one finds it: files that no other user can read."""
 
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import hashlib
 import http.client
-import itertools
 import json
 import os
-import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..files import write_whole
-
-_numbers = itertools.count(1)
-
-
-def state_folder() -> Path:
-    """Folder of journals: ``$FLEXMB_STATE``, or flexmb in the user's folder of states."""
-    if given := os.environ.get("FLEXMB_STATE"):
-        return Path(given)
-    windows = os.environ.get("LOCALAPPDATA") if sys.platform == "win32" else None
-    base = windows or os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    return Path(base) / "flexmb"
+from .history import is_locked, journal_folder, journals, new_journal
 
 
-@dataclasses.dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """Where one workbench keeps what it must not lose.
 
     Attributes:
-        name: Of its files.
-        file: That it works on; None for a new mechanism.
+        journal: File of its edits.
     """
 
-    name: str
-    file: Path | None
-
-    @property
-    def journal(self) -> Path:
-        """Where the journal of its edits stands."""
-        return state_folder() / f"{self.name}.journal"
-
-    @property
-    def _about(self) -> Path:
-        return state_folder() / f"{self.name}.json"
+    journal: Path
 
     def known(self) -> dict[str, Any]:
-        """What the workbench that was last here has told: "process", "port", "token"; empty where none was."""
+        """What the workbench that was last here has told: "port" and "token"; empty where none was."""
         with contextlib.suppress(OSError, ValueError):
-            found = json.loads(self._about.read_text())
-            if isinstance(found, dict):
+            found = json.loads(self._about.read_text(encoding="utf-8"))
+            if isinstance(found, dict) and isinstance(found.get("port"), int) and isinstance(found.get("token"), str):
                 return found
         return {}
 
+    def take(self, port: int, token: str) -> None:
+        """Say where this process answers. A later one goes on with port and token, so that open pages find it again."""
+        write_whole(self._about, json.dumps({"port": port, "token": token}).encode())
+        self._about.chmod(0o600)
+
+    def leave(self) -> None:
+        """Nobody works here any more, and there is nothing to go on with."""
+        self._about.unlink(missing_ok=True)
+
+    def is_taken(self) -> bool:
+        """Whether another process works here."""
+        return self.journal.exists() and is_locked(self.journal)
+
     def address(self) -> str | None:
-        """Address of the workbench that runs here now, or None: it has the token, and answers to it."""
+        """Address of the workbench that answers here now; None where none does."""
         known = self.known()
-        if not isinstance(known.get("process"), int) or not _is_running(known["process"]):
+        if not known:
             return None
-        path = f"/{known.get('token')}/"
-        connection = http.client.HTTPConnection("127.0.0.1", int(known.get("port", 0)), timeout=2)
+        path = f"/{known['token']}/"
+        connection = http.client.HTTPConnection("127.0.0.1", known["port"], timeout=2)
         try:
             connection.request("GET", path)
             there = connection.getresponse().status == 200
-        except (OSError, http.client.HTTPException):
-            return None
+        except (OSError, ValueError, http.client.HTTPException):
+            there = False
         finally:
             connection.close()
         return f"http://127.0.0.1:{known['port']}{path}" if there else None
 
-    def take(self, port: int, token: str) -> None:
-        """Say that this process works here now; a later one goes on with the same token, so that open pages find it."""
-        about = {
-            "process": os.getpid(),
-            "port": port,
-            "token": token,
-            "file": None if self.file is None else str(self.file),
-        }
-        write_whole(self._about, json.dumps(about).encode())
-        os.chmod(self._about, 0o600)
-
-    def leave(self) -> None:
-        """Say that nobody works here; where nothing is left to go on with, nothing stays."""
-        if self.journal.exists() or self.file is not None:
-            about = {**self.known(), "process": None}
-            with contextlib.suppress(OSError):
-                write_whole(self._about, json.dumps(about).encode())
-                os.chmod(self._about, 0o600)
-        else:
-            self._about.unlink(missing_ok=True)
+    @property
+    def _about(self) -> Path:
+        return self.journal.with_suffix(".json")
 
 
-def place_of(file: Path | None) -> Place:
-    """Place of a file, or of a new mechanism: then that of one that nobody works on any more, where there is one.
+def place_of(file: Path) -> Place:
+    """Place of a file.
 
     Raises:
         OSError: The folder of journals cannot be made.
     """
-    folder = state_folder()
+    path = os.path.realpath(file)
+    return Place(_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
+
+
+def left_place() -> Place | None:
+    """Place of the new mechanism that was left last without being saved, where there is one."""
+    found = (path for path in journals(_folder()) if path.name[:1].isdigit())
+    return next(map(Place, found), None)
+
+
+def new_place() -> Place:
+    """Place of a new mechanism.
+
+    Raises:
+        OSError: The folder of journals cannot be made.
+    """
+    return Place(new_journal(_folder()))
+
+
+def _folder() -> Path:
+    folder = journal_folder()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    if file is not None:
-        path = Path(os.path.realpath(file))
-        short = hashlib.sha256(os.fsencode(path)).hexdigest()[:16]
-        return Place(f"file-{short}", path)
-    left = sorted(folder.glob("new-*.journal"), key=lambda path: path.stat().st_mtime, reverse=True)
-    for path in left:
-        found = Place(path.stem, None)
-        process = found.known().get("process")
-        if not (isinstance(process, int) and _is_running(process)):
-            return found
-    return fresh_place()
-
-
-def fresh_place() -> Place:
-    """Place of a new mechanism that goes on with nothing."""
-    folder = state_folder()
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    while (found := Place(f"new-{os.getpid()}-{next(_numbers)}", None)).journal.exists():
-        pass
-    return found
-
-
-def _is_running(process: int) -> bool:
-    """Whether a process of this machine is there."""
-    if process == os.getpid():
-        return True
-    if sys.platform == "win32":
-        # There a signal of zero would end it; whether it answers is asked of its address.
-        return True
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (PermissionError, OverflowError):
-        return True
-    return True
+    return folder

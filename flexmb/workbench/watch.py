@@ -37,6 +37,12 @@ class Watch:
         if not self._thread.is_alive() and not self._ended.is_set() and paths:
             self._thread.start()
 
+    @property
+    def files(self) -> list[Path]:
+        """The files that are watched."""
+        with self._lock:
+            return list(self._known)
+
     def differs(self) -> list[Path]:
         """Files that hold something else than what is known."""
         with self._lock:

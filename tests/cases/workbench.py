@@ -2,11 +2,13 @@
 
 import contextlib
 import json
+import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -36,12 +38,19 @@ class Process:
 
     Attributes:
         address: Of its page.
+        state: Folder of its journals, in which another one goes on.
     """
 
-    def __init__(self, *arguments: Any, folder: Path | None = None):
-        call = [sys.executable, "-m", "flexmb", "edit", *map(str, arguments), "--no-browser"]
+    def __init__(self, *arguments: Any, folder: Path | None = None, state: Path | None = None):
+        self.state = state or Path(tempfile.mkdtemp())
         self.process = subprocess.Popen(
-            call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder, start_new_session=True
+            [sys.executable, "-m", "flexmb", "edit", *map(str, arguments), "--no-browser"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=folder,
+            env={**os.environ, "FLEXMB_STATE": str(self.state)},
+            start_new_session=True,
         )
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -60,9 +69,9 @@ class Process:
 
 
 @contextlib.contextmanager
-def served(*arguments: Any, folder: Path | None = None) -> Iterator[Process]:
+def served(*arguments: Any, **where: Any) -> Iterator[Process]:
     """A running workbench, which is ended afterwards."""
-    own = Process(*arguments, folder=folder)
+    own = Process(*arguments, **where)
     try:
         yield own
     finally:
