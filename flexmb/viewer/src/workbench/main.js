@@ -1,0 +1,6 @@
+/** The workbench. */
+import { Store } from "./store.js";
+
+const store = new Store();
+window.workbench = { store };
+store.connect();
