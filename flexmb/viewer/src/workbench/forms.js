@@ -1,10 +1,13 @@
 /** Forms made from the catalogue: a field for every argument of a call. */
 import { box, remark } from "./box.js";
 import { button, choices, h, keep, newId, say, shown } from "./dom.js";
-import { evaluate, isNumber, namesOf, problemAt, unknown, words } from "./model.js";
+import { countOf, evaluate, isNumber, namesOf, problemAt, thing, unknown, words } from "./model.js";
 
 const AXES = ["x", "y", "z"];
-const FROM = { node: ["node"], section: ["section"], material: ["material"], element: ["element"], of: ["node", "element"] };
+// Lists to choose from: what things of it make.
+const FROM = { node: ["node"], section: ["section"], material: ["material"], damping: ["damping"], element: ["element"], of: ["node", "element"] };
+// Fields that are seen at once, even where they may be left out.
+const SEEN = new Set(["deformations", "components", "section", "material"]);
 
 /**
  * A form for the fields of a call.
@@ -16,7 +19,7 @@ const FROM = { node: ["node"], section: ["section"], material: ["material"], ele
  */
 export function form(store, fields, own) {
   const made = fields.map((field) => ({ field, ...entryOf(store, field, own) }));
-  const isMain = ({ field }) => !field.optional || ["deformations", "components"].includes(field.kind) || filled(own.get(field.name));
+  const isMain = ({ field }) => !field.optional || SEEN.has(field.kind) || filled(own.get(field.name));
   const main = made.filter(isMain);
   const others = made.filter((one) => !main.includes(one));
   const element = h("div", { class: "form" }, ...main.map((one) => one.element));
@@ -31,7 +34,7 @@ export function form(store, fields, own) {
 const filled = (value) => value !== undefined && value !== null && String(value) !== "";
 
 function entryOf(store, field, own) {
-  const makers = { vector, nodes, flag, choice, components: chips, deformations: chips };
+  const makers = { vector, nodes, flag, choice, components: chips, deformations: chips, sections: many, weights };
   const maker = makers[field.kind] ?? (FROM[field.kind] ? reference : scalar);
   return maker(store, field, own);
 }
@@ -111,9 +114,9 @@ function vector(store, field, own) {
   const note = remark();
   const { element } = row(field, [], body, note);
   let boxes = [];
-  const dimension = () => store.state.document?.dimension ?? 2;
   const texts = () => list(own.get(field.name));
-  const size = () => field.count ?? Math.max(texts().length, dimension());
+  // Of any number there is room for one more.
+  const size = () => countOf(store, field) ?? texts().length + 1;
   function build() {
     boxes = Array.from({ length: size() }, (_, k) => {
       const label = `${words(field.name)} ${AXES[k] && size() <= 3 ? AXES[k] : k + 1}`;
@@ -136,6 +139,7 @@ function vector(store, field, own) {
   /** The whole list after an entry has changed; none where all are empty. */
   function whole(k, text) {
     const all = Array.from({ length: size() }, (_, i) => (i === k ? text : (boxes[i]?.text() ?? "")));
+    while (!countOf(store, field) && all.length && all.at(-1) === "") all.pop();
     return all.every((one) => one === "") ? "" : all;
   }
   function update() {
@@ -203,7 +207,7 @@ function nodes(store, field, own) {
   const read = () => [...body.querySelectorAll("select")].map((select) => select.value);
   function update() {
     const offered = namesOf(store, ["node"]).map((name) => ({ value: name, text: name }));
-    const count = Math.max(field.count ?? 0, held().length, 1);
+    const count = Math.max(countOf(store, field) ?? held().length + 1, held().length, 1);
     const all = Array.from({ length: count }, (_, k) => k);
     keep(
       body,
@@ -263,7 +267,8 @@ function chips(store, field, own) {
   const row_ = h("div", { class: "chips" });
   const { element, note } = row(field, [own_.element], h("div", { class: "boxes" }, own_.element));
   element.insertBefore(h("div", { class: "note" }, row_), note.element);
-  const offered = () => (field.choicesOf?.(store) ?? field.choices ?? Array.from({ length: field.count ?? 0 }, (_, k) => k + 1)).map(String);
+  const offered = () => (field.choices ?? parts(store, field, own)).map(String);
+  const single = field.count === 1;
   function update() {
     own_.update();
     const on = list(own_.text());
@@ -278,7 +283,7 @@ function chips(store, field, own) {
   }
   function flip(one) {
     const all = offered();
-    const text = list(own_.text());
+    const text = single ? [] : list(own_.text());
     const now = text[0] === "all" ? all : text;
     const then = now.includes(one) ? now.filter((other) => other !== one) : all.filter((other) => other === one || now.includes(other));
     own.send(field.name, then.join(" "))?.catch?.(() => {});
@@ -287,9 +292,47 @@ function chips(store, field, own) {
   return { element, update };
 }
 
+/** Numbers of deformations, or names of coordinates, of what the form is about. */
+function parts(store, field, own) {
+  const planar = store.state.document?.dimension === 2;
+  const of = own.get("of") ?? own.get("element");
+  const isElement = field.kind === "deformations" || (own.get("kind") !== "node" && of && namesOf(store, ["element"]).includes(of));
+  if (isElement) return planar ? [1, 2, 3] : [1, 2, 3, 4, 5, 6];
+  return planar ? ["x", "y", "phi"] : ["x", "y", "z", "rotation"];
+}
+
+/** Several names in a text: sections along a beam. */
+function many(store, field, own) {
+  const get = () => list(own.get(field.name)).join(", ");
+  const send = (text) => own.send(field.name, text.split(",").map((one) => one.trim()).filter(Boolean));
+  return textRow(store, field, own, { get, send, rest: { placeholder: "names, with commas between" }, lazy: true });
+}
+
+/** Parts with their factors: "A.x 0.5, B.x 0.5". */
+function weights(store, field, own) {
+  const get = () => (own.get(field.name) || []).map((pair) => [].concat(pair).join(" ")).join(", ");
+  const pair = (text) => {
+    const at = text.trim().lastIndexOf(" ");
+    return at < 0 ? [text.trim(), "1"] : [text.trim().slice(0, at).trim(), text.trim().slice(at + 1)];
+  };
+  const send = (text) => own.send(field.name, text.split(",").filter((one) => one.trim()).map(pair));
+  return textRow(store, field, own, { get, send, rest: { placeholder: "A.x 0.5, B.x 0.5" }, lazy: true });
+}
+
+function textRow(store, field, own, given) {
+  const made = box(store, { ...given, problem: () => own.problem(field.name), changed: () => update() });
+  const { element, note } = row(field, [made.element], h("div", { class: "boxes" }, made.element));
+  function update() {
+    made.update();
+    note.tell(made.fault());
+  }
+  update();
+  return { element, update };
+}
+
 /** Where the texts of a thing in the document live. */
 export function ofThing(store, id, spokenAs) {
-  const find = () => store.state.document.things.find((other) => other.id === id);
+  const find = () => thing(store, id);
   const edit = (address, to, name) =>
     store.edit([{ op: "set", address, to }], { label: `${words(name)} of ${spokenAs()}`, merge: address });
   return {

@@ -5,11 +5,30 @@ export const thing = (store, id) => things(store).find((other) => other.id === i
 export const entry = (store, call) => store.state.catalogue?.[call];
 export const group = (store, call) => entry(store, call)?.group ?? (call === "node" ? "node" : "element");
 
-/** Names of the things of some groups, for lists to choose from. */
-export function namesOf(store, groups) {
+/** Names of the things that are nodes, elements, sections, …, for lists to choose from. */
+export function namesOf(store, kinds) {
+  const makes = (call) => entry(store, call)?.makes ?? (call === "node" ? "node" : null);
   return things(store)
-    .filter(({ call, name }) => name && groups.includes(group(store, call)))
+    .filter(({ call, name }) => name && kinds.includes(makes(call)))
     .map(({ name }) => name);
+}
+
+/** A number that may differ in the plane and in space. */
+export function countOf(store, field) {
+  const { count } = field;
+  return count !== null && typeof count === "object" ? count[String(store.state.document?.dimension ?? 2)] : count;
+}
+
+/** The fields of a call that mean something here. */
+export function fieldsOf(store, call) {
+  const own = store.state.document?.dimension ?? 2;
+  const fields = entry(store, call)?.fields ?? [];
+  return fields.filter((field) => (!field.dimension || field.dimension === own) && !(field.kind === "vector" && countOf(store, field) === 0));
+}
+
+export function fits(store, call) {
+  const { dimension } = entry(store, call) ?? {};
+  return !dimension || dimension === store.state.document?.dimension;
 }
 
 /** "rotary_spring_damper" in words. */
@@ -18,7 +37,8 @@ export function words(call) {
 }
 
 export function title(store, call) {
-  return entry(store, call)?.title ?? words(call);
+  const text = entry(store, call)?.title ?? words(call);
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /** How a thing is called in a sentence: its name, or what it does to whom. */
