@@ -1,7 +1,6 @@
 """Modes 1 and 4: motion in time, and the linearised equations along it."""
 
 import functools
-import sys
 from typing import Any
 
 import jax
@@ -195,7 +194,7 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     asked.warnings += _idle_ways(asked)
     # That incremental loads are left out is said by the keywords of the file.
     with heard():
-        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
+        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
     code = RESULTS(int(found.result))
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if code not in PARTLY:

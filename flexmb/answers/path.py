@@ -46,7 +46,7 @@ def _path(found: Path) -> dict[str, Any]:
 
 
 def _run(asked: Question) -> Found:
-    found = path(asked.checked(), max_steps=asked.max_steps, throw=False)
+    found = path(asked.checked(), max_steps=asked.max_steps, progress=asked.reported, throw=False)
     asked.about(found.linearization())
     return Found(_path(found), found)
 

@@ -203,7 +203,10 @@ class Server:
         if name not in FILES:
             return self._refusal(connection, 404, "There is no such file.")
         file, kind = FILES[name]
-        return self._response(connection, 200, files("flexmb.workbench").joinpath(file).read_bytes(), kind)
+        content = files("flexmb.workbench").joinpath(file)
+        if not content.is_file():
+            return self._refusal(connection, 404, "There is no such file.")
+        return self._response(connection, 200, content.read_bytes(), kind)
 
     def _refusal(self, connection: Any, status: int, text: str) -> Any:
         return self._response(connection, status, f"{text}\n".encode(), "text/plain")

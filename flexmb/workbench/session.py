@@ -9,6 +9,7 @@ from typing import Any
 
 from .. import __version__
 from ..errors import clean
+from .jobs import Jobs
 
 
 class Refused(Exception):
@@ -42,6 +43,7 @@ class Session:
         self.revision = 0
         self._lock = threading.RLock()
         self._listeners: list[Callable[[dict[str, Any]], None]] = []
+        self.jobs = Jobs(self.tell)
 
     def listen(self, listener: Callable[[dict[str, Any]], None]) -> None:
         """Tell a function everything that pages are to know, from any thread."""
@@ -54,6 +56,7 @@ class Session:
 
     def close(self) -> None:
         """End what is running; a second call does nothing."""
+        self.jobs.close()
 
     def ask(self, verb: str, arguments: dict[str, Any], key: str | None = None) -> Any:
         """Do what a page asks for.
@@ -100,6 +103,10 @@ class Session:
         """Go forward again."""
         label = self.history.redo()
         return {"revision": self._changed(), "label": label}
+
+    def do_stop(self, job: str) -> None:
+        """Stop a job."""
+        self.jobs.stop(job)
 
     def _name(self) -> str | None:
         return None if self.file is None else str(self.file)
