@@ -8,8 +8,9 @@ import { Ground } from "./ground.js";
 import { Hands } from "./hands.js";
 import { Keys } from "./keys.js";
 import { legend } from "./legend.js";
-import { numbers, palette } from "./palette.js";
-import { groupOf, middleOf, planOf } from "./plan.js";
+import { numbers, palette } from "./colours.js";
+import { middleOf, planOf } from "./plan.js";
+import { takeTool } from "./palette.js";
 import { snap } from "./snap.js";
 import * as space from "./space.js";
 import { Swing } from "./swing.js";
@@ -127,6 +128,7 @@ export class Canvas {
     // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
     if (nodes.length > 1 && (other || before === 0) && !this.hands.busy) this.fit();
     this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
+    if (this.analysed && this.analysed.revision !== state.revision) this.live();
     this.behind();
   }
 
@@ -146,14 +148,15 @@ export class Canvas {
   }
 
   live() {
-    const { scene } = this.store.state;
-    this.swing.replace(scene);
+    const { scene, revision } = this.store.state;
+    if (this.analysed && this.analysed.revision !== revision) this.analysed = null;
+    this.swing.replace(this.analysed ?? scene);
     this.replan();
     this.behind();
   }
 
   wanted() {
-    this.swing.amplitude = this.store.state.want.amplitude ?? null;
+    this.swing.amplitude = this.store.state.want.amplitude ?? this.swing.amplitude;
     this.swing.move();
     this.sceneDirty = this.dirty = true;
   }
@@ -161,7 +164,7 @@ export class Canvas {
   /** Since when the live picture is of an older document. */
   behind() {
     const { scene, revision } = this.store.state;
-    const current = !scene || scene.of_revision === undefined || scene.of_revision === revision;
+    const current = this.analysed || !scene || scene.of_revision === undefined || scene.of_revision === revision;
     this.since = current ? null : this.since ?? performance.now();
   }
 
@@ -225,10 +228,9 @@ export class Canvas {
     this.eye.fit(this.plan.nodes.map(({ at }) => at), direction);
   }
 
-  /** Look along an axis: "x", "y", "z", or "best". */
-  look(along) {
-    const directions = { x: [1, 0, 0], y: [0, -1, 0], z: [0, -1e-4, 1] };
-    this.fit(this.eye.planar ? undefined : directions[along]);
+  /** Look from a direction, in space. */
+  look(direction) {
+    this.fit(this.eye.planar ? undefined : direction);
   }
 
   zoom(factor) {
@@ -241,6 +243,33 @@ export class Canvas {
     if (this.eye.planar) this.eye.stage.move(0.05 * right, -0.05 * down);
     else this.eye.stage.turn(0.1 * right, -0.1 * down);
     this.see();
+  }
+
+  /** Show the picture of an analysis in place of the live one, until the document changes; null ends it. */
+  playView(view) {
+    this.analysed = view && { view, revision: this.store.state.revision };
+    this.live();
+    if (view) this.play();
+  }
+
+  setAmplitude(value) {
+    this.swing.amplitude = value;
+    this.swing.move();
+    this.sceneDirty = true;
+  }
+
+  /** All that is seen, as one canvas. */
+  picture() {
+    const { stage } = this.eye;
+    stage.draw();
+    const all = document.createElement("canvas");
+    all.width = this.overlay.width;
+    all.height = this.overlay.height;
+    const pen = all.getContext("2d");
+    pen.fillStyle = this.colours.back;
+    pen.fillRect(0, 0, all.width, all.height);
+    for (const layer of [this.under, this.scene, this.overlay]) pen.drawImage(layer, 0, 0, all.width, all.height);
+    return all;
   }
 
   play(on = true) {
@@ -359,6 +388,11 @@ export class Canvas {
     if (this.tool.prompt) this.say(`${this.tool.prompt}.`);
   }
 
+  /** Take the tool of a call in hand, with what the last thing of it was given. */
+  take(call) {
+    takeTool(this.store, call).catch((problem) => this.say(problem.message, true));
+  }
+
   /** What the tool waits for changed. */
   told() {
     const { prompt } = this.tool;
@@ -373,6 +407,10 @@ export class Canvas {
     const { store } = this;
     if (this.tool.cancel()) {
       this.told();
+      return true;
+    }
+    if (this.analysed) {
+      this.playView(null);
       return true;
     }
     if (store.state.tool.kind !== "select") {

@@ -1,6 +1,6 @@
 /** The drawing of a document: lines, supports, loads, masses, signals, nodes and names, over the live picture. */
 import { Words } from "../words.js";
-import { fade } from "./palette.js";
+import { fade } from "./colours.js";
 import { middleOf } from "./plan.js";
 import { mark } from "./marks.js";
 import * as symbols from "./symbols.js";

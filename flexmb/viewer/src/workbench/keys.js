@@ -7,23 +7,22 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], Arrow
 const TOGETHER = 900;
 
 const inPlane = (planar, name) => `${planar ? "planar" : "spatial"}.${name}`;
+const place = (call) => () => call;
 
-/** Letters that choose a tool, as the keys dialog lists them. */
+/** Letters that take the tool of a call in hand. */
 export const LETTERS = {
-  v: { word: "select and move", tool: () => ({ kind: "select" }) },
-  n: { word: "node", tool: () => ({ kind: "node" }) },
-  b: { word: "beam", tool: (planar) => ({ kind: "element", call: inPlane(planar, "beam"), args: {} }) },
-  r: { word: "rigid beam", tool: (planar) => ({ kind: "element", call: inPlane(planar, "rigid_beam"), args: {} }) },
-  t: { word: "truss", tool: (planar) => ({ kind: "element", call: inPlane(planar, "truss"), args: {} }) },
-  s: { word: "spring", tool: (planar) => ({ kind: "element", call: inPlane(planar, "spring_damper"), args: {} }) },
-  f: { word: "support", tool: () => ({ kind: "place", call: "fix", args: {} }) },
-  l: { word: "load", tool: () => ({ kind: "place", call: "force", args: {} }) },
-  m: { word: "mass", tool: () => ({ kind: "place", call: "mass", args: {} }) },
-  i: { word: "input", tool: () => ({ kind: "place", call: "input", args: {} }) },
-  o: { word: "output", tool: () => ({ kind: "place", call: "output", args: {} }) },
-  q: { word: "degree of freedom", tool: () => ({ kind: "place", call: "dof", args: {} }) },
-  d: { word: "measure a distance", tool: () => ({ kind: "measure" }) },
+  b: (planar) => inPlane(planar, "beam"),
+  r: (planar) => inPlane(planar, "rigid_beam"),
+  t: (planar) => inPlane(planar, "truss"),
+  p: (planar) => inPlane(planar, "spring_damper"),
+  h: place("fix"),
+  l: place("force"),
+  w: place("mass"),
+  i: place("input"),
+  o: place("output"),
+  q: place("dof"),
 };
+const KINDS = { s: "select", v: "select", n: "node", m: "measure" };
 
 export class Keys {
   constructor(canvas) {
@@ -40,6 +39,7 @@ export class Keys {
     const arrow = ARROWS[event.key];
     let done = true;
     if (event.ctrlKey && arrow) canvas.turn(...arrow);
+    else if (event.ctrlKey && event.key === "a") canvas.store.select(canvas.order());
     else if (event.ctrlKey) return;
     else if (arrow) this.arrow(arrow, event.shiftKey ? 10 : 1);
     else if (event.key === "Tab") done = this.tab(event.shiftKey ? -1 : 1);
@@ -62,12 +62,13 @@ export class Keys {
       Home: () => canvas.fit(),
       PageUp: () => canvas.zoom(1.25),
       PageDown: () => canvas.zoom(0.8),
+      "+": () => canvas.zoom(1.25),
+      f: () => canvas.fit(),
       g: () => canvas.setGrid({ snap: !canvas.grid.snap }),
-      c: () => canvas.duplicate(),
-      w: () => canvas.request("mirror"),
+      d: () => canvas.duplicate(),
+      j: () => canvas.request("mirror"),
       a: () => canvas.request("repeat"),
       e: () => canvas.request("edit"),
-      "?": () => canvas.request("keys"),
     };
     const space = {
       "[": () => canvas.setPlane({ height: canvas.eye.height - canvas.step }),
@@ -81,9 +82,12 @@ export class Keys {
       action();
       return true;
     }
+    if (KINDS[key]) {
+      canvas.store.setTool({ kind: KINDS[key] });
+      return true;
+    }
     if (LETTERS[key]) {
-      const call = LETTERS[key].tool(planar);
-      canvas.store.setTool(call);
+      canvas.take(LETTERS[key](planar));
       return true;
     }
     if (/^[-0-9.@=]$/.test(key)) {

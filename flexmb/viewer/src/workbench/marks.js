@@ -1,7 +1,7 @@
 /** Supports, loads, masses and signals of a document, each drawn at its node or element. */
 import { listOf, middleOf } from "./plan.js";
 import { isPlain, shown } from "./arithmetic.js";
-import { fade } from "./palette.js";
+import { fade } from "./colours.js";
 import * as symbols from "./symbols.js";
 
 const LONG = 44;

@@ -1,32 +1,164 @@
-/** Colours of the drawing, light and dark. What the page's style sheet names as well is taken from there. */
-import { isDark } from "../theme.js";
+/** What can be added: tools in groups, with a search; and the fields of the tool that is in hand. */
+import { byId, button, h, keep, say } from "./dom.js";
+import { form, ofObject } from "./forms.js";
+import { icon } from "./icons.js";
+import { addSection } from "./sections.js";
+import { entry, fieldsOf, fits, namesOf, title } from "./model.js";
 
-const LIGHT = {
-  back: "#ffffff", text: "#1d2329", soft: "#5b6672", edge: "#d3d6da", focus: "#0b63ce", grid: "#eef0f3", major: "#dde1e6",
-  "axis-x": "#c8443a", "axis-y": "#2f8f46", "axis-z": "#2f62c9",
-  beam: "#0072b2", bar: "#0072b2", rigid: "#6b6f73", spring: "#009e73", joint: "#8a8f94", block: "#7a4fb5",
-  ghost: "#9aa1a9", mark: "#22262a", load: "#c24a00", dof: "#00795a", input: "#00718f", output: "#7a3fb0",
-  chosen: "#d00070", problem: "#c21f1f",
-};
-const DARK = {
-  back: "#14181c", text: "#e8ebee", soft: "#a9b3bd", edge: "#3a434c", focus: "#7ab8ff", grid: "#1c2227", major: "#2a323a",
-  "axis-x": "#ff7b70", "axis-y": "#63c97c", "axis-z": "#7fa8ff",
-  beam: "#3fa3e0", bar: "#3fa3e0", rigid: "#a3a9af", spring: "#2cc79a", joint: "#858c93", block: "#b794f0",
-  ghost: "#6c7680", mark: "#e8ebee", load: "#ff8a4c", dof: "#37d3a3", input: "#4cc3e6", output: "#c79bf2",
-  chosen: "#ff6bb5", problem: "#ff7a7a",
-};
+const GROUPS = [
+  ["element", "Elements"],
+  ["node", "Rotations and warpings"],
+  ["support", "Supports"],
+  ["mass", "Masses"],
+  ["load", "Loads"],
+  ["freedom", "Degrees of freedom"],
+  ["signal", "Inputs and outputs"],
+  ["block", "Building blocks"],
+];
+const PLAIN = [
+  { kind: "select", text: "Select and move", key: "S", icon: "select" },
+  { kind: "node", text: "Node", key: "N", icon: "node" },
+  { kind: "measure", text: "Measure", key: "M", icon: "measure" },
+];
+// What most mechanisms are made of stands first.
+const FIRST = ["beam", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
 
-export function palette() {
-  const style = getComputedStyle(document.documentElement);
-  const own = isDark() ? DARK : LIGHT;
-  const named = Object.entries(own).map(([name, value]) => {
-    const told = style.getPropertyValue(`--${name}`).trim();
-    return [name, /^#[0-9a-f]{6}$/i.test(told) ? told : value];
-  });
-  return Object.fromEntries(named);
+/** What the tool of a call is for a document: elements are drawn from node to node, all else is placed. */
+function toolOf(store, call, args = {}) {
+  const joins = entry(store, call)?.fields.some(({ kind }) => kind === "nodes");
+  return joins ? { kind: "element", call, args } : { kind: "place", call, args };
 }
 
-/** A colour "#rrggbb" as [red, green, blue] from 0 to 255. */
-export const numbers = (hex) => [1, 3, 5].map((at) => Number.parseInt(hex.slice(at, at + 2), 16));
+function rank(call) {
+  const at = FIRST.indexOf(call.split(".").at(-1));
+  return at < 0 ? FIRST.length : at;
+}
 
-export const fade = (hex, alpha) => `rgba(${numbers(hex).join(", ")}, ${alpha})`;
+export function palette(store, { open }) {
+  const root = byId("tools");
+  const search = h("input", { type: "search", class: "tool-search", placeholder: "Search: beam, force, pivot …", "aria-label": "Search what can be added" });
+  const plain = h("div", { role: "group", "aria-label": "Tools" });
+  const groups = h("div", { class: "tools" });
+  const none = h("p", { class: "soft", hidden: true }, "Nothing of that name.");
+  root.append(search, plain, groups, none);
+  search.addEventListener("input", list);
+  search.addEventListener("keydown", (event) => {
+    const first = groups.querySelector(".tool");
+    if (event.key === "Enter" && first) first.click();
+    if (event.key === "Escape" && search.value) {
+      event.stopPropagation();
+      search.value = "";
+      list();
+    }
+  });
+
+  plain.append(
+    ...PLAIN.map((own) => {
+      const made = button("", () => take({ kind: own.kind }), { class: "tool", "data-tool": own.kind });
+      made.append(icon(own.icon), h("span", {}, own.text), h("kbd", {}, own.key));
+      return made;
+    }),
+  );
+
+  async function take(tool) {
+    if (tool.call) await takeTool(store, tool.call);
+    else store.setTool(tool);
+    if (tool.call) open("inspector");
+    byId("scene").focus();
+  }
+
+  function matching() {
+    const wanted = search.value.trim().toLowerCase();
+    return Object.entries(store.state.catalogue ?? {})
+      .filter(([call, own]) => call !== "node" && fits(store, call) && (!wanted || `${call} ${own.title} ${own.group} ${own.doc ?? ""}`.toLowerCase().replaceAll("_", " ").includes(wanted)))
+      .map(([call, own]) => ({ call, ...own }));
+  }
+
+  function list() {
+    const all = matching();
+    const searched = Boolean(search.value.trim());
+    const filled = GROUPS.map(([group, text]) => {
+      const own = all.filter((one) => one.group === group).sort((a, b) => rank(a.call) - rank(b.call));
+      return { group, text, own };
+    }).filter(({ own }) => own.length);
+    keep(
+      groups,
+      filled,
+      ({ group }) => group,
+      ({ group, text }) => h("details", { open: !["signal", "node"].includes(group), "data-group": group }, h("summary", {}, text), h("div")),
+      (details, { own }) => {
+        if (searched) details.open = true;
+        keep(details.lastChild, own, ({ call }) => call, toolButton);
+      },
+    );
+    none.hidden = filled.length > 0;
+    press();
+  }
+
+  function toolButton({ call, group, doc }) {
+    const made = button("", () => take({ call }), { class: "tool", "data-call": call, title: doc ?? "" });
+    made.append(icon(call, group), h("span", {}, title(store, call)));
+    return made;
+  }
+
+  function press() {
+    const { tool } = store.state;
+    for (const one of root.querySelectorAll(".tool")) {
+      const on = tool.call ? one.dataset.call === tool.call : one.dataset.tool === tool.kind;
+      one.setAttribute("aria-pressed", String(on));
+    }
+  }
+
+  store.on("catalogue", list);
+  store.on("tool", press);
+  let dimension = null;
+  store.on("document", () => {
+    if (store.state.document.dimension === dimension) return;
+    dimension = store.state.document.dimension;
+    list();
+  });
+  list();
+}
+
+/** What the last thing of the same call was given, without what is its own: the next one is mostly like it. */
+function lastArgs(store, call) {
+  const fields = fieldsOf(store, call);
+  const last = store.state.document?.things.findLast((one) => one.call === call);
+  const args = {};
+  for (const { name, kind, optional, default: usual } of fields) {
+    if (["node", "nodes", "of", "element"].includes(kind)) continue;
+    if (last?.args?.[name] !== undefined) args[name] = last.args[name];
+    else if (["section", "material"].includes(kind) && !optional) args[name] = namesOf(store, [kind]).at(-1) ?? "";
+    else if (!optional && usual !== null && usual !== undefined) args[name] = Array.isArray(usual) ? usual.map(String) : String(usual);
+  }
+  return args;
+}
+
+/** Take the tool of a call in hand, with what the last thing of it was given. */
+export async function takeTool(store, call) {
+  store.setTool(await withSection(store, toolOf(store, call, lastArgs(store, call))));
+}
+
+/** A first section comes along with the first element that takes one. */
+async function withSection(store, tool) {
+  const field = fieldsOf(store, tool.call).find(({ kind }) => kind === "section");
+  const needs = field && !tool.call.includes("rigid") && !tool.args[field.name];
+  if (!needs) return tool;
+  if (!namesOf(store, ["section"]).length) await addSection(store, "Rectangle", "leaf");
+  return { ...tool, args: { ...tool.args, [field.name]: namesOf(store, ["section"]).at(-1) ?? "" } };
+}
+
+/** The fields of the tool in hand: what the next thing is given. */
+export function toolForm(store) {
+  const { tool } = store.state;
+  const own = entry(store, tool.call);
+  const placed = new Set(["node", "nodes", "of", "element"]);
+  const fields = fieldsOf(store, tool.call).filter(({ kind }) => !placed.has(kind));
+  const head = h("div", { class: "head" }, icon(tool.call, own?.group), h("h2", {}, `Next: ${title(store, tool.call)}`));
+  const done = button("Done", () => store.setTool({ kind: "select" }));
+  head.append(h("span", { class: "spring" }), done);
+  const doc = h("p", { class: "soft" });
+  say(doc, own?.doc ?? "");
+  const made = form(store, fields, ofObject({ ...tool.args }, (args) => store.setTool({ ...store.state.tool, args: { ...args } })));
+  return { element: h("div", {}, head, doc, made.element), update: made.update };
+}

@@ -1,6 +1,6 @@
 /** What helps to find one's way: cursor, snapping marks, axes to drag along, the working plane. */
 import { length } from "./arithmetic.js";
-import { fade } from "./palette.js";
+import { fade } from "./colours.js";
 import * as symbols from "./symbols.js";
 
 const LETTERS = "xyz";

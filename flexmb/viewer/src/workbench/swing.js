@@ -3,7 +3,7 @@ import { box, decode } from "../data.js";
 import { Motion } from "../motion.js";
 import { Sweep } from "../sweep.js";
 import { onScale } from "../theme.js";
-import { numbers } from "./palette.js";
+import { numbers } from "./colours.js";
 
 // What a mode takes to swing once, and what a path or motion takes [s].
 const PERIOD = 2;

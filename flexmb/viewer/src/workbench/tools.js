@@ -4,7 +4,7 @@ import { Measure } from "./measure.js";
 import { Placing } from "./placing.js";
 import { thingAt, within } from "./snap.js";
 import * as symbols from "./symbols.js";
-import { fade } from "./palette.js";
+import { fade } from "./colours.js";
 
 /** The tool of the store's description of it. */
 export function toolOf(canvas, tool) {
