@@ -51,6 +51,7 @@ begin(store, { files });
 show(store, canvas);
 history();
 head();
+requests();
 keys();
 store.connect();
 
@@ -114,6 +115,19 @@ function head() {
   byId("help").append(icon("help"));
   byId("help").addEventListener("click", help);
   byId("dof").addEventListener("click", () => open("answers"));
+}
+
+/** What the drawing asks for by its keys or a double click. */
+function requests() {
+  byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
+    if (!ids.length) return;
+    if (what === "mirror") dialogs.mirror(ids);
+    if (what === "repeat") dialogs.repeat(ids);
+    if (what === "edit") {
+      open("inspector");
+      byId("inspector").querySelector("input, select")?.focus();
+    }
+  });
 }
 
 /** Keys that hold everywhere. */
