@@ -14,7 +14,7 @@ import { icon } from "./icons.js";
 import { inspector } from "./inspector.js";
 import { everything, sections } from "./lists.js";
 import { names } from "./names.js";
-import { palette } from "./palette.js";
+import { toolbox } from "./toolbox.js";
 import { show } from "./show.js";
 import { split } from "./split.js";
 import { Store } from "./store.js";
@@ -22,7 +22,7 @@ import { target } from "./target.js";
 import { ways } from "./ways.js";
 
 const store = new Store();
-let canvas = null;
+const canvas = null;
 window.workbench = { store, canvas };
 
 const opens = [...document.querySelectorAll("[role=tablist]")].map((row) => [row, tabs(row)]);
@@ -34,7 +34,7 @@ function open(id) {
 const dialogs = makeDialogs(store);
 const files = makeFiles(store, canvas);
 split();
-palette(store, { open });
+toolbox(store, { open });
 inspector(store, dialogs);
 names(store);
 sections(store, dialogs, { open });
