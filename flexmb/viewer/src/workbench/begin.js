@@ -2,7 +2,7 @@
 import { byId, button, h } from "./dom.js";
 import { icon } from "./icons.js";
 import { entry, fits, title } from "./model.js";
-import { takeTool } from "./palette.js";
+import { takeTool } from "./toolbox.js";
 
 const HINTS = {
   select: "Click to select, drag to move, Shift adds to the selection. Drag the empty ground to move the view.",

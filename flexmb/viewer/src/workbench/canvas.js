@@ -10,7 +10,7 @@ import { Keys } from "./keys.js";
 import { legend } from "./legend.js";
 import { numbers, palette } from "./colours.js";
 import { middleOf, planOf } from "./plan.js";
-import { takeTool } from "./palette.js";
+import { takeTool } from "./toolbox.js";
 import { snap } from "./snap.js";
 import * as space from "./space.js";
 import { Swing } from "./swing.js";

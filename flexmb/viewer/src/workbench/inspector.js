@@ -4,7 +4,7 @@ import { byId, button, h, say } from "./dom.js";
 import { form, ofThing } from "./forms.js";
 import { icon } from "./icons.js";
 import { fieldsOf, group, problemAt, spoken, thing, things, title } from "./model.js";
-import { toolForm } from "./palette.js";
+import { toolForm } from "./toolbox.js";
 
 export function inspector(store, dialogs) {
   const root = byId("inspector");

@@ -15,7 +15,7 @@ import { icon } from "./icons.js";
 import { inspector } from "./inspector.js";
 import { everything, sections } from "./lists.js";
 import { names } from "./names.js";
-import { palette } from "./palette.js";
+import { toolbox } from "./toolbox.js";
 import { show } from "./show.js";
 import { split } from "./split.js";
 import { Store } from "./store.js";
@@ -35,7 +35,7 @@ function open(id) {
 const dialogs = makeDialogs(store);
 const files = makeFiles(store, canvas);
 split();
-palette(store, { open });
+toolbox(store, { open });
 inspector(store, dialogs);
 names(store);
 sections(store, dialogs, { open });

@@ -16,9 +16,9 @@ const GROUPS = [
   ["block", "Building blocks"],
 ];
 const PLAIN = [
-  { kind: "select", text: "Select and move", key: "S", icon: "select" },
+  { kind: "select", text: "Select and move", key: "V", icon: "select" },
   { kind: "node", text: "Node", key: "N", icon: "node" },
-  { kind: "measure", text: "Measure", key: "M", icon: "measure" },
+  { kind: "measure", text: "Measure", key: "D", icon: "measure" },
 ];
 // What most mechanisms are made of stands first.
 const FIRST = ["beam", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
@@ -34,7 +34,7 @@ function rank(call) {
   return at < 0 ? FIRST.length : at;
 }
 
-export function palette(store, { open }) {
+export function toolbox(store, { open }) {
   const root = byId("tools");
   const search = h("input", { type: "search", class: "tool-search", placeholder: "Search: beam, force, pivot …", "aria-label": "Search what can be added" });
   const plain = h("div", { role: "group", "aria-label": "Tools" });
