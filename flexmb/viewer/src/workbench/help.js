@@ -14,13 +14,21 @@ const HELP = {
     ["Esc", "end the tool, give a field its text back"],
   ],
   "In the drawing": [
-    ["S N M", "select, node, measure"],
-    ["← → ↑ ↓", "move the cursor or what is selected by the grid"],
+    ["V N D", "select, node, measure a distance"],
+    ["B R T S", "beam, rigid beam, truss, spring"],
+    ["F L M", "support, load, mass"],
+    ["Q I O", "degree of freedom, input, output"],
+    ["← → ↑ ↓", "move the cursor, or what is selected, by the grid; Shift ten times as far"],
     ["Enter", "place or choose at the cursor"],
+    ["0 … 9 @", "type a place: x, y; @dx, dy; length < angle"],
     ["Tab", "next thing"],
     ["Delete", "delete what is selected"],
-    ["Ctrl+A", "select everything"],
-    ["+ − F", "zoom, fit"],
+    ["C W A E", "copy, mirror, repeat, edit what is selected"],
+    ["G", "grid on or off"],
+    ["Space", "play or pause"],
+    ["Page ↑ ↓, Home", "zoom, fit"],
+    ["Ctrl+arrows", "move the view, in space turn it"],
+    ["[ ] X Y Z", "in space: height and axis of the working plane"],
   ],
   Mouse: [
     ["click", "select; with Shift add to it"],
@@ -31,7 +39,6 @@ const HELP = {
   Fields: [
     ["0.5e-3", "a number, in SI units"],
     ["t, 2*w, (a+b)/2", "names and arithmetic; a new name can be made at once"],
-    ["Enter", "next field"],
     ["↑ ↓ in Parts", "walk; Shift adds, Delete deletes, Enter goes to the properties"],
     ["↑ ↓ on a slider", "a small step; Page ↑ ↓ a larger one"],
   ],
@@ -47,5 +54,5 @@ export function help() {
   );
   const own = ask("Keys and mouse", list, "", null, { wide: true });
   own.id = "help-dialog";
-  own.style.width = "min(760px, 94vw)";
+  own.style.width = "min(1060px, 94vw)";
 }

@@ -51,6 +51,7 @@ show(store, canvas);
 history();
 head();
 keys();
+requests();
 store.connect();
 
 /** Undo and redo, by their labels. */
@@ -62,7 +63,7 @@ function history() {
     const update = () => {
       const labels = store.state[verb] ?? [];
       const word = verb === "undo" ? "Undo" : "Redo";
-      const text = labels.length ? `${word}: ${labels.at(-1)}` : `Nothing to ${verb}`;
+      const text = labels.length ? `${word}: ${labels[0]}` : `Nothing to ${verb}`;
       own.disabled = !labels.length;
       own.title = `${text} (${key})`;
       set(own, "aria-label", text);
@@ -81,7 +82,7 @@ function head() {
   const own = byId("title");
   const made = box(store, {
     get: () => store.state.document?.title ?? "",
-    send: (to) => store.edit([{ op: "title", to }], { label: "Title", merge: "title" }),
+    send: (to, visit) => store.edit([{ op: "title", to }], { label: "Title", merge: `title ${visit}` }),
     rest: { id: "title", "aria-label": "Title", placeholder: "untitled" },
   });
   own.replaceWith(made.element);
@@ -103,6 +104,18 @@ function head() {
   byId("help").append(icon("help"));
   byId("help").addEventListener("click", help);
   byId("dof").addEventListener("click", () => open("answers"));
+}
+
+/** What the drawing asks for: a dialog, or the properties. */
+function requests() {
+  byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
+    if (what === "keys") help();
+    else if (what === "edit") {
+      open("inspector");
+      byId("inspector").querySelector("input, select, button")?.focus();
+    } else if (ids.length && dialogs[what]) dialogs[what](ids);
+    else toast("Select something first.");
+  });
 }
 
 /** Keys that hold everywhere. */
