@@ -14,6 +14,7 @@ const HELP = {
     ["Esc", "end the tool, give a field its text back"],
   ],
   "In the drawing": [
+<<<<<<< HEAD
     ["V N D", "select, node, measure a distance"],
     ["B R T S", "beam, rigid beam, truss, spring"],
     ["F L M", "support, load, mass"],
@@ -29,11 +30,31 @@ const HELP = {
     ["Page ↑ ↓, Home", "zoom, fit"],
     ["Ctrl+arrows", "move the view, in space turn it"],
     ["[ ] X Y Z", "in space: height and axis of the working plane"],
+=======
+    ["S N M", "select, node, measure"],
+    ["B R T P", "beam, rigid beam, truss, spring"],
+    ["H L W", "hold (support), load, mass"],
+    ["I O Q", "input, output, degree of freedom"],
+    ["← → ↑ ↓", "move the cursor, or what is selected, by the grid; with Shift by ten"],
+    ["Enter", "place or choose at the cursor"],
+    ["0.1, 20 mm", "typed: a place; @ from the last one; 0.1 < 45 for length and angle; = for names"],
+    ["Tab", "next thing; after the last one, or after Esc, on through the page"],
+    ["Delete", "delete what is selected"],
+    ["D J A", "duplicate, mirror, repeat"],
+    ["E", "properties of what is selected"],
+    ["Ctrl+A", "select everything"],
+    ["F, Page ↑ ↓", "fit, zoom; Ctrl and arrows move the view, in space turn it"],
+    ["G", "grid on or off"],
+    ["X Y Z, [ ]", "in space: the plane that is drawn on, lower, higher"],
+    ["Space", "play or pause"],
+>>>>>>> main
   ],
   Mouse: [
     ["click", "select; with Shift add to it"],
-    ["drag a node", "move it; the answers follow"],
-    ["drag the ground", "move the view, in space turn it"],
+    ["drag a node", "move it; the answers follow; onto another node: join"],
+    ["drag the ground", "select what is in the rectangle; to the left also what it touches"],
+    ["right button", "move the view, in space turn it; the middle one moves it"],
+    ["Alt", "without grid and lines"],
     ["wheel", "zoom"],
   ],
   Fields: [

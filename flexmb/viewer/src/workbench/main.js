@@ -7,6 +7,7 @@ import { begin, hint } from "./begin.js";
 import { box } from "./box.js";
 import { compare } from "./compare.js";
 import { dialogs as makeDialogs, toast } from "./dialogs.js";
+import { Canvas } from "./canvas.js";
 import { byId, set, tabs } from "./dom.js";
 import { files as makeFiles } from "./files.js";
 import { help } from "./help.js";
@@ -22,7 +23,7 @@ import { target } from "./target.js";
 import { ways } from "./ways.js";
 
 const store = new Store();
-const canvas = null;
+const canvas = drawing();
 window.workbench = { store, canvas };
 
 const opens = [...document.querySelectorAll("[role=tablist]")].map((row) => [row, tabs(row)]);
@@ -50,9 +51,20 @@ begin(store, { files });
 show(store, canvas);
 history();
 head();
+requests();
 keys();
 requests();
 store.connect();
+
+/** The drawing, or nothing but a word where the browser has no WebGL. */
+function drawing() {
+  try {
+    return new Canvas({ scene: byId("scene"), overlay: byId("overlay"), store });
+  } catch (fault) {
+    toast(`The mechanism cannot be drawn: ${fault.message}. It takes a browser with WebGL 2.`);
+    return null;
+  }
+}
 
 /** Undo and redo, by their labels. */
 function history() {
@@ -106,6 +118,7 @@ function head() {
   byId("dof").addEventListener("click", () => open("answers"));
 }
 
+<<<<<<< HEAD
 /** What the drawing asks for: a dialog, or the properties. */
 function requests() {
   byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
@@ -115,6 +128,18 @@ function requests() {
       byId("inspector").querySelector("input, select, button")?.focus();
     } else if (ids.length && dialogs[what]) dialogs[what](ids);
     else toast("Select something first.");
+=======
+/** What the drawing asks for by its keys or a double click. */
+function requests() {
+  byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
+    if (!ids.length) return;
+    if (what === "mirror") dialogs.mirror(ids);
+    if (what === "repeat") dialogs.repeat(ids);
+    if (what === "edit") {
+      open("inspector");
+      byId("inspector").querySelector("input, select")?.focus();
+    }
+>>>>>>> main
   });
 }
 
