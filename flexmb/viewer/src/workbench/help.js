@@ -14,23 +14,6 @@ const HELP = {
     ["Esc", "end the tool, give a field its text back"],
   ],
   "In the drawing": [
-<<<<<<< HEAD
-    ["V N D", "select, node, measure a distance"],
-    ["B R T S", "beam, rigid beam, truss, spring"],
-    ["F L M", "support, load, mass"],
-    ["Q I O", "degree of freedom, input, output"],
-    ["← → ↑ ↓", "move the cursor, or what is selected, by the grid; Shift ten times as far"],
-    ["Enter", "place or choose at the cursor"],
-    ["0 … 9 @", "type a place: x, y; @dx, dy; length < angle"],
-    ["Tab", "next thing"],
-    ["Delete", "delete what is selected"],
-    ["C W A E", "copy, mirror, repeat, edit what is selected"],
-    ["G", "grid on or off"],
-    ["Space", "play or pause"],
-    ["Page ↑ ↓, Home", "zoom, fit"],
-    ["Ctrl+arrows", "move the view, in space turn it"],
-    ["[ ] X Y Z", "in space: height and axis of the working plane"],
-=======
     ["S N M", "select, node, measure"],
     ["B R T P", "beam, rigid beam, truss, spring"],
     ["H L W", "hold (support), load, mass"],
@@ -47,7 +30,6 @@ const HELP = {
     ["G", "grid on or off"],
     ["X Y Z, [ ]", "in space: the plane that is drawn on, lower, higher"],
     ["Space", "play or pause"],
->>>>>>> main
   ],
   Mouse: [
     ["click", "select; with Shift add to it"],

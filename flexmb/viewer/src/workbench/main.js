@@ -51,7 +51,6 @@ begin(store, { files });
 show(store, canvas);
 history();
 head();
-requests();
 keys();
 requests();
 store.connect();
@@ -118,7 +117,6 @@ function head() {
   byId("dof").addEventListener("click", () => open("answers"));
 }
 
-<<<<<<< HEAD
 /** What the drawing asks for: a dialog, or the properties. */
 function requests() {
   byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
@@ -128,18 +126,6 @@ function requests() {
       byId("inspector").querySelector("input, select, button")?.focus();
     } else if (ids.length && dialogs[what]) dialogs[what](ids);
     else toast("Select something first.");
-=======
-/** What the drawing asks for by its keys or a double click. */
-function requests() {
-  byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
-    if (!ids.length) return;
-    if (what === "mirror") dialogs.mirror(ids);
-    if (what === "repeat") dialogs.repeat(ids);
-    if (what === "edit") {
-      open("inspector");
-      byId("inspector").querySelector("input, select")?.focus();
-    }
->>>>>>> main
   });
 }
 

@@ -16,12 +16,12 @@ const GROUPS = [
   ["block", "Building blocks"],
 ];
 const PLAIN = [
-  { kind: "select", text: "Select and move", key: "V", icon: "select" },
+  { kind: "select", text: "Select and move", key: "S", icon: "select" },
   { kind: "node", text: "Node", key: "N", icon: "node" },
-  { kind: "measure", text: "Measure", key: "D", icon: "measure" },
+  { kind: "measure", text: "Measure", key: "M", icon: "measure" },
 ];
 // Letters that the drawing takes for tools.
-const LETTERS = { beam: "B", rigid_beam: "R", truss: "T", spring_damper: "S", fix: "F", force: "L", mass: "M", input: "I", output: "O", dof: "Q" };
+const LETTERS = { beam: "B", rigid_beam: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
 // What most mechanisms are made of stands first.
 const FIRST = ["beam", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
 
