@@ -42,7 +42,6 @@ const HELP = {
   Fields: [
     ["0.5e-3", "a number, in SI units"],
     ["t, 2*w, (a+b)/2", "names and arithmetic; a new name can be made at once"],
-    ["Enter", "next field"],
     ["↑ ↓ in Parts", "walk; Shift adds, Delete deletes, Enter goes to the properties"],
     ["↑ ↓ on a slider", "a small step; Page ↑ ↓ a larger one"],
   ],
@@ -58,5 +57,5 @@ export function help() {
   );
   const own = ask("Keys and mouse", list, "", null, { wide: true });
   own.id = "help-dialog";
-  own.style.width = "min(760px, 94vw)";
+  own.style.width = "min(1060px, 94vw)";
 }

@@ -51,8 +51,8 @@ begin(store, { files });
 show(store, canvas);
 history();
 head();
-requests();
 keys();
+requests();
 store.connect();
 
 /** The drawing, or nothing but a word where the browser has no WebGL. */
@@ -74,7 +74,7 @@ function history() {
     const update = () => {
       const labels = store.state[verb] ?? [];
       const word = verb === "undo" ? "Undo" : "Redo";
-      const text = labels.length ? `${word}: ${labels.at(-1)}` : `Nothing to ${verb}`;
+      const text = labels.length ? `${word}: ${labels[0]}` : `Nothing to ${verb}`;
       own.disabled = !labels.length;
       own.title = `${text} (${key})`;
       set(own, "aria-label", text);
@@ -93,7 +93,7 @@ function head() {
   const own = byId("title");
   const made = box(store, {
     get: () => store.state.document?.title ?? "",
-    send: (to) => store.edit([{ op: "title", to }], { label: "Title", merge: "title" }),
+    send: (to, visit) => store.edit([{ op: "title", to }], { label: "Title", merge: `title ${visit}` }),
     rest: { id: "title", "aria-label": "Title", placeholder: "untitled" },
   });
   own.replaceWith(made.element);
@@ -117,16 +117,15 @@ function head() {
   byId("dof").addEventListener("click", () => open("answers"));
 }
 
-/** What the drawing asks for by its keys or a double click. */
+/** What the drawing asks for: a dialog, or the properties. */
 function requests() {
   byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
-    if (!ids.length) return;
-    if (what === "mirror") dialogs.mirror(ids);
-    if (what === "repeat") dialogs.repeat(ids);
-    if (what === "edit") {
+    if (what === "keys") help();
+    else if (what === "edit") {
       open("inspector");
-      byId("inspector").querySelector("input, select")?.focus();
-    }
+      byId("inspector").querySelector("input, select, button")?.focus();
+    } else if (ids.length && dialogs[what]) dialogs[what](ids);
+    else toast("Select something first.");
   });
 }
 

@@ -70,7 +70,8 @@ export class Placing {
   }
 
   get options() {
-    return { from: this.given.at(-1)?.place ?? null, lines: this.makes && this.slot?.what !== "direction" };
+    const from = this.given.at(-1)?.place ?? null;
+    return { from, through: from?.point ?? null, lines: this.makes && this.slot?.what !== "direction" };
   }
 
   press(place, { x, y, reach }) {
@@ -165,6 +166,7 @@ export class Placing {
 
   async send(ops, label, merge, last = false) {
     const { store } = this.canvas;
+    this.canvas.drawn = true;
     const { ids } = await store.edit(ops, { label, merge });
     if (ids?.length) store.select(last ? ids.slice(-1) : ids);
   }
