@@ -266,7 +266,7 @@ def new_journal(folder: str | os.PathLike | None = None) -> Path:
 
 
 def journal_folder() -> Path:
-    """Where journals are: ``$FLEXMB_STATE``, or flexmb/workbench in the user's folder of states or in ``$FLEXMB_CACHE``."""
+    """Where journals are: ``$FLEXMB_STATE``, or flexmb/workbench in the folder of states or in ``$FLEXMB_CACHE``."""
     if given := os.environ.get("FLEXMB_STATE"):
         return Path(given)
     if given := os.environ.get("FLEXMB_CACHE"):
