@@ -22,7 +22,7 @@ export function mobility(count) {
 /** Whether what is shown belongs to an older document. */
 export function isStale({ answers, revision, connected }) {
   if (!answers) return false;
-  return !connected || answers.stale || answers.status !== "ok" || (answers.of_revision ?? revision) < revision;
+  return !connected || answers.stale || answers.status === "failed" || (answers.of_revision ?? revision) < revision;
 }
 
 export function answers(store, { open }) {
@@ -35,8 +35,9 @@ export function answers(store, { open }) {
   const message = h("p", { class: "problem", hidden: true });
   const rows = h("div", { id: "answer-rows" });
   const none = h("p", { class: "soft" });
+  const notes = h("div", { class: "notes" });
   const support = supportChoice(store);
-  root.append(status, advice, warnings, head, message, rows, none, support.element);
+  root.append(status, advice, warnings, head, message, rows, none, support.element, notes);
   const history = new Map();
   let counted = 0;
 
@@ -83,10 +84,12 @@ export function answers(store, { open }) {
     rows.setAttribute("aria-busy", String(own?.status === "computing"));
     const computing = own?.status === "computing";
     say(stamp, computing ? "computing …" : "stale");
-    stamp.hidden = !stale;
+    stamp.hidden = !stale && !computing;
     stamp.title = stale ? "These are the answers to the drawing as it was before." : "";
-    say(message, own?.status === "failed" ? (own.message ?? "No answer.") : "");
+    say(message, own?.message || (own?.status === "failed" ? "No answer." : ""));
     message.hidden = !message.textContent;
+    const words = [...new Set([...(own?.words ?? []), ...(own?.warnings ?? [])])].filter((one) => one !== own?.message);
+    keep(notes, words, (one) => one, (one) => h("p", { class: "note" }, one));
     const all = Object.entries(own?.values ?? {});
     none.hidden = all.length > 0;
     say(none, store.state.document?.things.length ? "No answers yet: see above what is missing." : "Answers appear here as soon as there is a mechanism.");

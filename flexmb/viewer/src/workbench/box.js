@@ -3,8 +3,8 @@ import { h, newId, say, set } from "./dom.js";
 
 /**
  * @param store The store.
- * @param own `get()` gives the text that the document holds; `send(text)` sends another one and gives the reply's promise,
- *   rejected where it is refused; `problem()` gives what the document has against it; `rest` are attributes.
+ * @param own `get()` gives the text that the document holds; `send(text, visit)` sends another one and gives the reply's
+ *   promise, rejected where it is refused; `problem()` gives what the document has against it; `rest` are attributes.
  * @returns The input as `element`, `update()` after every change of the state, and `fault()`: what is wrong with it.
  */
 export function box(store, { get, send, problem = () => null, rest = {}, lazy = false, changed = () => {} }) {
@@ -14,6 +14,9 @@ export function box(store, { get, send, problem = () => null, rest = {}, lazy = 
   let waiting = false;
   let awaited = 0; // The revision that holds it.
   let refused = null;
+  // Each time that the field is gone into makes a step of undo of its own.
+  let visit = newId();
+  input.addEventListener("focus", () => (visit = newId()));
 
   function go() {
     const text = input.value;
@@ -21,7 +24,7 @@ export function box(store, { get, send, problem = () => null, rest = {}, lazy = 
     const mine = turn;
     waiting = true;
     refused = null;
-    Promise.resolve(send(text)).then(
+    Promise.resolve(send(text, visit)).then(
       (reply) => settle(mine, reply?.revision ?? 0, null),
       (fault) => settle(mine, 0, fault?.message ?? String(fault)),
     );

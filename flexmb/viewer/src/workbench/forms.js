@@ -83,7 +83,7 @@ function makeNames(store, texts, guess) {
 function scalar(store, field, own) {
   const numeric = field.kind === "number";
   const rest = { placeholder: placeholder(field) };
-  const send = (text) => own.send(field.name, text);
+  const send = (text, visit) => own.send(field.name, text, visit);
   const get = () => own.get(field.name) ?? "";
   const problem = () => own.problem(field.name);
   let good = Number(field.default) || null;
@@ -122,7 +122,7 @@ function vector(store, field, own) {
       const label = `${words(field.name)} ${AXES[k] && size() <= 3 ? AXES[k] : k + 1}`;
       return numberBox(store, {
         get: () => texts()[k] ?? "",
-        send: (text) => own.sendPart(field.name, k, text, whole(k, text)),
+        send: (text, visit) => own.sendPart(field.name, k, text, whole(k, text), visit),
         problem: () => own.problem(field.name, k),
         rest: { "aria-label": label, placeholder: list(field.default)[k] ?? "" },
       });
@@ -262,7 +262,7 @@ function choice(store, field, own) {
 /** Some of a few: components of a node, deformations of an element; as buttons that stay down, and as a text. */
 function chips(store, field, own) {
   const get = () => String(list(own.get(field.name)).join(" "));
-  const own_ = box(store, { get, send: (text) => own.send(field.name, text), problem: () => own.problem(field.name), changed: () => update(),
+  const own_ = box(store, { get, send: (text, visit) => own.send(field.name, text, visit), problem: () => own.problem(field.name), changed: () => update(),
     rest: { placeholder: filled(field.default) ? String(field.default) : field.kind === "components" ? "all" : "as usual" } });
   const row_ = h("div", { class: "chips" });
   const { element, note } = row(field, [own_.element], h("div", { class: "boxes" }, own_.element));
@@ -333,15 +333,15 @@ function textRow(store, field, own, given) {
 /** Where the texts of a thing in the document live. */
 export function ofThing(store, id, spokenAs) {
   const find = () => thing(store, id);
-  const edit = (address, to, name) =>
-    store.edit([{ op: "set", address, to }], { label: `${words(name)} of ${spokenAs()}`, merge: address });
+  const edit = (address, to, name, visit) =>
+    store.edit([{ op: "set", address, to }], { label: `${words(name)} of ${spokenAs()}`, ...(visit ? { merge: `${address} ${visit}` } : {}) });
   return {
     get: (name) => find()?.args?.[name],
-    send: (name, to) => edit(`${id}/${name}`, to, name),
-    sendPart(name, k, text, whole) {
+    send: (name, to, visit) => edit(`${id}/${name}`, to, name, visit),
+    sendPart(name, k, text, whole, visit) {
       const held = find()?.args?.[name];
       const same = Array.isArray(held) && held.length === whole.length;
-      return same && whole !== "" ? edit(`${id}/${name}/${k}`, text, name) : edit(`${id}/${name}`, whole, name);
+      return same && whole !== "" ? edit(`${id}/${name}/${k}`, text, name, visit) : edit(`${id}/${name}`, whole, name, visit);
     },
     problem: (name, k) => problemAt(store, k === undefined ? `${id}/${name}` : `${id}/${name}/${k}`),
   };

@@ -15,23 +15,33 @@ const HELP = {
   ],
   "In the drawing": [
     ["S N M", "select, node, measure"],
-    ["← → ↑ ↓", "move the cursor or what is selected by the grid"],
+    ["B R T P", "beam, rigid beam, truss, spring"],
+    ["H L W", "hold (support), load, mass"],
+    ["I O Q", "input, output, degree of freedom"],
+    ["← → ↑ ↓", "move the cursor, or what is selected, by the grid; with Shift by ten"],
     ["Enter", "place or choose at the cursor"],
-    ["Tab", "next thing"],
+    ["0.1, 20 mm", "typed: a place; @ from the last one; 0.1 < 45 for length and angle; = for names"],
+    ["Tab", "next thing; after the last one, or after Esc, on through the page"],
     ["Delete", "delete what is selected"],
+    ["D J A", "duplicate, mirror, repeat"],
+    ["E", "properties of what is selected"],
     ["Ctrl+A", "select everything"],
-    ["+ − F", "zoom, fit"],
+    ["F, Page ↑ ↓", "fit, zoom; Ctrl and arrows move the view, in space turn it"],
+    ["G", "grid on or off"],
+    ["X Y Z, [ ]", "in space: the plane that is drawn on, lower, higher"],
+    ["Space", "play or pause"],
   ],
   Mouse: [
     ["click", "select; with Shift add to it"],
-    ["drag a node", "move it; the answers follow"],
-    ["drag the ground", "move the view, in space turn it"],
+    ["drag a node", "move it; the answers follow; onto another node: join"],
+    ["drag the ground", "select what is in the rectangle; to the left also what it touches"],
+    ["right button", "move the view, in space turn it; the middle one moves it"],
+    ["Alt", "without grid and lines"],
     ["wheel", "zoom"],
   ],
   Fields: [
     ["0.5e-3", "a number, in SI units"],
     ["t, 2*w, (a+b)/2", "names and arithmetic; a new name can be made at once"],
-    ["Enter", "next field"],
     ["↑ ↓ in Parts", "walk; Shift adds, Delete deletes, Enter goes to the properties"],
     ["↑ ↓ on a slider", "a small step; Page ↑ ↓ a larger one"],
   ],
@@ -47,5 +57,5 @@ export function help() {
   );
   const own = ask("Keys and mouse", list, "", null, { wide: true });
   own.id = "help-dialog";
-  own.style.width = "min(760px, 94vw)";
+  own.style.width = "min(1060px, 94vw)";
 }

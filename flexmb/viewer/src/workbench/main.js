@@ -7,6 +7,7 @@ import { begin, hint } from "./begin.js";
 import { box } from "./box.js";
 import { compare } from "./compare.js";
 import { dialogs as makeDialogs, toast } from "./dialogs.js";
+import { Canvas } from "./canvas.js";
 import { byId, set, tabs } from "./dom.js";
 import { files as makeFiles } from "./files.js";
 import { help } from "./help.js";
@@ -22,7 +23,7 @@ import { target } from "./target.js";
 import { ways } from "./ways.js";
 
 const store = new Store();
-const canvas = null;
+const canvas = drawing();
 window.workbench = { store, canvas };
 
 const opens = [...document.querySelectorAll("[role=tablist]")].map((row) => [row, tabs(row)]);
@@ -51,7 +52,18 @@ show(store, canvas);
 history();
 head();
 keys();
+requests();
 store.connect();
+
+/** The drawing, or nothing but a word where the browser has no WebGL. */
+function drawing() {
+  try {
+    return new Canvas({ scene: byId("scene"), overlay: byId("overlay"), store });
+  } catch (fault) {
+    toast(`The mechanism cannot be drawn: ${fault.message}. It takes a browser with WebGL 2.`);
+    return null;
+  }
+}
 
 /** Undo and redo, by their labels. */
 function history() {
@@ -62,7 +74,7 @@ function history() {
     const update = () => {
       const labels = store.state[verb] ?? [];
       const word = verb === "undo" ? "Undo" : "Redo";
-      const text = labels.length ? `${word}: ${labels.at(-1)}` : `Nothing to ${verb}`;
+      const text = labels.length ? `${word}: ${labels[0]}` : `Nothing to ${verb}`;
       own.disabled = !labels.length;
       own.title = `${text} (${key})`;
       set(own, "aria-label", text);
@@ -81,7 +93,7 @@ function head() {
   const own = byId("title");
   const made = box(store, {
     get: () => store.state.document?.title ?? "",
-    send: (to) => store.edit([{ op: "title", to }], { label: "Title", merge: "title" }),
+    send: (to, visit) => store.edit([{ op: "title", to }], { label: "Title", merge: `title ${visit}` }),
     rest: { id: "title", "aria-label": "Title", placeholder: "untitled" },
   });
   own.replaceWith(made.element);
@@ -103,6 +115,18 @@ function head() {
   byId("help").append(icon("help"));
   byId("help").addEventListener("click", help);
   byId("dof").addEventListener("click", () => open("answers"));
+}
+
+/** What the drawing asks for: a dialog, or the properties. */
+function requests() {
+  byId("stage").addEventListener("request", ({ detail: { what, ids } }) => {
+    if (what === "keys") help();
+    else if (what === "edit") {
+      open("inspector");
+      byId("inspector").querySelector("input, select, button")?.focus();
+    } else if (ids.length && dialogs[what]) dialogs[what](ids);
+    else toast("Select something first.");
+  });
 }
 
 /** Keys that hold everywhere. */

@@ -1,6 +1,6 @@
 /** Names: numbers that fields share, each a slider, or arithmetic of others. */
 import { box, remark } from "./box.js";
-import { byId, button, h, keep, say, set, shown } from "./dom.js";
+import { byId, button, h, keep, newId, say, set, shown } from "./dom.js";
 import { evaluate, isNumber, problemAt } from "./model.js";
 
 const STEPS = 1000;
@@ -86,7 +86,7 @@ function nameRow(store, name) {
   const part = (key, rest) =>
     box(store, {
       get: () => get()[key] ?? "",
-      send: (text) => change({ [key]: text }, `names/${name}/${key}`),
+      send: (text, visit) => change({ [key]: text }, `names/${name}/${key} ${visit}`),
       problem: () => problemAt(store, `names/${name}/${key}`) ?? (key === "value" ? problemAt(store, `names/${name}`) : null),
       rest,
       changed: () => update(),
@@ -115,8 +115,13 @@ function nameRow(store, name) {
   // While a slider is held its bounds stand still, and what it last said is what it shows.
   let held = null;
   let sent = null;
+  let visit = newId();
   const limits = () => held ?? bounds(get(), store.state.values?.[name]);
-  slider.addEventListener("pointerdown", () => (held = limits()));
+  slider.addEventListener("focus", () => (visit = newId()));
+  slider.addEventListener("pointerdown", () => {
+    held = limits();
+    visit = newId();
+  });
   for (const end of ["pointerup", "pointercancel", "change"]) slider.addEventListener(end, () => (held = null));
   slider.addEventListener("input", () => {
     const within = limits();
@@ -125,7 +130,7 @@ function nameRow(store, name) {
     const to = { value: text, low: least || String(within[0]), high: most || String(within[1]) };
     sent = text;
     value.element.value = text;
-    change(to, `names/${name}/value`).catch(() => {}).finally(() => {
+    change(to, `names/${name}/value ${visit}`).catch(() => {}).finally(() => {
       if (sent === text) sent = null;
       update();
     });

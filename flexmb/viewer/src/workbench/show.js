@@ -16,9 +16,9 @@ export function show(store, canvas) {
   const play = h("button", { type: "button", class: "plain", id: "play", "aria-pressed": "false", "aria-label": "Play the motion" });
   const fit = h("button", { type: "button", class: "plain", id: "fit", title: "Fit the drawing into the window (f)" }, "Fit");
   const look = h("span", { class: "group", role: "group", "aria-label": "Look along" });
-  for (const [axis, direction] of Object.entries({ x: [1, 0, 0], y: [0, -1, 0], z: [0, -1e-4, 1] })) {
+  for (const axis of ["x", "y", "z"]) {
     const one = h("button", { type: "button", class: "plain", "aria-label": `Look along ${axis}` }, axis);
-    one.addEventListener("click", () => canvas?.look?.(direction));
+    one.addEventListener("click", () => canvas?.look?.(axis));
     look.append(one);
   }
   root.append(
@@ -43,7 +43,7 @@ export function show(store, canvas) {
     playIcon();
   });
   fit.addEventListener("click", () => canvas?.fit?.());
-  amplitude.addEventListener("input", () => canvas?.setAmplitude?.(Number(amplitude.value)));
+  amplitude.addEventListener("input", () => store.want({ amplitude: Number(amplitude.value) }).catch(() => {}));
   what.addEventListener("change", () => {
     const [state, mode] = what.value.split(" ");
     store.want({ state, ...(mode === undefined ? {} : { mode: Number(mode) }) }).catch(() => {});
@@ -54,9 +54,13 @@ export function show(store, canvas) {
     const { answers, want, document: own } = store.state;
     const modes = Object.entries(answers?.values ?? {}).filter(([key]) => key.startsWith("frequency"));
     const offered = modes.map(([, { text }], k) => ({ value: `modes ${k}`, text: `Mode ${k + 1}${text ? `: ${text}` : ""}` }));
+    const loads = Object.keys(answers?.values ?? {}).filter((key) => key.startsWith("multiplier"));
+    offered.push(...loads.map((key, k) => ({ value: `buckling ${k}`, text: `Buckling ${k + 1}: × ${answers.values[key].text}` })));
     offered.push({ value: "equilibrium", text: "Equilibrium" }, { value: "self-stress", text: "Self-stress" });
-    const now = want.state === "modes" ? `modes ${want.mode ?? 0}` : (want.state ?? "equilibrium");
-    if (want.state === "modes" && !offered.some(({ value }) => value === now)) offered.unshift({ value: now, text: `Mode ${(want.mode ?? 0) + 1}` });
+    const numbered = ["modes", "buckling"].includes(want.state);
+    const now = numbered ? `${want.state} ${want.mode ?? 0}` : (want.state ?? "equilibrium");
+    const word = want.state === "modes" ? "Mode" : "Buckling";
+    if (numbered && !offered.some(({ value }) => value === now)) offered.unshift({ value: now, text: `${word} ${(want.mode ?? 0) + 1}` });
     choices(what, offered, now);
     colour.value = want.colour ?? "";
     look.hidden = own?.dimension !== 3;

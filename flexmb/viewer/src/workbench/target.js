@@ -73,7 +73,7 @@ export function target(store) {
     keep(ticks, free, (name) => name, (name) => {
       const tick = h("input", { type: "checkbox", checked: true });
       tick.addEventListener("change", () => (tick.checked ? unticked.delete(name) : unticked.add(name)));
-      return h("label", { title: name }, tick, name);
+      return h("label", { title: name }, tick, h("span", {}, name));
     });
     go.disabled = !free.length || !wants.length;
     const own = job && store.state.jobs[job];

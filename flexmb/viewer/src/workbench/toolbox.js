@@ -16,10 +16,12 @@ const GROUPS = [
   ["block", "Building blocks"],
 ];
 const PLAIN = [
-  { kind: "select", text: "Select and move", key: "V", icon: "select" },
+  { kind: "select", text: "Select and move", key: "S", icon: "select" },
   { kind: "node", text: "Node", key: "N", icon: "node" },
-  { kind: "measure", text: "Measure", key: "D", icon: "measure" },
+  { kind: "measure", text: "Measure", key: "M", icon: "measure" },
 ];
+// Letters that the drawing takes for tools.
+const LETTERS = { beam: "B", rigid_beam: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
 // What most mechanisms are made of stands first.
 const FIRST = ["beam", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
 
@@ -55,7 +57,7 @@ export function toolbox(store, { open }) {
   plain.append(
     ...PLAIN.map((own) => {
       const made = button("", () => take({ kind: own.kind }), { class: "tool", "data-tool": own.kind });
-      made.append(icon(own.icon), h("span", {}, own.text), h("kbd", {}, own.key));
+      made.append(icon(own.icon), h("span", {}, own.text), h("kbd", { "aria-hidden": "true" }, own.key));
       return made;
     }),
   );
@@ -97,7 +99,9 @@ export function toolbox(store, { open }) {
 
   function toolButton({ call, group, doc }) {
     const made = button("", () => take({ call }), { class: "tool", "data-call": call, title: doc ?? "" });
+    const letter = LETTERS[call.split(".").at(-1)];
     made.append(icon(call, group), h("span", {}, title(store, call)));
+    if (letter) made.append(h("kbd", { "aria-hidden": "true" }, letter));
     return made;
   }
 
@@ -110,7 +114,14 @@ export function toolbox(store, { open }) {
   }
 
   store.on("catalogue", list);
-  store.on("tool", press);
+  store.on("tool", () => {
+    const { tool } = store.state;
+    press();
+    // A tool that was taken by its letter gets what those of this box get.
+    if (tool.call && !Object.keys(tool.args ?? {}).length && entry(store, tool.call) && tool !== known) take({ call: tool.call });
+    known = store.state.tool;
+  });
+  let known = null;
   let dimension = null;
   store.on("document", () => {
     if (store.state.document.dimension === dimension) return;

@@ -55,7 +55,7 @@ export function ways(store) {
     if (own?.message) return own.message;
     if (!ready) return "Computing …";
     if (!all.length) return kind.value === "by_name" ? "No name moves it. Look at every number, or give names." : "Nothing moves it.";
-    return "Change of the answer in % for 1 % of each number; the number itself in the last column's help.";
+    return "How much the answer changes where a number grows by 1 %.";
   }
 
   function fill(row, { key, slope, share }, most) {
