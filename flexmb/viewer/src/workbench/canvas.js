@@ -117,7 +117,7 @@ export class Canvas {
   document() {
     this.stale = false;
     const { state } = this.store;
-    const before = this.plan.nodes.length;
+    const before = this.count ?? 0;
     const other = this.file !== undefined && this.file !== (state.file ?? null);
     if (state.document) {
       this.eye.setDimension(state.document.dimension);
@@ -125,6 +125,7 @@ export class Canvas {
     }
     this.replan();
     const { nodes } = this.plan;
+    this.count = nodes.length;
     // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
     if (nodes.length > 1 && (other || (before === 0 && !this.drawn))) this.fit();
     this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
