@@ -87,7 +87,10 @@ def geometric_stiffness_of_increment(
     excess = at.jacobian @ shift - wanted_e
     dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
     elastic = at.S @ (at.jacobian @ dx) + extra
-    sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force)
+    # What turns the stresses of the preload as the mechanism moves is balanced too; else the multipliers would depend
+    # on which degrees of freedom are named.
+    turned = 0.0 if at.curvature is None else at.curvature @ dx
+    sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force - turned)
     curvature = deformation_curvature(topology, parameters, at.x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, no_preload, at.x)
     return at.transfer.DFx.T @ curvature @ at.transfer.DFx, sigma, dx

@@ -90,6 +90,28 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
     return values[0]
 
 
+def names_in(text: str) -> list[str]:
+    """Names in arithmetic, in order, up to what is none; pi is among them."""
+    return [text[start:end] for start, end in _names(text)]
+
+
+def renamed(text: str, old: str, new: str) -> str:
+    """Arithmetic in which a name is another one; all else stays as it is written."""
+    for start, end in reversed(_names(text)):
+        if text[start:end] == old:
+            text = text[:start] + new + text[end:]
+    return text
+
+
+def _names(text: str) -> list[tuple[int, int]]:
+    found, place = [], 0
+    while match := _TOKEN.match(text, place):
+        if match["name"]:
+            found.append(match.span("name"))
+        place = match.end()
+    return found
+
+
 def _rest(text: str, place: int) -> str:
     return f"see '{clean(text[place:].strip())}'"
 
