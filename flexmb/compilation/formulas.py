@@ -13,8 +13,8 @@ _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = 1, 2, 3, 4, 5
 _SIGNS = {"add": ("+", _SUM), "sub": ("-", _SUM), "mul": ("*", _PRODUCT), "div": ("/", _PRODUCT)}
 # Operations that only move numbers about: done on the places of formulas in a table, instead of on numbers.
 _MOVES = (
-    "broadcast_in_dim stack concatenate reshape squeeze slice dynamic_slice gather transpose rev expand_dims pad select_n copy"
-    " copy_p convert_element_type stop_gradient scatter dynamic_update_slice device_put split"
+    "broadcast_in_dim stack concatenate reshape squeeze slice dynamic_slice gather transpose rev expand_dims pad"
+    " select_n copy copy_p convert_element_type stop_gradient scatter dynamic_update_slice device_put split"
 ).split()
 _CALLS = ("jaxpr", "call_jaxpr", "fun_jaxpr")
 
@@ -133,7 +133,10 @@ class _Reader:
             return self.moved(equation, given)
         if (how := _arithmetic(kind, equation.params)) is not None:
             places = np.broadcast_arrays(*(self.placed(value) for value in given))
-            flat = [self.place(how(*(self.table[int(p)] for p in own))) for own in zip(*(p.ravel() for p in places), strict=True)]
+            flat = [
+                self.place(how(*(self.table[int(p)] for p in own)))
+                for own in zip(*(p.ravel() for p in places), strict=True)
+            ]
             return [np.array(flat, float).reshape(places[0].shape)]
         return [np.zeros(out.aval.shape) for out in equation.outvars]
 

@@ -10,7 +10,7 @@ from ..build.description import TURNS, Description, Key, Member, NamedSignal
 from ..build.given import released_in
 from ..elements import planar, spatial
 from ..elements.element import ALL
-from ..elements.nodes import ANGLE, ROTATION3
+from ..elements.nodes import ANGLE
 from ..elements.section import MaterialDamping, Section
 from ..errors import clean
 from ..model.roles import Role
@@ -76,7 +76,7 @@ class Calls:
         return [self._number(values[i]) for i in range(len(values))]
 
     def _of(self, key: Key) -> dict[str, str]:
-        """Whose coordinate or deformation it is, as an argument; whether a node or an element, where both are so called."""
+        """Whose coordinate or deformation it is; and whether a node's or an element's, where both are called so."""
         kind, of, _ = key
         shown = of if kind == "element" else self._owner(of)
         known = {"node": self.b.nodes, "element": [n for n, m in self.b.members.items() if not m.hidden]}
@@ -190,7 +190,7 @@ class Calls:
         for known, name in self._records:
             if known is value:
                 return name
-        constant = next((c for c in calls().values() if c.kind == "constant" and c.function is value), None)
+        constant = next((c for c in calls().values() if c.kind == "constant" and _same(c.function, value)), None)
         call = constant or calls().get(type(value).__name__)
         if call is None or (call.function is not type(value) and constant is None):
             why = "it varies along the element, by a function" if getattr(value, "varies", False) else "it is your own"
@@ -251,7 +251,11 @@ class Calls:
         turn = key[0] == "element" and key[1] in self._turned
         if turn:
             member, node = self.b.members[key[1]], key[1].removeprefix("turn of ")
-            args: dict[str, Any] = {"of": node, "component": "rotation", "axis": self._vector(member.properties["axis"])}
+            args: dict[str, Any] = {
+                "of": node,
+                "component": "rotation",
+                "axis": self._vector(member.properties["axis"]),
+            }
             if member.roles[1] is Role.DEPENDENT:
                 args["tilt"] = "free"
         else:
@@ -347,6 +351,13 @@ def _rows(entries: dict[Key, Any]) -> dict[str, dict[int, Any]]:
     for (_, of, number), value in entries.items():
         rows.setdefault(of, {})[number] = value
     return rows
+
+
+def _same(known: Any, value: Any) -> bool:
+    """Whether a material is one of those that the package holds."""
+    if known is value or type(known) is not type(value) or not is_concrete(value):
+        return known is value
+    return all(getattr(known, field.name) == getattr(value, field.name) for field in dataclasses.fields(known))
 
 
 def _by_material(member: Member) -> bool:

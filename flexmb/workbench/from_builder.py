@@ -25,9 +25,7 @@ from .merged import merged
 NOT_FOLLOWED = (jax.errors.JAXTypeError, jax.errors.JAXIndexError, TypeError, ValueError, ModelError)
 
 
-def document_of(
-    source: Any, names: Mapping[str, Any] | None = None, *, title: str = ""
-) -> tuple[Document, list[str]]:
+def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: str = "") -> tuple[Document, list[str]]:
     """A mechanism as a document that builds the same.
 
     Args:
@@ -47,7 +45,7 @@ def document_of(
     """
     if not callable(source) or isinstance(source, Builder):
         if names:
-            raise TypeError("Names belong to a function that builds the mechanism of them, such as edit(function, t=1e-3).")
+            raise TypeError("Names belong to a function that builds a mechanism of them, as edit(function, t=1e-3).")
         things = Calls(_builder_in(source))
         left_out = things.left_out + _settings_of(source)
         return _document(things, list(map(text_of, things.numbers)), {}, title or _title(source)), left_out
@@ -56,19 +54,28 @@ def document_of(
     rest = {name: value for name, value in (names or {}).items() if own[name] is None}
     with recorded() as models, built() as builders:
         returned = source(**floats, **rest)
-    which = next((i for i, model in enumerate(models) if model is returned), None)
-    known = Calls(builders[which] if which is not None and len(builders) == len(models) else _builder_in(returned))
-    traced, why = _traced(source, floats, rest, models, which if len(builders) == len(models) else None)
+    # A model is no more than its numbers: the builder that it came from knows what was named and what was found.
+    at = next((i for i, model in enumerate(models) if model is returned and len(builders) == len(models)), None)
+    known = Calls(_builder_in(returned) if at is None else builders[at])
     left_out = known.left_out + _settings_of(returned)
-    left_out += [f"argument {name} = {clean(shown(value))} stays as it is: names are numbers with a decimal point" for name, value in rest.items()]
+    for name, value in rest.items():
+        left_out.append(
+            f"argument {name} = {clean(shown(value))} stays as it is: names are numbers with a decimal point"
+        )
+    texts, told = _texts(known, *_traced(source, floats, rest, models, at), ", ".join(floats))
+    return _document(known, texts, own, title or _title(source)), left_out + told
+
+
+def _texts(known: Calls, traced: list[str | None] | None, why: str, names: str) -> tuple[list[str], list[str]]:
+    """Texts of all numbers, and what does not follow from names by arithmetic."""
     texts = list(map(text_of, known.numbers))
     if traced is None or len(traced) != len(texts):
-        left_out += [f"how numbers follow from {', '.join(floats)}: {why or 'what is built depends on their values'}"] * bool(floats)
-        return _document(known, texts, own, title or _title(source)), left_out
+        return texts, [f"how numbers follow from {names}: {why or 'what is built depends on their values'}"] * bool(
+            names
+        )
     lost = [i for i, text in enumerate(traced) if text is None]
-    texts = [text if text is not None else texts[i] for i, text in enumerate(traced)]
-    left_out += [f"how {told} follows from {', '.join(floats)}: it is more than + - * / **" for told in _places(known, lost)]
-    return _document(known, texts, own, title or _title(source)), left_out
+    told = [f"how {what} follows from {names}: it is more than + - * / **" for what in _places(known, lost)]
+    return [own if text is None else text for own, text in zip(texts, traced, strict=True)], told
 
 
 def _named(name: str, value: Any) -> tuple[Any, ...] | None:
@@ -97,7 +104,7 @@ def _traced(
     except NOT_FOLLOWED as fault:
         first = (str(fault).strip().splitlines() or [""])[0]
         return None, f"the function needs to know their values ({type(fault).__name__}: {clean(first[:200])})"
-    return [one[()].text for one in found], ""
+    return [one.item().text for one in found], ""
 
 
 def _builder_in(source: Any) -> Description:

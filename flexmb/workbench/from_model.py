@@ -96,7 +96,9 @@ class _Contents:
                 whole = dict.fromkeys(block.element.properties) | properties
                 found[name] = Member(block.element, nodes, whole, [self.e_roles[k] for k in e], hidden=hidden)
         order = [name for name, *_ in self.labels.elements]
-        self.found.members = {name: found[name] for name in sorted(found, key=lambda n: order.index(n) if n in order else len(order))}
+        self.found.members = {
+            name: found[name] for name in sorted(found, key=lambda n: order.index(n) if n in order else len(order))
+        }
 
     def _nodes(self, block: Block, i: int) -> tuple[str, ...]:
         firsts = [0, *block.splits]
