@@ -12,7 +12,8 @@ NUMBERS = {"t": 0.5e-3, "w": 0.018, "n": 3.25}
 
 
 def texts(function) -> list:
-    return [np.vectorize(lambda one: one.text, otypes=[object])(found).tolist() for found in formulas(function, NUMBERS)]
+    said = np.vectorize(lambda one: one.text, otypes=[object])
+    return [said(found).tolist() for found in formulas(function, NUMBERS)]
 
 
 @pytest.mark.parametrize(
