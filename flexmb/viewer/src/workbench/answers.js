@@ -105,9 +105,8 @@ export function answers(store, { open }) {
     set(number, "value", value ?? "");
     say(number.firstChild, text ?? `${shown(value)} ${unit ?? ""}`.trim());
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
-    const pinned = store.state.pinned?.answers?.[key];
-    const before = typeof pinned === "number" ? pinned : pinned?.value;
-    const change = before && Number.isFinite(value) ? value / before - 1 : null;
+    const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
+    const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
     say(number.lastChild, change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`);
   }
 
