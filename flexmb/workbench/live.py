@@ -11,9 +11,11 @@ import jax
 from ..errors import AnalysisError, ModelError, heard
 from ..model.model import Model
 from .advice import advice, mass_advice
+from .building import build
 from .counts import Count, count, quick_numbers
 from .live_answers import Answers, Wants
 from .scene import Scenes
+from .ways import Ways
 
 Tell = Callable[[dict[str, Any]], None]
 
@@ -31,22 +33,21 @@ class Live:
         counted: The newest count with its advice, as it was told.
     """
 
-    def __init__(self, tell: Tell, build: Callable[[Any], Any] | None = None):
+    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build):
         """Start the thread.
 
         Args:
             tell: Called from the thread with every message.
             build: Makes ``builder`` and ``problems`` of a document with ``things``; that of documents unless given.
         """
-        if build is None:
-            from .building import build
         self._tell, self._build = tell, build
         self._changed = threading.Condition()
         self._next: tuple[int, Any, Wants] | None = None
         self._busy = self._stopped = False
         self._compiled: dict[Any, None] = {}
         self._good: dict[str, Any] = {"of_revision": None, "values": {}, "words": [], "warnings": []}
-        self._scenes = Scenes()
+        self._scenes, self._ways = Scenes(), Ways(self._again)
+        self._shown: tuple[int, Any, Wants] | None = None
         self.counted: dict[str, Any] = {}
         self._thread = threading.Thread(target=self._run, name="flexmb live", daemon=True)
         self._thread.start()
@@ -97,12 +98,19 @@ class Live:
                     self._changed.wait()
                 if self._stopped or self._next is None:
                     return
-                (revision, document, wants), self._next, self._busy = self._next, None, True
+                self._shown, self._next, self._busy = self._next, None, True
+                revision, document, wants = self._shown
             try:
                 self._evaluate(revision, document, wants)
             except Exception as fault:  # Whatever it is, the pages are to know and the next edit is to be answered.
                 logging.getLogger("flexmb").exception("revision %s", revision)
                 self._failed(revision, f"{type(fault).__name__}: {fault}")
+
+    def _again(self) -> None:
+        """Compute the same once more, since something has been compiled that was asked for."""
+        with self._changed:
+            self._next = self._next or self._shown
+            self._changed.notify_all()
 
     def _say(self, what: str, revision: int, **content: Any) -> None:
         if not self._stopped:
@@ -119,7 +127,7 @@ class Live:
             self._failed(revision, found.message)
             self._show(revision, self._scenes.of_count(found))
         else:
-            self._answer(revision, found, wants)
+            self._answer(revision, found, document, wants)
 
     # Counts.
 
@@ -150,7 +158,7 @@ class Live:
         """The last good answers stay, and are old."""
         self._say("answers", revision, status="failed", message=message, stale=True, **self._good)
 
-    def _answer(self, revision: int, found: Count, wants: Wants) -> None:
+    def _answer(self, revision: int, found: Count, document: Any, wants: Wants) -> None:
         assert found.model is not None
         answers, told = Answers(found.model, wants), False
         kind = _structure(found.model)
@@ -182,7 +190,12 @@ class Live:
         self._say("answers", revision, status="ok", message=message, stale=False, **self._good)
         if answers.fault is not None and (given := mass_advice(found.model)):
             self._tell_count(revision, found, [*given, *self.counted["advice"]])
-        self._show(revision, self._scenes.of_answers(answers))
+        slopes, label = None, ""
+        if wants.sensitivity_of is not None:
+            told = self._ways.of(document, answers)
+            self._say("ways", revision, **told)
+            slopes, label = told["by_element"], f"{wants.sensitivity_of}: % per % of the section's sizes"
+        self._show(revision, self._scenes.of_answers(answers, slopes, label))
 
     def _computing(self, revision: int, **partial: Any) -> None:
         content = {**self._good, **partial}

@@ -5,7 +5,7 @@ import { entry, fits, title } from "./model.js";
 import { takeTool } from "./toolbox.js";
 
 const HINTS = {
-  select: "Click to select, drag to move, Shift adds to the selection. Drag the empty ground to move the view.",
+  select: "Click to select, drag to move, Shift adds to the selection. Drag over the ground: a rectangle; right button: the view.",
   node: "Click where a node shall be; it snaps to the grid and to the axes of other nodes. Esc ends.",
   measure: "Click two points to see their distance. Esc ends.",
   element: "Click the first node, then the next ones; empty ground makes a new node. Esc ends.",

@@ -126,7 +126,7 @@ export class Canvas {
     this.replan();
     const { nodes } = this.plan;
     // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
-    if (nodes.length > 1 && (other || before === 0) && !this.hands.busy) this.fit();
+    if (nodes.length > 1 && (other || (before === 0 && !this.drawn))) this.fit();
     this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
     if (this.analysed && this.analysed.revision !== state.revision) this.live();
     this.behind();

@@ -35,6 +35,7 @@ export class Drawing {
     for (const line of plan.lines) this.line(line);
     this.outwards();
     const taken = new Map();
+    this.rows = new Map();
     for (const own of plan.marks) mark(this, own, taken);
     for (const node of plan.nodes) this.node(node);
     more?.(this);

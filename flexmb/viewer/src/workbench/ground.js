@@ -31,6 +31,7 @@ export class Ground {
     const used = own > step ? this.coarser(step, own) : step;
     const every = strong(used);
     const plain = corners[0].slice();
+    const measures = [];
     for (const [k, span] of spans.entries()) {
       const other = spans[1 - k];
       for (let i = Math.ceil(span.low / used); i * used <= span.high; i += 1) {
@@ -41,9 +42,10 @@ export class Ground {
           return eye.project(place);
         });
         this.line(line, this.colour(i, every, other.axis, colours));
-        if (eye.planar && i % every === 0) this.measure(k, line, i * used, colours, width, height);
+        if (eye.planar && i % every === 0) measures.push([k, line, i * used]);
       }
     }
+    for (const own of measures) this.measure(...own, colours, width, height);
   }
 
   coarser(step, least) {
@@ -73,14 +75,21 @@ export class Ground {
     const { pen } = this;
     pen.font = "11px system-ui, sans-serif";
     pen.fillStyle = colours.soft;
+    pen.strokeStyle = colours.back;
+    pen.lineWidth = 4;
+    pen.lineJoin = "round";
+    const write = (...told) => {
+      pen.strokeText(...told);
+      pen.fillText(...told);
+    };
     if (k === 0 && x > 60 && x < width - 30) {
       pen.textAlign = "center";
       pen.textBaseline = "bottom";
-      pen.fillText(length(value), x, height - 4);
+      write(length(value), x, height - 4);
     } else if (k === 1 && y > 20 && y < height - 26) {
       pen.textAlign = "left";
       pen.textBaseline = "middle";
-      pen.fillText(length(value), 5, y);
+      write(length(value), 5, y);
     }
   }
 }

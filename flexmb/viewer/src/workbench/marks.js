@@ -58,6 +58,9 @@ function axisOf(component) {
 /** The nearest of the four directions of the page. */
 const upright = ([u, v]) => (Math.abs(u) > Math.abs(v) ? [Math.sign(u), 0] : [0, Math.sign(v) || -1]);
 
+/** Walls stand upright or lie where the element leaves them about squarely. */
+const nearly = (into) => (Math.max(...into.map(Math.abs)) > 0.86 ? upright(into) : into);
+
 function support(drawing, own, at) {
   const { pen, eye } = drawing;
   const into = drawing.into(own.node?.name);
@@ -67,8 +70,9 @@ function support(drawing, own, at) {
   const turns = held.filter((name) => !all.includes(name) && name !== "position");
   const behind = (out, by) => [at[0] - by * out[0], at[1] - by * out[1]];
   if (!held.length || (turns.length && shifts.length === all.length)) {
-    symbols.clamp(pen, at, into);
-    return behind(into, 6);
+    const out = nearly(into);
+    symbols.clamp(pen, at, out);
+    return behind(out, 6);
   }
   if (held.includes("position") || shifts.length === all.length || (!eye.planar && shifts.length > 1)) {
     symbols.pin(pen, at, upright(into));
@@ -149,20 +153,21 @@ function signal(drawing, own, at, { colour, before }) {
     if (turns && own.call !== "output" && own.call !== "sensor") symbols.turn(pen, at, true, 20);
     return tag(drawing, { ...own, tag: `${WORDS[own.call] ?? own.call} ${component.replace("phi", "φ")}` }, at, { colour, before });
   }
-  const across = [-along[1], along[0]];
-  const side = own.call === "output" ? 1 : -1;
-  const shift = (by, aside) => [0, 1].map((k) => at[k] + by * along[k] + side * aside * across[k]);
-  if (own.call === "dof") {
-    const [from, to] = [shift(-24, 15), shift(24, 15)];
-    symbols.arrow(pen, from, to, { both: true, size: 8 });
-    words.write(`DOF ${component}`, to[0] + 6, to[1], colour);
-    return shift(0, 15);
-  }
-  const aside = own.call === "output" ? 12 : 22;
-  const [from, to] = [shift(10, aside), shift(44, aside)];
-  symbols.arrow(pen, from, to, { open: true, size: 8 });
-  words.write(`${WORDS[own.call]} ${cutTo(name, 12)}`, to[0] + 6, to[1], colour);
-  return shift(27, aside);
+  // Beside the node, on the side where no element is, one above the other.
+  const into = drawing.into(own.node.name);
+  const side = -along[1] * into[0] + along[0] * into[1] > 0 ? -1 : 1;
+  const row = `${own.node.name} ${own.components[0]}`;
+  const rows = drawing.rows.get(row) ?? 0;
+  drawing.rows.set(row, rows + 1);
+  const aside = 15 + 13 * rows;
+  const shift = (by) => [at[0] + by * along[0] - side * aside * along[1], at[1] + by * along[1] + side * aside * along[0]];
+  const [from, to] = [shift(10), shift(46)];
+  symbols.arrow(pen, from, to, own.call === "dof" ? { both: true, size: 8 } : { open: true, size: 8 });
+  const flat = Math.abs(along[0]) > 0.5;
+  const left = along[0] < -0.5;
+  const text = own.call === "dof" ? `DOF ${component}` : `${WORDS[own.call]} ${cutTo(name, 12)}`;
+  words.write(text, to[0] + (left ? -6 : flat ? 6 : 4), to[1] + (flat ? 0 : 7 * Math.sign(along[1])), colour, left ? "right" : "left");
+  return shift(28);
 }
 
 const WORDS = { input: "in", output: "out", actuator: "in", sensor: "out", dof: "DOF" };

@@ -54,5 +54,7 @@ export function drawDimension({ pen, eye, colours, words: texts }, from, to, tex
   pen.strokeStyle = pen.fillStyle = colours.focus;
   pen.lineWidth = 1.2;
   const [x, y] = symbols.dimension(pen, a, b);
-  texts.write(text, x, y, colours.focus, x < Math.min(a[0], b[0]) ? "right" : "left");
+  const wide = pen.measureText(text).width + 12;
+  const right = x < Math.min(a[0], b[0]) && x > wide;
+  texts.write(text, right ? x : Math.min(x, eye.stage.width - wide), y, colours.focus, right ? "right" : "left");
 }

@@ -8,10 +8,15 @@ import * as symbols from "./symbols.js";
 const SLACK = 6;
 // What is put where nothing was chosen, and is meant to be changed.
 const STARTS = {
-  mass: { mass: "0.1" }, inertia: { inertia: "1e-5" },
-  moment: (planar) => ({ moment: planar ? "0.1" : ["0", "0", "0.1"] }),
+  mass: () => ({ mass: "0.1" }),
+  inertia: () => ({ inertia: "1e-5" }),
+  moment: (planar) => ({ moment: planar ? ["0.1"] : ["0", "0", "0.1"] }),
   force: (planar) => ({ force: planar ? ["0", "-1"] : ["0", "0", "-1"] }),
-  dof: { components: "x" }, input: { component: "x" }, output: { component: "x" }, prescribe: { components: "x" },
+  gravity: (planar) => ({ acceleration: planar ? ["0", "-9.81"] : ["0", "0", "-9.81"] }),
+  dof: (_, node) => ({ components: node ? "x" : "1" }),
+  input: (_, node) => ({ component: node ? "x" : "1" }),
+  output: (_, node) => ({ component: node ? "x" : "1" }),
+  prescribe: (_, node) => ({ component: node ? "x" : "1" }),
 };
 
 /** What must be clicked, in order: {field, what: "node" | "of" | "element" | "place" | "direction"}. */
@@ -52,7 +57,7 @@ export class Placing {
   get prompt() {
     if (this.kind === "node") return "Click where the node shall be";
     const { slot, given, title } = this;
-    if (!slot) return title;
+    if (!slot) return `${title}: click anywhere to add it`;
     if (slot.what === "direction") return `${title}: click in which direction it shall stand`;
     if (slot.list) return `${title}: click ${given.length ? "the next" : "its first"} end`;
     const what = { of: "the node or element", element: "the element" }[slot.what] ?? "the node";
@@ -65,7 +70,8 @@ export class Placing {
   }
 
   get options() {
-    return { from: this.given.at(-1)?.place ?? null, lines: this.makes && this.slot?.what !== "direction" };
+    const from = this.given.at(-1)?.place ?? null;
+    return { from, through: from?.point ?? null, lines: this.makes && this.slot?.what !== "direction" };
   }
 
   press(place, { x, y, reach }) {
@@ -88,7 +94,10 @@ export class Placing {
 
   give(place, x, y, reach) {
     const { canvas, slot } = this;
-    if (!slot) return;
+    if (!slot) {
+      this.finish();
+      return;
+    }
     const own = this.taken(place, x, y, reach);
     if (!own) {
       const what = { of: "a node or an element", element: "an element" }[slot.what] ?? "a node";
@@ -157,6 +166,7 @@ export class Placing {
 
   async send(ops, label, merge, last = false) {
     const { store } = this.canvas;
+    this.canvas.drawn = true;
     const { ids } = await store.edit(ops, { label, merge });
     if (ids?.length) store.select(last ? ids.slice(-1) : ids);
   }
@@ -183,11 +193,9 @@ export class Placing {
     const { canvas, call, args } = this;
     const { catalogue, document: own } = canvas.store.state;
     const planar = own.dimension === 2;
-    const start = STARTS[call];
-    const all = { ...(typeof start === "function" ? start(planar) : start) };
+    const all = STARTS[call]?.(planar, given[0]?.place.kind === "node") ?? {};
     const fields = catalogue?.[call]?.fields;
-    if (fields) for (const name of Object.keys(all)) if (!fields.some((field) => field.name === name)) delete all[name];
-    Object.assign(all, args);
+    for (const [name, value] of Object.entries(args)) if (value !== "" && value !== null) all[name] = value;
     for (const { slot, name, place } of given) {
       if (slot.what === "direction") this.stand(all, given[0].place, place, planar, fields);
       else if (slot.list) all[slot.field] = given.filter((one) => one.slot.field === slot.field).map((one) => one.name);
