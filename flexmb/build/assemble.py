@@ -118,7 +118,11 @@ def assemble(builder: Description) -> Model:
         tuple(name for name, *_ in elements if name in warm),
     )
     # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
-    topology, parameters = jax.tree.map(lambda a: jax.device_put(a) if is_concrete(a) else a, (topology, parameters))
+    leaves, structure = jax.tree.flatten((topology, parameters))
+    on_host = [i for i, leaf in enumerate(leaves) if is_concrete(leaf)]
+    for i, leaf in zip(on_host, jax.device_put([leaves[i] for i in on_host]), strict=True):
+        leaves[i] = leaf
+    topology, parameters = jax.tree.unflatten(structure, leaves)
     return Model(topology, parameters, labels)
 
 

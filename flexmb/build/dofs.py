@@ -43,7 +43,7 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
         for kind, of, component in builder.starts:
             builder.dof(of, component, kind=kind)
         started = assemble(builder)
-        first, rest = independent_rows(_named_rows(started, motions), len(builder.starts), CANNOT_MOVE)
+        first, rest = independent_rows(named_rows(started, motions), len(builder.starts), CANNOT_MOVE)
         x, e = choose(started, motions @ rest, motions.shape[1] - len(first))
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
             for i in chosen:
@@ -134,7 +134,7 @@ def _with_coefficients(builder: Description, model: Model, motions: np.ndarray) 
     missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
     if missing <= 0 or not candidates:
         return model
-    rows = _named_rows(model, motions)
+    rows = named_rows(model, motions)
     _, rest = independent_rows(rows, len(rows), 0.0)
     effects = constraints(model).jacobian[candidates] @ motions @ rest
     chosen, _ = independent_rows(effects, missing, INDEPENDENT)
@@ -147,7 +147,7 @@ def _with_coefficients(builder: Description, model: Model, motions: np.ndarray) 
     return assemble(builder)
 
 
-def _named_rows(model: Model, motions: np.ndarray) -> np.ndarray:
+def named_rows(model: Model, motions: np.ndarray) -> np.ndarray:
     """Change of the named degrees of freedom in each motion, (n_q, f)."""
     by_deformation = constraints(model).jacobian[np.asarray(model.topology.e.dof)] @ motions
     return np.concatenate([motions[np.asarray(model.topology.x.dof)], by_deformation])
@@ -174,7 +174,7 @@ def choose(model: Model, motions: np.ndarray, wanted: int) -> tuple[list[int], l
 def _check_named(model: Model, motions: np.ndarray) -> None:
     topology = model.topology
     ndof, named = motions.shape[1], topology.n_q
-    rows = list(_named_rows(model, motions))
+    rows = list(named_rows(model, motions))
     names = model.q_labels
     stuck = [name for name, row in zip(names, rows, strict=True) if np.linalg.norm(row) < CANNOT_MOVE]
     if stuck:

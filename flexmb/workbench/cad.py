@@ -1,7 +1,8 @@
-"""The mechanism for CAD programs: solids as STEP by build123d, outlines and centrelines as DXF by ezdxf; millimetres."""
+"""The mechanism for CAD programs: solids as STEP by build123d, lines as DXF by ezdxf; both in millimetres."""
 
 import importlib
 import io
+import itertools
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -308,7 +309,7 @@ def _solid(cad: Any, part: _Part) -> Any:
 def _bars(cad: Any, line: Line, diameter: float) -> Iterator[Any]:
     """Round bars along the pieces of a line."""
     points = MILLIMETRES * _in_space(_few(line.points, extent_of(line.points)))
-    for p, q in zip(points[:-1], points[1:], strict=True):
+    for p, q in itertools.pairwise(points):
         plane = cad.Plane(tuple(p), z_dir=tuple(q - p))
         bar = cad.Solid.make_cylinder(MILLIMETRES * diameter / 2, float(np.linalg.norm(q - p)), plane)
         bar.label = clean(line.element)

@@ -52,8 +52,20 @@ class Job:
         with self._lock:
             # Who stopped it has been told so, and what comes later would look as if it went on.
             if self._state["status"] == "running":
-                self._state |= changes
-                self._tell({"tell": "job", "job": self.name, "kind": self.kind, **self._state})
+                self._say(changes)
+
+    def end(self, **changes: Any) -> None:
+        """Tell pages how it ended, and of a job that was stopped what it had found by then.
+
+        Args:
+            changes: As for :meth:`tell`, with the status.
+        """
+        with self._lock:
+            self._say({**changes, "status": "stopped"} if self.stopped else changes)
+
+    def _say(self, changes: dict[str, Any]) -> None:
+        self._state |= changes
+        self._tell({"tell": "job", "job": self.name, "kind": self.kind, **self._state})
 
     def stop(self) -> None:
         """Ask it to end; pages see it as stopped from here on."""
@@ -116,13 +128,13 @@ class Jobs:
 
     def _run(self, job: Job, work: Callable[[Job], dict[str, Any] | None]) -> None:
         try:
-            job.tell(**{"fraction": 1.0, **(work(job) or {}), "status": "done"})
+            job.end(**{"fraction": 1.0, "status": "done", **(work(job) or {})})
         except Stopped:
-            job.tell(status="stopped")
-        except (AnalysisError, ModelError, ValueError) as fault:
-            job.tell(status="failed", text=str(fault))
+            job.end(status="stopped")
+        except (AnalysisError, ModelError, ImportError, ValueError) as fault:
+            job.end(status="failed", text=str(fault))
         except Exception as fault:
-            job.tell(status="failed", text=f"{type(fault).__name__}: {fault}")
+            job.end(status="failed", text=f"{type(fault).__name__}: {fault}")
         finally:
             with self._lock:
                 del self._running[job.name]

@@ -8,23 +8,22 @@ import asyncio
 import contextlib
 import hmac
 import http
-import json
 import logging
+import os
 import re
 import secrets
 import socket
 import threading
 from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from concurrent.futures import ThreadPoolExecutor
 from importlib.resources import files
 from typing import Any
 
+from .messages import LONGEST_FRAME, Page, guarded, number_of, parsed, refused, written
 from .session import Refused, Session
 
 LOOPBACK = "127.0.0.1"
-# Letters of one message from a page [-]: a longer one is refused by name, one beyond the second ends the connection.
-LONGEST_MESSAGE, LONGEST_FRAME = 4_000_000, 16_000_000
 # Requests of one page whose replies are kept, for those that are sent again after the connection was lost.
 KEPT_REPLIES = 200
 KEPT_PAGES = 50
@@ -48,37 +47,6 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 GOODBYE = "The workbench has ended."
-
-
-class Page:
-    """One page that is connected, and what waits to be sent to it.
-
-    A page that is slow gets of every kind of push the newest only, and holds up no other.
-    """
-
-    def __init__(self, own: Any):
-        self.socket = own
-        self.waiting: dict[Hashable, str] = {}
-        self.filled = asyncio.Event()
-        self.replies = 0
-
-    def push(self, key: Hashable, text: str) -> None:
-        """Send a text, in place of an older one of the same kind that still waits."""
-        self.waiting[key] = text
-        self.filled.set()
-
-    def reply(self, text: str) -> None:
-        """Send a reply, after what waits already."""
-        self.replies += 1
-        self.push(("reply", self.replies), text)
-
-    async def send(self) -> None:
-        """Send what waits, as long as the page is there."""
-        while True:
-            await self.filled.wait()
-            while self.waiting:
-                await self.socket.send(self.waiting.pop(next(iter(self.waiting))))
-            self.filled.clear()
 
 
 class Server:
@@ -106,7 +74,7 @@ class Server:
         _websockets()
         self.session = session
         self.token = token or secrets.token_urlsafe(24)
-        self._socket = socket.create_server((LOOPBACK, port))
+        self._socket = _listening(port)
         self.port = self._socket.getsockname()[1]
         self.address = f"http://{LOOPBACK}:{self.port}/{self.token}/"
         self._policy = POLICY if framed else f"{POLICY}; frame-ancestors 'none'"
@@ -123,9 +91,9 @@ class Server:
 
     def start(self) -> None:
         """Begin to answer, in a thread of its own."""
-        self.session.listen(self.tell)
         self._thread.start()
         self._ready.wait()
+        self.session.listen(self.tell)
 
     def close(self) -> None:
         """Tell the pages, end the session, and give the port back; a second call does nothing."""
@@ -145,7 +113,7 @@ class Server:
             message: What, under "tell", and its content.
         """
         key = (message["tell"], message.get("job"))
-        text = _text(message)
+        text = written(message)
         if self._loop is not None:
             # The loop may have ended.
             with contextlib.suppress(RuntimeError):
@@ -231,9 +199,9 @@ class Server:
         try:
             async for text in own:
                 try:
-                    number, verb, arguments = _parsed(text)
+                    number, verb, arguments = parsed(text)
                 except Refused as fault:
-                    page.reply(_refused(_number(text), fault))
+                    page.reply(refused(number_of(text), fault))
                     continue
                 if verb == "hello":
                     name = str(arguments.pop("page", ""))[:100]
@@ -275,12 +243,12 @@ class Server:
     async def _reply(self, number: int, verb: str, arguments: dict[str, Any], key: str | None) -> str:
         assert self._loop is not None
         try:
-            found = await self._loop.run_in_executor(self._desk, _guarded, self.session.ask, verb, arguments, key)
+            found = await self._loop.run_in_executor(self._desk, guarded, self.session.ask, verb, arguments, key)
             if callable(found):
-                found = await self._loop.run_in_executor(self._beside, _guarded, found)
-            return _text({"re": number, "ok": True, **found})
+                found = await self._loop.run_in_executor(self._beside, guarded, found)
+            return written({"re": number, "ok": True, **found})
         except Refused as fault:
-            return _refused(number, fault)
+            return refused(number, fault)
 
 
 def _websockets() -> None:
@@ -292,63 +260,21 @@ def _websockets() -> None:
         ) from None
 
 
+def _listening(port: int) -> socket.socket:
+    # Said to be TCP by name, or asyncio leaves small messages waiting for those before them to be acknowledged (40 ms).
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        if os.name == "posix":
+            # A port of a process that has just ended is free; elsewhere this would share one that is taken.
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind((LOOPBACK, port))
+        found.listen()
+    except OSError:
+        found.close()
+        raise
+    return found
+
+
 def _is_here(host: str) -> bool:
     """Whether a Host header names this machine; its port may be another, where a tunnel leads here."""
     return re.fullmatch(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", host, re.ASCII | re.IGNORECASE) is not None
-
-
-def _guarded(work: Callable[..., Any], *arguments: Any) -> Any:
-    """Do something; whatever goes wrong becomes a refusal, so that no message ends the session."""
-    try:
-        return work(*arguments)
-    except Refused:
-        raise
-    except Exception as fault:
-        words = " ".join(str(fault).split())
-        raise Refused(f"{type(fault).__name__}: {words}") from fault
-
-
-def _parsed(text: str | bytes) -> tuple[int, str, dict[str, Any]]:
-    """Number, verb and arguments of a message."""
-    if not isinstance(text, str):
-        raise Refused("A message is a text of JSON, and this one is binary.")
-    if len(text) > LONGEST_MESSAGE:
-        raise Refused(f"A message has {LONGEST_MESSAGE} letters at most, and this one {len(text)}.")
-    try:
-        found = json.loads(text, parse_constant=_no_constant)
-        if "\\ud" in text.lower():
-            json.dumps(found, ensure_ascii=False).encode()
-    except (ValueError, RecursionError) as fault:
-        raise Refused(f"This message is no JSON: {type(fault).__name__}: {fault}") from None
-    if not isinstance(found, dict):
-        raise Refused("A message is an object with 'id' and 'do'.")
-    number, verb = found.pop("id", None), found.pop("do", None)
-    if type(number) is not int or not 0 <= number < 2**53:
-        raise Refused("A message has a whole number 'id'.")
-    if not isinstance(verb, str):
-        raise Refused("A message says under 'do' what is wanted.")
-    return number, verb, found
-
-
-def _number(text: Any) -> int | None:
-    """Number of a message that is refused, where it begins with one."""
-    found = re.match(r'\s*\{\s*"id"\s*:\s*(\d{1,15})\b', text[:100]) if isinstance(text, str) else None
-    return int(found[1]) if found else None
-
-
-def _no_constant(word: str) -> Any:
-    raise ValueError(f"{word} is no number of JSON.")
-
-
-def _refused(number: int | None, fault: Refused) -> str:
-    return _text({"re": number, "ok": False, "problem": fault.problem})
-
-
-def _text(message: dict[str, Any]) -> str:
-    """A message as JSON; what is not finite is null, whoever forgot to say so."""
-    try:
-        return json.dumps(message, allow_nan=False, separators=(",", ":"))
-    except (TypeError, ValueError):
-        from ..answers.answers import plain
-
-        return json.dumps(plain(message), allow_nan=False, separators=(",", ":"))

@@ -1,5 +1,7 @@
 """One session of the workbench: the document and its history, what is computed of it, and what pages ask for."""
 
+from __future__ import annotations
+
 import inspect
 import secrets
 import threading
@@ -8,8 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..errors import clean
+from ..errors import ModelError, clean
+from .building import Built, build, numbers_of, positions
+from .document import Document, Report
+from .fields import catalogue
+from .filing import Opened, exported, lost_in, opened, received, write
+from .history import History
 from .jobs import Jobs
+from .live import Live
+from .live_answers import Wants
+from .places import Place, place_of
+from .watch import Watch
 
 
 class Refused(Exception):
@@ -21,42 +32,65 @@ class Refused(Exception):
 
     def __init__(self, message: str, address: str | None = None):
         super().__init__(message)
-        self.problem = {"message": message} | ({} if address is None else {"address": address})
+        self.problem = {"message": message} | ({"address": address} if address else {})
 
 
 class Session:
-    """A document that is worked on, as a method ``do_<verb>`` for everything that a page may ask for.
+    """A document that is worked on, with a method ``do_<verb>`` for everything that a page may ask for.
 
     Verbs run one after the other in one thread. Each answers what its reply holds, or a function that makes it, which
     runs beside the verbs that follow: it must be of what it was given alone.
 
     Attributes:
         run: Name of this session: another one after the program was started again.
+        history: The document, and the way to it.
+        notes: What is to be said about how it began.
+        place: Where its journal stands, and how it is found; None without a journal.
+        recovered: Whether what is here came back from a journal, and nobody has said yet that it shall stay.
+        live: What is computed of the newest document.
+        jobs: Long work.
     """
 
-    def __init__(self, document: Any = None, file: Path | None = None):
-        from .stand_in import History
+    def __init__(self, history: History | None = None, *, place: Place | None = None, notes: list[str] | None = None):
+        """Begin; what is computed is told from the first :meth:`listen` on.
 
+        Args:
+            history: What is worked on; an empty document unless given.
+            place: Where its journal stands.
+            notes: What is to be said about how it began.
+        """
         self.run = secrets.token_hex(8)
-        self.file = file
-        self.history = History(document)
-        self.revision = 0
+        self.history = history or History()
+        self.place = place
+        self.notes = notes or []
+        self.recovered = False
+        self.wants = Wants()
+        self.jobs = Jobs(self.tell)
+        self.watch = Watch(self._disk_changed)
         self._lock = threading.RLock()
         self._listeners: list[Callable[[dict[str, Any]], None]] = []
-        self.jobs = Jobs(self.tell)
+        self._built: tuple[Document, Built] | None = None
+        self._answers_at: tuple[int, str] | None = None
+        self._is_closed = False
+        self.live = Live(self.tell, self.built)
+
+    # What it tells, and how it is asked.
 
     def listen(self, listener: Callable[[dict[str, Any]], None]) -> None:
         """Tell a function everything that pages are to know, from any thread."""
         self._listeners.append(listener)
+        with self._lock:
+            self._tell_changes()
+            if self.recovered:
+                name = Path(self.history.file).name if self.history.file else "the new mechanism"
+                count = len(self.history.undo_labels)
+                summary = f"{count} {'step' if count == 1 else 'steps'} that nobody saved came back."
+                self.tell({"tell": "file", "changed": False, "recovered": True, "name": name, "summary": summary})
 
     def tell(self, message: dict[str, Any]) -> None:
         """Tell all pages, from any thread."""
         for listener in list(self._listeners):
             listener(message)
-
-    def close(self) -> None:
-        """End what is running; a second call does nothing."""
-        self.jobs.close()
 
     def ask(self, verb: str, arguments: dict[str, Any], key: str | None = None) -> Any:
         """Do what a page asks for.
@@ -70,65 +104,271 @@ class Session:
             Content of the reply, or a function that makes it.
 
         Raises:
-            Refused: It cannot be done, and why.
+            Refused: There is no such verb, or it takes other arguments.
+            Exception: Whatever was wrong with what was asked.
         """
         method = getattr(self, f"do_{verb}", None) if verb.isidentifier() else None
         if method is None:
             raise Refused(f"There is no verb '{clean(verb)}'.")
+        signature = inspect.signature(method)
         try:
-            inspect.signature(method).bind(**arguments)
+            given = signature.bind(**arguments, **({"key": key} if "key" in signature.parameters else {}))
         except TypeError as fault:
             raise Refused(f"{verb}: {fault}.") from None
         with self._lock:
-            return method(**arguments) or {}
+            if key is not None and key in self.history.requests:
+                # Done by a process that was killed before it could say so.
+                return self._reply(self.history.requests[key])
+            return method(*given.args, **given.kwargs) or {}
+
+    def built(self, document: Document | None = None) -> Built:
+        """What has become of a document, which is built once.
+
+        Args:
+            document: The one of now unless given.
+        """
+        document = document or self.history.document
+        known = self._built
+        if known is None or known[0] is not document:
+            self._built = known = document, build(document)
+        return known[1]
+
+    def builder(self) -> Any:
+        """A new builder with the mechanism as it is now.
+
+        Raises:
+            ModelError: Something in it cannot be built; the message lists all.
+        """
+        built = build(self.history.document)
+        if built.problems:
+            raise ModelError("\n".join(problem["message"] for problem in built.problems))
+        return built.builder
+
+    def answers_at(self, port: int, token: str) -> None:
+        """Say where pages find this session, now and after it was started again."""
+        self._answers_at = port, token
+        if self.place is not None:
+            self.place.take(port, token)
+
+    def close(self, *, keep: bool | None = None) -> None:
+        """End what is running; a second call does nothing.
+
+        Args:
+            keep: Whether the journal stays; by default where something was not saved.
+        """
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self.watch.close()
+        self.jobs.close()
+        self.live.stop()
+        with self._lock:
+            keep = not self.history.is_saved if keep is None else keep
+            self.history.close(keep=keep)
+            if self.place is not None and not keep and self.history.file is None:
+                self.place.leave()
 
     # Verbs.
 
     def do_hello(self, run: str | None = None) -> dict[str, Any]:
         """What a page needs to begin."""
-        self._tell_document()
-        return {"run": self.run, "version": __version__, "file": self._name(), "catalogue": {}}
+        return {
+            "run": self.run,
+            "version": __version__,
+            "file": self.history.file,
+            "catalogue": catalogue(),
+            "notes": self.notes,
+        }
 
-    def do_edit(self, ops: list, label: str = "", merge: str | None = None) -> dict[str, Any]:
+    def do_edit(self, ops: list, label: str | None = None, merge: str | None = None, key: str | None = None) -> Any:
         """Change the document."""
-        report = self.history.edit(ops, label, merge)
-        return {"revision": self._changed(), **report}
+        return self._changed(self.history.edit(ops, label or None, merge, key))
 
-    def do_undo(self) -> dict[str, Any]:
+    def do_undo(self, key: str | None = None) -> Any:
         """Go back one step."""
-        label = self.history.undo()
-        return {"revision": self._changed(), "label": label}
+        return self._changed(self.history.undo(key))
 
-    def do_redo(self) -> dict[str, Any]:
+    def do_redo(self, key: str | None = None) -> Any:
         """Go forward again."""
-        label = self.history.redo()
-        return {"revision": self._changed(), "label": label}
+        return self._changed(self.history.redo(key))
+
+    def do_part(self) -> None:
+        """End a step: what follows is another one, whatever its merge key."""
+        self.history.part()
+
+    def do_want(self, **changes: Any) -> None:
+        """Change what is computed and shown."""
+        self.wants = self.wants.changed(changes)
+        self.live.show(self.history.revision, self.history.document, self.wants)
+
+    def do_advise(self, index: int, key: str | None = None) -> Any:
+        """Do what a piece of advice says."""
+        counted = self.live.counted
+        given = counted.get("advice", [])
+        if counted.get("revision") != self.history.revision or not 0 <= index < len(given):
+            raise Refused("The mechanism has changed since this advice was given: see what it says now.")
+        return self._changed(self.history.edit(given[index]["ops"], given[index]["text"], None, key))
 
     def do_stop(self, job: str) -> None:
         """Stop a job."""
         self.jobs.stop(job)
 
-    def _name(self) -> str | None:
-        return None if self.file is None else str(self.file)
+    def do_open(
+        self, path: str | None = None, text: str | None = None, name: str | None = None, key: str | None = None
+    ) -> Any:
+        """Put the document of a file, or of a text that a page has, in the place of this one; a step as any other."""
+        if (path is None) == (text is None) or (text is None) != (name is None):
+            raise Refused("open: give a path, or a text and its name.")
+        if path is not None:
+            file = Path(path).expanduser().absolute()
+            found = opened(file)
+        else:
+            file = None
+            found = received(str(name), str(text))
+        self._take(found, file, f"Open {clean(file.name if file else name)}", key)
+        return self._changed(None, notes=found.notes)
 
-    def _changed(self) -> int:
-        self.revision += 1
-        self._tell_document()
-        return self.revision
+    def do_save(self, path: str | None = None, anyway: bool = False) -> Any:
+        """Write the file; where that loses something, say so and write nothing, unless it is wanted anyway."""
+        given = path or self.history.file
+        if not given:
+            raise Refused("save: this mechanism has no file yet: give a path.")
+        file, own = Path(given).expanduser().absolute(), self.history.file
+        is_own = own is not None and file == Path(own)
+        if lost := [] if anyway else lost_in(self.history.document, file):
+            return {"saved": False, "cannot_hold": lost}
+        if is_own and (changed := self.watch.differs()):
+            self._disk_changed(changed[0])
+            raise Refused(f"'{clean(file.name)}' was changed by another program: say which is to stay, and save again.")
+        if not is_own and not anyway and file.exists():
+            return {"saved": False, "over": file.name}
+        self.save(file)
+        return {"saved": True, "file": str(file)}
 
-    def _tell_document(self) -> None:
+    def do_export(self, kind: str, deformed: bool = False) -> Callable[[], dict[str, Any]]:
+        """Content of a file of another kind."""
+        document, file = self.history.document, self.history.file
+        name = Path(file).stem if file else "".join(c if c.isalnum() else "_" for c in document.data["title"])[:60]
+        return lambda: exported(document, kind, name or "mechanism", deformed)
+
+    def do_keep_disk(self) -> None:
+        """Keep what is here; the next save writes over what another program has written."""
+        if not self.recovered:
+            self.history.saved = None
+        self.watch.know(*self.watch.files)
+        self._disk_settled()
+        self._tell_changes()
+
+    def do_take_disk(self, key: str | None = None) -> Any:
+        """Take what the file holds now, or begin anew where there is no file; a step as any other."""
+        file = self.history.file
+        found = Opened(Document.empty(self.history.document.dimension), [], []) if file is None else opened(Path(file))
+        label = "Begin anew" if file is None else f"Take {clean(Path(file).name)} from the disk"
+        self._take(found, None if file is None else Path(file), label, key)
+        self._disk_settled()
+        return self._changed(None, notes=found.notes)
+
+    # What they share.
+
+    def save(self, file: Path) -> None:
+        """Write the document to a file, which it belongs to from then on, unless that cannot be opened again.
+
+        Args:
+            file: Ends in .dat, .json or .py.
+
+        Raises:
+            OSError: It cannot be written.
+            ValueError: It ends otherwise.
+        """
+        with self._lock:
+            files = write(self.history.document, file)
+            if file.suffix == ".py":
+                return
+            self.history.mark_saved(str(file))
+            self.watch.know(*files)
+            self._move_to(file)
+            self._disk_settled()
+            self._tell_changes()
+
+    def _reply(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
+        own = {"label": found} if found is None or isinstance(found, str) else found._asdict()
+        return {"revision": self.history.revision, **own, **more}
+
+    def _changed(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
+        self._tell_changes()
+        return self._reply(found, **more)
+
+    def _tell_changes(self) -> None:
         history = self.history
+        built = self.built()
+        values = numbers_of(history.document)
         self.tell(
             {
                 "tell": "document",
-                "revision": self.revision,
-                "document": history.document,
-                "undo": history.undone,
-                "redo": history.redone,
-                "problems": [],
-                "positions": {},
-                "values": {},
-                "saved": not history.undone,
-                "file": self._name(),
+                "revision": history.revision,
+                "document": history.document.data,
+                "undo": history.undo_labels,
+                "redo": history.redo_labels,
+                "problems": built.problems,
+                "positions": positions(history.document, built),
+                "values": {name: values.get(f"names/{name}/value") for name in history.document.names},
+                "saved": history.is_saved,
+                "file": history.file,
             }
         )
+        self.live.show(history.revision, history.document, self.wants)
+
+    def _take(self, found: Opened, file: Path | None, label: str, key: str | None) -> None:
+        self.history.replace(found.document, label, None if file is None else str(file), key)
+        self.watch.know(*found.files)
+        if file is not None:
+            self._move_to(file)
+
+    def _move_to(self, file: Path) -> None:
+        """Take the journal to the place of another file, so that it is found with that."""
+        place = place_of(file)
+        if self.place is None or place == self.place or place.is_taken():
+            return
+        old, self.place = self.place, place
+        self.history.move_journal(place.journal)
+        old.leave()
+        if self._answers_at is not None:
+            place.take(*self._answers_at)
+
+    def _disk_changed(self, path: Path) -> None:
+        """Offer what another program has written."""
+        with self._lock:
+            file = self.history.file
+            if file is None:
+                return
+            try:
+                summary = _difference(self.history.document, opened(Path(file)).document)
+            except (OSError, ValueError) as fault:
+                summary = f"It cannot be opened as it is now: {fault}"
+            if summary:
+                self.tell({"tell": "file", "changed": True, "name": path.name, "summary": summary})
+                return
+            self.watch.know(*self.watch.files)
+            self.history.mark_saved(file)
+            self._tell_changes()
+
+    def _disk_settled(self) -> None:
+        self.recovered = False
+        self.tell({"tell": "file", "changed": False})
+
+
+def _difference(own: Document, other: Document) -> str:
+    """In what a document differs from another, in a few words; "" where it builds the same."""
+    names = [name for name in {**own.names, **other.names} if own.names.get(name) != other.names.get(name)]
+
+    def plain(document: Document) -> list[str]:
+        return sorted(repr((one["call"], one.get("name"), sorted(one["args"].items()))) for one in document.things)
+
+    here, there = plain(own), plain(other)
+    apart = max(len([one for one in here if one not in there]), len([one for one in there if one not in here]))
+    parts = [f"{apart} {'thing' if apart == 1 else 'things'}"] if apart else []
+    if names:
+        shown = ", ".join(map(clean, names[:5]))
+        parts.append(f"the {'name' if len(names) == 1 else 'names'} {shown}{' and more' if len(names) > 5 else ''}")
+    verb = "differs" if len(names) + apart == 1 else "differ"
+    return f"{' and '.join(parts)} {verb} from what is here." if parts else ""

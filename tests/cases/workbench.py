@@ -2,12 +2,15 @@
 
 import contextlib
 import json
+import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +38,19 @@ class Process:
 
     Attributes:
         address: Of its page.
+        state: Folder of its journals, in which another one goes on.
     """
 
-    def __init__(self, *arguments: Any, folder: Path | None = None):
-        call = [sys.executable, "-m", "flexmb", "edit", *map(str, arguments), "--no-browser"]
+    def __init__(self, *arguments: Any, folder: Path | None = None, state: Path | None = None):
+        self.state = state or Path(tempfile.mkdtemp())
         self.process = subprocess.Popen(
-            call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder, start_new_session=True
+            [sys.executable, "-m", "flexmb", "edit", *map(str, arguments), "--no-browser"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=folder,
+            env={**os.environ, "FLEXMB_STATE": str(self.state)},
+            start_new_session=True,
         )
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -59,13 +69,69 @@ class Process:
 
 
 @contextlib.contextmanager
-def served(*arguments: Any, folder: Path | None = None) -> Iterator[Process]:
+def served(*arguments: Any, **where: Any) -> Iterator[Process]:
     """A running workbench, which is ended afterwards."""
-    own = Process(*arguments, folder=folder)
+    own = Process(*arguments, **where)
     try:
         yield own
     finally:
         own.end()
+
+
+class Client:
+    """A page without a browser: asks, and keeps what it is told.
+
+    Attributes:
+        told: Newest push of every kind.
+        heard: All pushes, in order.
+        replies: By number.
+    """
+
+    def __init__(self, address: str, page: str = "", greet: bool = True, **options: Any):
+        from websockets.sync.client import connect
+
+        origin = re.sub(r"(?<=\d)/.*", "", address)
+        to = address.replace("http", "ws", 1) + "socket"
+        given = {"origin": origin, "compression": None, "max_size": None, "proxy": None, **options}
+        self._held = contextlib.ExitStack()
+        self.socket = self._held.enter_context(connect(to, **given))
+        self.told: dict[str, dict[str, Any]] = {}
+        self.heard: list[dict[str, Any]] = []
+        self.replies: dict[int | None, dict[str, Any]] = {}
+        self.number = 0
+        if greet:
+            self.hello = self.ask("hello", page=page or f"page {id(self)}")
+
+    def send(self, verb: str, **arguments: Any) -> int:
+        """Send a request and do not wait."""
+        self.number += 1
+        self.socket.send(json.dumps({"id": self.number, "do": verb, **arguments}))
+        return self.number
+
+    def ask(self, verb: str, **arguments: Any) -> dict[str, Any]:
+        """Reply to a request."""
+        return self.reply(self.send(verb, **arguments))
+
+    def reply(self, number: int | None, seconds: float = 30) -> dict[str, Any]:
+        """Wait for a reply."""
+        self.until(lambda: number in self.replies, seconds)
+        return self.replies.pop(number)
+
+    def until(self, there: Callable[[], Any], seconds: float = 30) -> Any:
+        """Listen until something is there, and return it."""
+        end = time.monotonic() + seconds
+        while not (found := there()):
+            message = json.loads(self.socket.recv(timeout=max(end - time.monotonic(), 0.01)))
+            if "re" in message:
+                self.replies[message["re"]] = message
+            else:
+                self.told[message["tell"]] = message
+                self.heard.append(message)
+        return found
+
+    def close(self) -> None:
+        """Leave."""
+        self._held.close()
 
 
 @contextlib.contextmanager

@@ -62,7 +62,8 @@ export class Store {
     this.asked = new Map();
     // By merge key: the edit under way, and the one that waits for it.
     this.merging = new Map();
-    this.page = crypto.randomUUID();
+    // Not randomUUID, which a page in a frame of an insecure one does not have.
+    this.page = Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join("-");
     this.run = null;
     this.number = 0;
   }
