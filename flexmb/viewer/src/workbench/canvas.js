@@ -313,6 +313,11 @@ export class Canvas {
     return node?.at ?? mark?.node?.at ?? (line ? middleOf(line) : null);
   }
 
+  nodeOn(point) {
+    const near = 1e-9 + 1e-3 * this.eye.scale;
+    return this.plan.nodes.find(({ at }) => at.every((value, k) => Math.abs(value - point[k]) < near)) ?? null;
+  }
+
   freshName(taken = new Set()) {
     const used = this.names(taken);
     for (const letter of LETTERS) if (!used.has(letter)) return letter;
@@ -382,6 +387,12 @@ export class Canvas {
   // Tools.
 
   choose(tool) {
+    const same = this.tool.call !== undefined && this.tool.kind === tool.kind && this.tool.call === (tool.call ?? tool.kind);
+    if (same) {
+      // Only what the next thing is given has changed: clicks that were made stay.
+      this.tool.args = tool.args ?? {};
+      return;
+    }
     this.tool.cancel();
     this.tool = toolOf(this, tool);
     this.keys.leaving = false;
