@@ -12,7 +12,6 @@ from typing import Any
 
 from .. import __version__
 from ..errors import ModelError, clean
-from .analyses import offered, run
 from .building import Built, build, numbers_of, positions
 from .compare import Pinned, differences
 from .document import Document, Report
@@ -240,6 +239,8 @@ class Session:
 
     def do_run(self, analysis: str, options: dict | None = None) -> dict[str, Any]:
         """Run an analysis."""
+        from .analyses import run
+
         document = self.history.document
         return {"job": self.jobs.start(clean(analysis), lambda job: run(document, analysis, options or {}, job))}
 
@@ -364,9 +365,6 @@ class Session:
                 "file": history.file,
             }
         )
-        if (found := offered(history.document)) != self._offered:
-            self._offered = found
-            self.tell({"tell": "analyses", "analyses": found})
         self.live.show(history.revision, history.document, self.wants)
 
     def _live_tells(self, message: dict[str, Any]) -> None:
@@ -374,6 +372,18 @@ class Session:
         if message["tell"] == "answers" and message["status"] == "ok":
             self._answers = message
             self._tell_pinned()
+        if message["tell"] == "scene" or message.get("status") == "failed":
+            self._tell_offered()
+
+    def _tell_offered(self) -> None:
+        """Which analyses there are for the document of now, after all else, since they take much of the package."""
+        try:
+            from .analyses import offered
+        except ModuleNotFoundError:
+            return
+        if (found := offered(self.history.document)) != self._offered:
+            self._offered = found
+            self.tell({"tell": "analyses", "analyses": found})
 
     def _tell_pinned(self) -> None:
         pinned, known = self._pinned, self._answers

@@ -1,5 +1,6 @@
 """A session of the workbench: files, journals, what another program changes, targets, pins."""
 
+import collections
 import json
 import time
 from pathlib import Path
@@ -43,7 +44,7 @@ class Told:
     """What a session tells: the newest of every kind, and all."""
 
     def __init__(self, session):
-        self.newest, self.all = {}, []
+        self.newest, self.all = collections.defaultdict(dict), []
         session.listen(self.take)
 
     def take(self, message):
@@ -90,7 +91,7 @@ def test_answers_follow_an_edit(opened):
     document = told.newest["document"]
     assert document["positions"] == {"A": [0, 0], "B": [0.1, 0]}
     assert document["values"] == {"t": 0.5e-3}
-    found = told.until(lambda n: n["answers"]["status"] == "ok" and n["answers"])
+    found = told.until(lambda n: n["answers"].get("status") == "ok" and n["answers"])
     assert found["of_revision"] == 1
     # Massless beam with a mass at its end, loaded across: k = 3 E I / L^3.
     stiffness = 3 * 210e9 * DEPTH * THICKNESS**3 / 12 / LENGTH**3
@@ -104,12 +105,12 @@ def test_answers_follow_an_edit(opened):
 def test_a_wrong_field_is_told_at_its_address_and_the_last_good_answer_stays(opened):
     session, told = opened()
     ids = session.ask("edit", {"ops": cantilever()})["ids"]
-    good = told.until(lambda n: n["answers"]["status"] == "ok" and n["answers"])
+    good = told.until(lambda n: n["answers"].get("status") == "ok" and n["answers"])
     session.ask("edit", {"ops": [{"op": "set", "address": f"{ids[1]}/width", "to": "2*q"}]})
     (problem, *_) = told.newest["document"]["problems"]
     assert problem["address"] == f"{ids[1]}/width"
     assert "q" in problem["message"]
-    failed = told.until(lambda n: n["answers"]["status"] == "failed" and n["answers"])
+    failed = told.until(lambda n: n["answers"].get("status") == "failed" and n["answers"])
     assert failed["stale"]
     assert failed["of_revision"] == good["of_revision"]
     assert failed["values"] == good["values"]
@@ -268,7 +269,7 @@ def test_a_file_that_another_program_changes_is_offered(opened, tmp_path):
     session.ask("edit", {"ops": cantilever()})
     data = Document.empty().data
     path.write_text(Document.from_data({**data, "names": {"w": {"value": "1"}}}).text)
-    found = told.until(lambda n: n.get("file"), 3)
+    found = told.until(lambda n: n["file"], 3)
     assert found["changed"]
     assert found["name"] == "guide.json"
     assert "7 things and the names" in found["summary"]
@@ -284,7 +285,7 @@ def test_a_file_that_another_program_changes_is_offered(opened, tmp_path):
     assert len(things(told)) == 7
     # Kept, and then saved over the next one.
     path.write_text(Document.from_data({**data, "names": {"v": {"value": "1"}}}).text)
-    told.until(lambda n: n["file"]["changed"], 3)
+    told.until(lambda n: n["file"].get("changed"), 3)
     session.ask("keep_disk", {})
     assert told.newest["file"]["changed"] is False
     assert session.ask("save", {})["saved"]
@@ -297,7 +298,7 @@ def test_a_file_that_comes_to_hold_what_is_here_is_no_news(opened, tmp_path):
     session, told = opened(session_of_file(path))
     session.ask("edit", {"ops": cantilever()})
     path.write_text(session.history.document.text)
-    told.until(lambda n: n["document"]["saved"], 3)
+    told.until(lambda n: n["document"].get("saved"), 3)
     assert "file" not in told.newest
 
 
@@ -305,20 +306,20 @@ def test_a_target_is_one_step_that_is_seen_as_it_goes(opened):
     session, told = opened()
     session.ask("edit", {"ops": cantilever(), "label": "all"})
     text = session.history.document.text
-    told.until(lambda n: n["answers"]["status"] == "ok")
+    told.until(lambda n: n["answers"].get("status") == "ok")
     wants = [{"answer": "frequency 1", "kind": "equal", "value": "20"}]
     job = session.ask("target", {"wants": wants, "free": ["t"]})["job"]
-    found = told.until(lambda n: n.get("job", {}).get("status") == "done" and n["job"])
+    found = told.until(lambda n: n["job"].get("status") == "done" and n["job"])
     assert found["job"] == job
     assert found["met"]
     assert len(told.newest["document"]["undo"]) == 2
-    told.until(lambda n: n["answers"]["of_revision"] == session.history.revision)
+    told.until(lambda n: n["answers"].get("of_revision") == session.history.revision)
     assert told.newest["answers"]["values"]["frequency 1"]["value"] == pytest.approx(20, rel=1e-9)
     session.ask("undo", {})
     assert session.history.document.text == text
     # What cannot be is told, and changes nothing.
     session.ask("target", {"wants": [{"answer": "farce", "kind": "equal", "value": "20"}], "free": ["t"]})
-    failed = told.until(lambda n: n["job"]["status"] == "failed" and n["job"])
+    failed = told.until(lambda n: n["job"].get("status") == "failed" and n["job"])
     assert "farce" in failed["text"]
     assert session.history.document.text == text
 
@@ -327,7 +328,7 @@ def test_a_pinned_design_is_compared(opened):
     session, told = opened()
     session.ask("edit", {"ops": cantilever()})
     session.ask("pin", {})
-    told.until(lambda n: n.get("pinned"))
+    told.until(lambda n: n["pinned"])
     session.ask("edit", {"ops": [{"op": "name", "name": "t", "to": {"value": "1e-3"}}]})
     found = told.until(lambda n: n["pinned"].get("names") and n["pinned"])
     (name,) = found["names"]
@@ -342,7 +343,7 @@ def test_a_pinned_design_is_compared(opened):
 def test_advice_is_applied_and_old_advice_is_refused(opened):
     session, told = opened()
     session.ask("edit", {"ops": [*cantilever(), thing("dof", of="B", components="y")]})
-    count = told.until(lambda n: n.get("count", {}).get("advice") and session.live.wait(60) and n["count"])
+    count = told.until(lambda n: n["count"].get("advice") and session.live.wait(60) and n["count"])
     assert session.ask("advise", {"index": 0})["label"] == count["advice"][0]["text"]
     with pytest.raises(Refused, match="changed since"):
         session.ask("advise", {"index": 99})
