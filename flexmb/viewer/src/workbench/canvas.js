@@ -100,6 +100,7 @@ export class Canvas {
   /** The camera moved. */
   see() {
     this.eye.update();
+    this.swing.near(this.eye.scale);
     this.grounded = this.dirty = this.sceneDirty = true;
   }
 
@@ -197,6 +198,7 @@ export class Canvas {
       problems: new Set((state.problems ?? []).map(({ address }) => String(address ?? "").split("/")[0])),
       shares: this.shares(),
       alive: swing.names && !swing.old ? (name) => swing.names.has(name) : null,
+      displaced: swing.displaced,
       more: (drawing) => this.above(drawing),
     });
   }
