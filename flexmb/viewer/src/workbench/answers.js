@@ -1,5 +1,6 @@
 /** The answers beside the drawing: degrees of freedom, advice, and numbers with the way they went over the last edits. */
 import { byId, button, h, keep, say, set, shown } from "./dom.js";
+import { toast } from "./dialogs.js";
 import { redraw, sparkline } from "./icons.js";
 
 // Edits over which a line is drawn.
@@ -45,13 +46,13 @@ export function answers(store, { open }) {
     const { count } = store.state;
     const { state, text, message: told } = mobility(count);
     status.dataset.state = state;
-    say(status.firstChild, text);
+    say(status.firstChild, told || text);
     const labels = (count?.dofs ?? []).map((one) => (typeof one === "string" ? one : (one.text ?? JSON.stringify(one))));
-    say(status.lastChild, [told, labels.length ? `Coordinates: ${labels.join(", ")}` : ""].filter(Boolean).join(" "));
+    say(status.lastChild, labels.length ? `Coordinates: ${labels.join(", ")}` : "");
     status.lastChild.hidden = !status.lastChild.textContent;
     advice.replaceChildren(
       ...(count?.advice ?? []).map(({ text: words }, index) =>
-        button(words, () => store.ask("advise", { index }).catch((fault) => say(status.lastChild, fault.message)), { "data-advice": index }),
+        button(words, () => store.ask("advise", { index }).catch((fault) => toast(fault.message)), { "data-advice": index }),
       ),
     );
     advice.hidden = !advice.childElementCount;
@@ -98,16 +99,19 @@ export function answers(store, { open }) {
 
   function fill(row, key, { label, value, unit, text }) {
     const [what, line, number] = row.children;
-    say(what, label ?? key);
-    what.title = label ?? key;
+    // Where it is found stands under what it is.
+    const whole = text ?? `${shown(value)} ${unit ?? ""}`.trim();
+    const [, short, place] = /^(.*?)((?: of| in) '.*)?$/s.exec(whole);
+    say(what.firstChild, capital(label ?? key));
+    say(what.lastChild, place ?? "");
+    what.title = `${label ?? key}${place ?? ""}`;
     const last = history.get(key) ?? [];
     redraw(line, last);
     set(number, "value", value ?? "");
-    say(number.firstChild, text ?? `${shown(value)} ${unit ?? ""}`.trim());
+    say(number.firstChild, short);
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
-    const pinned = store.state.pinned?.answers?.[key];
-    const before = typeof pinned === "number" ? pinned : pinned?.value;
-    const change = before && Number.isFinite(value) ? value / before - 1 : null;
+    const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
+    const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
     say(number.lastChild, change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`);
   }
 
@@ -118,9 +122,11 @@ export function answers(store, { open }) {
   update();
 }
 
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 function answerRow(store, key, open) {
   const number = h("data", { class: "number" }, h("span"), h("span", { class: "delta" }));
-  const row = h("button", { type: "button", class: "answer plain", "data-answer": key, title: "Which way to go" }, h("span", { class: "what" }), sparkline([]), number);
+  const row = h("button", { type: "button", class: "answer plain", "data-answer": key, title: "Which way to go" }, h("span", { class: "what" }, h("span"), h("span", { class: "delta" })), sparkline([]), number);
   row.addEventListener("click", () => {
     store.want({ sensitivity_of: key });
     open("ways");

@@ -90,6 +90,8 @@ export function toolbox(store, { open }) {
       ({ group, text }) => h("details", { open: !["signal", "node"].includes(group), "data-group": group }, h("summary", {}, text), h("div")),
       (details, { own }) => {
         if (searched) details.open = true;
+        // Of two that are called the same, one is a method of a node, the other an element.
+        for (const one of own) one.twin = own.some((other) => other !== one && other.title === one.title);
         keep(details.lastChild, own, ({ call }) => call, toolButton);
       },
     );
@@ -97,10 +99,10 @@ export function toolbox(store, { open }) {
     press();
   }
 
-  function toolButton({ call, group, doc }) {
+  function toolButton({ call, group, doc, twin }) {
     const made = button("", () => take({ call }), { class: "tool", "data-call": call, title: doc ?? "" });
     const letter = LETTERS[call.split(".").at(-1)];
-    made.append(icon(call, group), h("span", {}, title(store, call)));
+    made.append(icon(call, group), h("span", {}, `${title(store, call)}${twin && call.includes(".") ? " (element)" : ""}`));
     if (letter) made.append(h("kbd", { "aria-hidden": "true" }, letter));
     return made;
   }
@@ -114,14 +116,7 @@ export function toolbox(store, { open }) {
   }
 
   store.on("catalogue", list);
-  store.on("tool", () => {
-    const { tool } = store.state;
-    press();
-    // A tool that was taken by its letter gets what those of this box get.
-    if (tool.call && !Object.keys(tool.args ?? {}).length && entry(store, tool.call) && tool !== known) take({ call: tool.call });
-    known = store.state.tool;
-  });
-  let known = null;
+  store.on("tool", press);
   let dimension = null;
   store.on("document", () => {
     if (store.state.document.dimension === dimension) return;
