@@ -389,7 +389,7 @@ class Session:
         pinned, known = self._pinned, self._answers
         document = self.history.document
         if pinned is not None and known.get("of_revision") == self.history.revision:
-            self.tell({"tell": "pinned", **differences(pinned, document, known["values"])})
+            self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})
 
     def _take(self, found: Opened, file: Path | None, label: str, key: str | None) -> None:
         self.history.replace(found.document, label, None if file is None else str(file), key)
