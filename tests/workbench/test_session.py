@@ -159,7 +159,7 @@ def test_saving_over_a_file_that_is_another_asks(opened, tmp_path):
     path.write_text("mine")
     assert session.ask("save", {"path": str(path)}) == {"saved": False, "over": "there.json"}
     assert path.read_text() == "mine"
-    assert session.ask("save", {"path": str(path), "anyway": True})["saved"]
+    assert session.ask("save", {"path": str(path), "over": True})["saved"]
     with pytest.raises(ValueError, match="saves"):
         session.ask("save", {"path": str(tmp_path / "guide.exe")})
     with pytest.raises(ValueError, match="opens"):
