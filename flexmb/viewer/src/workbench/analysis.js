@@ -31,7 +31,8 @@ export function analysis(store, canvas) {
     go.disabled = !offered.length;
     if (offered.length) choices(select, offered, all()[select.value] ? select.value : offered[0].value);
     const own = all()[select.value];
-    doc.textContent = own?.doc ?? "";
+    doc.textContent = [own?.doc, own?.missing].filter(Boolean).join(" ");
+    go.disabled = !offered.length || Boolean(own?.missing);
     if (own && last !== own) {
       last = own;
       given[select.value] ??= {};
