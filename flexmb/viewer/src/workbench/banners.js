@@ -19,8 +19,19 @@ export function banners(store) {
       const text = reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
       root.append(h("div", { class: "bad", id: "disconnected" }, h("p", {}, text)));
     }
+    const answer = (verb) => () => store.ask(verb).then(() => store.put({ disk: null }), (fault) => toast(fault.message));
+    if (disk?.recovered) {
+      root.append(
+        h(
+          "div",
+          { id: "recovered" },
+          h("p", {}, `${disk.name ?? "This mechanism"}: ${disk.summary ?? "what nobody saved came back."}`),
+          button("Go on with it", answer("keep_disk"), { class: "main" }),
+          button(store.state.file ? "Take the file instead" : "Begin anew", answer("take_disk")),
+        ),
+      );
+    }
     if (disk?.changed) {
-      const answer = (verb) => () => store.ask(verb).then(() => store.put({ disk: null }), (fault) => toast(fault.message));
       root.append(
         h(
           "div",
