@@ -14,15 +14,15 @@ from ..build.properties import check_record
 from ..elements import planar, spatial
 from ..errors import clean
 from ..model.model import Model
-from ..spacar.arithmetic import names_in, value_of
+from ..spacar.arithmetic import is_number, names_in, value_of
 from .content import Document
 from .edits import numbers, texts
 from .fields import ENDS_IN_WORDS, Call
 from .references import call_of, part_of, referred
 
 ROOMS = {"planar": planar, "spatial": spatial}
-# What is a number alone, without names and signs between.
-PLAIN = re.compile(r"\s*[-+]?\s*([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*")
+# How messages of the Builder speak of what stands in fields of a kind.
+SAID = {"deformations": "deformation", "components": "coordinate|deformation", "nodes": "node|joins|length"}
 FLAGS = {"true": True, "false": False}
 
 
@@ -73,14 +73,9 @@ class _Fault(Exception):
 # -- numbers -----------------------------------------------------------------------------------------------------
 
 
-def is_plain(text: str) -> bool:
-    """Whether a text is a number alone."""
-    return PLAIN.fullmatch(text) is not None
-
-
 def free_names(document: Document) -> list[str]:
     """Names whose values are numbers: those that one may slide, or tune by."""
-    return [name for name, own in document.names.items() if is_plain(own["value"])]
+    return [name for name, own in document.names.items() if is_number(own["value"])]
 
 
 def numbers_of(document: Document, names: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -91,6 +86,18 @@ def numbers_of(document: Document, names: Mapping[str, Any] | None = None) -> di
         names: Values of free names in place of those in the document, () each, which may be traced.
     """
     return _evaluated(document, names)[0]
+
+
+def value_in(document: Document, text: str) -> Any:
+    """Value of arithmetic with the names of a document.
+
+    Raises:
+        ValueError: It has none.
+    """
+    values: dict[str, Any] = {}
+    for name in document.names:
+        _evaluate_name(document, name, {}, values, {})
+    return _value(text, values, document)
 
 
 def _evaluated(document: Document, given: Mapping[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, str]]:
@@ -198,7 +205,7 @@ def structure(document: Document, *, arithmetic: bool = True) -> str:
     def shown(address: str, text: str) -> str:
         if address not in found:
             return f"! {text}"
-        return "#" if is_plain(text) or not arithmetic else text
+        return "#" if is_number(text) or not arithmetic else text
 
     parts: list[Any] = [document.dimension]
     if arithmetic:
@@ -453,11 +460,16 @@ class _Building:
         unknown = [address for address, of in self.needs[id].items() if of is None]
         if unknown:
             return f"{id}/{unknown[0]}"
-        said = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
-        if not said:
-            plain = {key: key.rstrip("s") for key in call.fields}
-            said = [key for key, word in plain.items() if re.search(rf"\b{word}", message.lower())]
-            said = [key for key in said if thing["args"].get(key)] or said
+        quoted = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
+        # Names of things say nothing of fields.
+        plain = re.sub(r"'[^']*'", "", message)
+        places = {
+            key: re.search(rf"\b({SAID.get(field['kind'], '$')}|{key.rstrip('s')})", plain, re.IGNORECASE)
+            for key, field in call.fields.items()
+        }
+        words = sorted((key for key in places if places[key]), key=lambda key: places[key].start())
+        given = thing["args"]
+        said = [key for key in quoted if key in given] or [key for key in words if key in given] or quoted
         return f"{id}/{said[0]}" if said else id
 
 

@@ -128,8 +128,23 @@ def set_(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         raise EditError(address, f"'{clean(address)}' is no address of a field: it holds no list there.") from None
     if own[path[0]] in ("", []):
         del own[path[0]]
+    if call is not None and call.kind == "block" and path == ["stage"] and isinstance(value, str):
+        document = _with_stage(document, thing, value)
     said = f"{thing.get('name') or (call.entry['title'] if call else thing['call'])}: {path[0].replace('_', ' ')}"
     return _with(document, {**thing, "args": own}), Report([], [], said)
+
+
+def _with_stage(document: Document, block: dict[str, Any], new: str) -> Document:
+    """A document in which references to the node that a block makes follow its name; those to drawn nodes stay."""
+    known, old = document.known, block["args"].get("stage")
+    taken = {**known.by_space.get("node", {}), **known.made}
+    if not old or not new or known.thing(("node",), old) != block["id"] or new in taken:
+        return document
+
+    def follows(id: str, name: str) -> str | None:
+        return renamed_part(name, old, new) if id == block["id"] and not name.startswith(f"{old} ") else None
+
+    return document.with_things([with_references(thing, known, follows) for thing in document.things])
 
 
 def _with(document: Document, *things: dict[str, Any]) -> Document:

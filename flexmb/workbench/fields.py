@@ -240,8 +240,8 @@ def _flexible() -> list[str]:
 
 def _offered(room: Any, name: str) -> bool:
     """Whether a document can say an element type: not one that asks for a function, nor a second name of another."""
-    element = getattr(room, name)
-    return name == element.name and not any(
+    element, place = getattr(room, name), room.__name__.rpartition(".")[2]
+    return repr(element).startswith(f"<{place}.{name}:") and not any(
         typing.get_origin(kind) is collections.abc.Callable for kind, _ in _options(element).values()
     )
 
