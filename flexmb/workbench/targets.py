@@ -349,7 +349,7 @@ class _Tuning:
                     open_.append(self.keys.index(want.key))
                     right.append(goal - by_key[want.key])
             scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
-            matrix, held = slopes[open_] * scale, np.zeros(len(unit), bool)
+            matrix, held, step = slopes[open_] * scale, np.zeros(len(unit), bool), np.zeros(len(unit))
             weights = np.abs(np.array(right))[:, None] + np.abs(values[open_])[:, None]
             for _ in range(len(unit)):
                 step = np.zeros(len(unit))

@@ -23,6 +23,8 @@ const fresh = () => ({
   jobs: {},
   pinned: null,
   catalogue: null,
+  analyses: null,
+  notes: [],
   version: null,
   selection: [],
   tool: { kind: "select" },
@@ -215,10 +217,10 @@ export class Store {
     this.connection.send(JSON.stringify({ id, do: "hello", page: this.page, run: this.run }));
   }
 
-  welcomed({ catalogue, version, run }) {
+  welcomed({ catalogue, notes, version, run }) {
     if (this.run !== null && run !== this.run) this.restarted();
     this.run = run;
-    this.put({ connected: true, reason: "", catalogue, version });
+    this.put({ connected: true, reason: "", catalogue, notes, version });
     for (const { verb, text } of this.asked.values()) if (verb !== "hello") this.connection.send(text);
   }
 
@@ -258,6 +260,8 @@ export class Store {
       this.put({ jobs: { ...this.state.jobs, [content.job]: content } });
     } else if (tell === "file") {
       this.put({ disk: content });
+    } else if (tell === "analyses") {
+      this.put(content);
     } else if (tell in this.state) {
       this.put({ [tell]: content });
     }

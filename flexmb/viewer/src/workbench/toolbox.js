@@ -116,14 +116,7 @@ export function toolbox(store, { open }) {
   }
 
   store.on("catalogue", list);
-  store.on("tool", () => {
-    const { tool } = store.state;
-    press();
-    // A tool that was taken by its letter gets what those of this box get.
-    if (tool.call && !Object.keys(tool.args ?? {}).length && entry(store, tool.call) && tool !== known) take({ call: tool.call });
-    known = store.state.tool;
-  });
-  let known = null;
+  store.on("tool", press);
   let dimension = null;
   store.on("document", () => {
     if (store.state.document.dimension === dimension) return;
