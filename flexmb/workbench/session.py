@@ -277,8 +277,14 @@ class Session:
         self._take(found, file, f"Open {clean(file.name if file else name)}", key)
         return self._changed(None, notes=found.notes)
 
-    def do_save(self, path: str | None = None, anyway: bool = False) -> Any:
-        """Write the file; where that loses something, say so and write nothing, unless it is wanted anyway."""
+    def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
+        """Write the file; what would be lost or written over is said first, and nothing is written then.
+
+        Args:
+            path: Where; that of the document's file unless given.
+            anyway: Whether what the file cannot hold may be left out.
+            over: Whether another file may be written over.
+        """
         given = path or self.history.file
         if not given:
             raise Refused("save: this mechanism has no file yet: give a path.")
@@ -289,7 +295,7 @@ class Session:
         if is_own and (changed := self.watch.differs()):
             self._disk_changed(changed[0])
             raise Refused(f"'{clean(file.name)}' was changed by another program: say which is to stay, and save again.")
-        if not is_own and not anyway and file.exists():
+        if not is_own and not over and file.exists():
             return {"saved": False, "over": file.name}
         self.save(file)
         return {"saved": True, "file": str(file)}
@@ -389,7 +395,7 @@ class Session:
         pinned, known = self._pinned, self._answers
         document = self.history.document
         if pinned is not None and known.get("of_revision") == self.history.revision:
-            self.tell({"tell": "pinned", **differences(pinned, document, known["values"])})
+            self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})
 
     def _take(self, found: Opened, file: Path | None, label: str, key: str | None) -> None:
         self.history.replace(found.document, label, None if file is None else str(file), key)

@@ -160,9 +160,9 @@ def meet(
         node: Node whose support stiffness and displacements are meant.
 
     Returns:
-        "text"; "design" and "values" in the end; "ops" and "label" of the one edit that writes it, empty where nothing
-        changes; "met", whether all is as wanted: where not, the design is the nearest, and the text says what limits
-        it; "stopped"; "assumed", bounds of names that have none.
+        "status", failed where not all is met; "text"; "design" and "values" in the end; "ops" and "label" of the one
+        edit that writes it, empty where nothing changes; "met", whether all is as wanted: where not, the design is the
+        nearest, and the text says what limits it; "stopped"; "assumed", bounds of names that have none.
 
     Raises:
         ValueError: What is wanted, or may change, is none.
@@ -400,6 +400,7 @@ class _Tuning:
         for name, (low, high) in self.assumed.items():
             text += f" '{clean(name)}' has no bounds: {low:.4g} to {high:.4g} were taken."
         return {
+            "status": "done" if met else "stopped" if stopped else "failed",
             "text": text,
             "design": written,
             "values": by_key,

@@ -159,7 +159,7 @@ def test_saving_over_a_file_that_is_another_asks(opened, tmp_path):
     path.write_text("mine")
     assert session.ask("save", {"path": str(path)}) == {"saved": False, "over": "there.json"}
     assert path.read_text() == "mine"
-    assert session.ask("save", {"path": str(path), "anyway": True})["saved"]
+    assert session.ask("save", {"path": str(path), "over": True})["saved"]
     with pytest.raises(ValueError, match="saves"):
         session.ask("save", {"path": str(tmp_path / "guide.exe")})
     with pytest.raises(ValueError, match="opens"):
@@ -330,7 +330,7 @@ def test_a_pinned_design_is_compared(opened):
     session.ask("pin", {})
     told.until(lambda n: n["pinned"])
     session.ask("edit", {"ops": [{"op": "name", "name": "t", "to": {"value": "1e-3"}}]})
-    found = told.until(lambda n: n["pinned"].get("names") and n["pinned"])
+    found = told.until(lambda n: n["pinned"]["differences"]["names"] and n["pinned"]["differences"])
     (name,) = found["names"]
     assert [name["before"], name["now"]] == ["0.5e-3", "1e-3"]
     one = next(one for one in found["answers"] if one["key"] == "frequency 1")
