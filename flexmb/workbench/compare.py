@@ -50,21 +50,6 @@ def differences(pinned: Pinned, document: Document, answers: Mapping[str, Mappin
     }
 
 
-def told(pinned: Pinned, document: Document, answers: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """What pages are told of a pinned design: its numbers and answers, and in words what else differs.
-
-    Args:
-        pinned: The design.
-        document: The present one.
-        answers: That belong to it.
-    """
-    values, found = numbers_of(pinned.document), differences(pinned, document, answers)
-    changes = [f"{one['label']}: {one['before'] or 'none'} → {one['now'] or 'none'}" for one in found["fields"]]
-    more = [f"added: {name}" for name in found["added"]] + [f"deleted: {name}" for name in found["removed"]]
-    names = {name: values.get(f"names/{name}/value") for name in pinned.document.names}
-    return {"of_revision": pinned.revision, "names": names, "answers": pinned.answers, "differences": changes + more}
-
-
 def percent(before: Any, now: Any) -> float | None:
     """By how much a number is larger than another, in percent of its size; None where that says nothing."""
     numbers = isinstance(before, int | float) and isinstance(now, int | float)

@@ -25,7 +25,9 @@ def trajectory(asked: Asked) -> dict[str, Any]:
         builder.dof(node, axis)
     own: Any = builder.nodes[of]
     start = float(own.start[component - 1])
-    leg = Leg(of, key[2], 0.0, options["duration"], start + options["by"], options["law"], 1)
+    # Files have numbers for names.
+    at: Any = of
+    leg = Leg(at, key[2], 0.0, options["duration"], start + options["by"], options["law"], 1)
     settings: dict[str, Any] = {"TRAJX": [leg]}
     for i, signal in enumerate(builder.signals["input"], 1):
         keyword = NOMINAL[0] if signal.key[0] == "node" else NOMINAL[1]

@@ -312,7 +312,7 @@ def test_a_pinned_design_is_compared(opened):
     session.ask("pin", {})
     told.until(lambda n: n["pinned"])
     session.ask("edit", {"ops": [{"op": "name", "name": "t", "to": {"value": "1e-3"}}]})
-    found = told.until(lambda n: n["pinned"].get("names") and n["pinned"])
+    found = told.until(lambda n: n["pinned"]["differences"]["names"] and n["pinned"]["differences"])
     (name,) = found["names"]
     assert [name["before"], name["now"]] == ["0.5e-3", "1e-3"]
     one = next(one for one in found["answers"] if one["key"] == "frequency 1")
