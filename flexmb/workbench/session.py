@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import secrets
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,15 +13,22 @@ from typing import Any
 from .. import __version__
 from ..errors import ModelError, clean
 from .building import Built, build, numbers_of, positions
+from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
 from .filing import Opened, exported, lost_in, opened, received, write
 from .history import History
-from .jobs import Jobs
+from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
 from .places import Place, place_of
+from .targets import label_of, meet, number_like
 from .watch import Watch
+
+# How long a design that is pinned waits for its answers [s].
+LONGEST_WAIT = 5.0
+# Designs on the way to a target are shown no faster than this [s], with so many digits.
+PACE, DIGITS = 0.1, 6
 
 
 class Refused(Exception):
@@ -72,7 +80,10 @@ class Session:
         self._built: tuple[Document, Built] | None = None
         self._answers_at: tuple[int, str] | None = None
         self._is_closed = False
-        self.live = Live(self.tell, self.built)
+        self._answers: dict[str, Any] = {}
+        self._pinned: Pinned | None = None
+        self._offered: dict[str, Any] = {}
+        self.live = Live(self._live_tells, self.built)
 
     # What it tells, and how it is asked.
 
@@ -209,6 +220,44 @@ class Session:
             raise Refused("The mechanism has changed since this advice was given: see what it says now.")
         return self._changed(self.history.edit(given[index]["ops"], given[index]["text"], None, key))
 
+    def do_target(self, wants: list, free: list) -> dict[str, Any]:
+        """Find dimensions with which answers are as they are wanted: one step, which moves while the search goes on."""
+        document, node, label = self.history.document, self.wants.support_node, label_of(wants)
+        merge = f"target {secrets.token_hex(8)}"
+
+        def written(ops: list[dict[str, Any]], label: str) -> None:
+            with self._lock:
+                self._changed(self.history.edit(ops, label, merge))
+
+        def work(job: Job) -> dict[str, Any]:
+            found = meet(document, wants, free, Shown(job, document, lambda ops: written(ops, label)), node)
+            if found["ops"]:
+                written(found["ops"], label)
+            return found
+
+        return {"job": self.jobs.start("target", work)}
+
+    def do_run(self, analysis: str, options: dict | None = None) -> dict[str, Any]:
+        """Run an analysis."""
+        from .analyses import run
+
+        document = self.history.document
+        return {"job": self.jobs.start(clean(analysis), lambda job: run(document, analysis, options or {}, job))}
+
+    def do_pin(self) -> None:
+        """Keep this design to compare others with."""
+        if self._answers.get("of_revision") != self.history.revision:
+            self.live.wait(LONGEST_WAIT)
+        known = self._answers
+        values = known["values"] if known.get("of_revision") == self.history.revision else {}
+        self._pinned = Pinned(self.history.document, self.history.revision, values)
+        self._tell_pinned()
+
+    def do_unpin(self) -> None:
+        """Compare no longer."""
+        self._pinned = None
+        self.tell({"tell": "pinned"})
+
     def do_stop(self, job: str) -> None:
         """Stop a job."""
         self.jobs.stop(job)
@@ -228,8 +277,14 @@ class Session:
         self._take(found, file, f"Open {clean(file.name if file else name)}", key)
         return self._changed(None, notes=found.notes)
 
-    def do_save(self, path: str | None = None, anyway: bool = False) -> Any:
-        """Write the file; where that loses something, say so and write nothing, unless it is wanted anyway."""
+    def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
+        """Write the file; what would be lost or written over is said first, and nothing is written then.
+
+        Args:
+            path: Where; that of the document's file unless given.
+            anyway: Whether what the file cannot hold may be left out.
+            over: Whether another file may be written over.
+        """
         given = path or self.history.file
         if not given:
             raise Refused("save: this mechanism has no file yet: give a path.")
@@ -240,7 +295,7 @@ class Session:
         if is_own and (changed := self.watch.differs()):
             self._disk_changed(changed[0])
             raise Refused(f"'{clean(file.name)}' was changed by another program: say which is to stay, and save again.")
-        if not is_own and not anyway and file.exists():
+        if not is_own and not over and file.exists():
             return {"saved": False, "over": file.name}
         self.save(file)
         return {"saved": True, "file": str(file)}
@@ -318,6 +373,30 @@ class Session:
         )
         self.live.show(history.revision, history.document, self.wants)
 
+    def _live_tells(self, message: dict[str, Any]) -> None:
+        self.tell(message)
+        if message["tell"] == "answers" and message["status"] == "ok":
+            self._answers = message
+            self._tell_pinned()
+        if message["tell"] == "scene" or message.get("status") == "failed":
+            self._tell_offered()
+
+    def _tell_offered(self) -> None:
+        """Which analyses there are for the document of now, after all else, since they take much of the package."""
+        try:
+            from .analyses import offered
+        except ModuleNotFoundError:
+            return
+        if (found := offered(self.history.document)) != self._offered:
+            self._offered = found
+            self.tell({"tell": "analyses", "analyses": found})
+
+    def _tell_pinned(self) -> None:
+        pinned, known = self._pinned, self._answers
+        document = self.history.document
+        if pinned is not None and known.get("of_revision") == self.history.revision:
+            self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})
+
     def _take(self, found: Opened, file: Path | None, label: str, key: str | None) -> None:
         self.history.replace(found.document, label, None if file is None else str(file), key)
         self.watch.know(*found.files)
@@ -355,6 +434,37 @@ class Session:
     def _disk_settled(self) -> None:
         self.recovered = False
         self.tell({"tell": "file", "changed": False})
+
+
+class Shown:
+    """A job whose designs become the document as they come.
+
+    Args:
+        job: Told all of it.
+        document: That the names are in.
+        write: Edits the document, by operations.
+    """
+
+    def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
+        self._job, self._document, self._write = job, document, write
+        self._last = 0.0
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it is to end."""
+        return self._job.stopped
+
+    def tell(self, **changes: Any) -> None:
+        """Take how far it is."""
+        self._job.tell(**changes)
+        now = time.monotonic()
+        if not changes.get("design") or now - self._last < PACE or self.stopped:
+            return
+        self._last = now
+        own = self._document.names
+        texts = {name: number_like(own[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
+        ops = [{"op": "name", "name": name, "to": {**own[name], "value": text}} for name, text in texts.items()]
+        self._write(ops)
 
 
 def _difference(own: Document, other: Document) -> str:
