@@ -22,7 +22,7 @@ from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
 from .places import Place, place_of
-from .targets import meet, number_like
+from .targets import label_of, meet, number_like
 from .watch import Watch
 
 # How long a design that is pinned waits for its answers [s].
@@ -222,7 +222,7 @@ class Session:
 
     def do_target(self, wants: list, free: list) -> dict[str, Any]:
         """Find dimensions with which answers are as they are wanted: one step, which moves while the search goes on."""
-        document, node = self.history.document, self.wants.support_node
+        document, node, label = self.history.document, self.wants.support_node, label_of(wants)
         merge = f"target {secrets.token_hex(8)}"
 
         def written(ops: list[dict[str, Any]], label: str) -> None:
@@ -230,9 +230,9 @@ class Session:
                 self._changed(self.history.edit(ops, label, merge))
 
         def work(job: Job) -> dict[str, Any]:
-            found = meet(document, wants, free, Shown(job, document, written), node)
+            found = meet(document, wants, free, Shown(job, document, lambda ops: written(ops, label)), node)
             if found["ops"]:
-                written(found["ops"], found["label"])
+                written(found["ops"], label)
             return found
 
         return {"job": self.jobs.start("target", work)}
@@ -383,10 +383,8 @@ class Session:
 
     def _tell_offered(self) -> None:
         """Which analyses there are for the document of now, after all else, since they take much of the package."""
-        try:
-            from .analyses import offered
-        except ModuleNotFoundError:
-            return
+        from .analyses import offered
+
         if (found := offered(self.history.document)) != self._offered:
             self._offered = found
             self.tell({"tell": "analyses", "analyses": found})
@@ -442,10 +440,10 @@ class Shown:
     Args:
         job: Told all of it.
         document: That the names are in.
-        write: Edits the document, by operations and a label.
+        write: Edits the document, by operations.
     """
 
-    def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]], str], None]):
+    def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
         self._job, self._document, self._write = job, document, write
         self._last = 0.0
 
@@ -464,7 +462,7 @@ class Shown:
         own = self._document.names
         texts = {name: number_like(own[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
         ops = [{"op": "name", "name": name, "to": {**own[name], "value": text}} for name, text in texts.items()]
-        self._write(ops, "on the way to a target")
+        self._write(ops)
 
 
 def _difference(own: Document, other: Document) -> str:

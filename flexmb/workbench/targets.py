@@ -110,6 +110,12 @@ def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> 
     return found
 
 
+def label_of(given: Sequence[Mapping[str, Any]]) -> str:
+    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
+    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
+    return clean(f"target {', '.join(parts)}")
+
+
 def unit_of(key: str) -> str:
     """Unit of an answer by its key, SI without a prefix."""
     kind, _, which = key.partition(" ")
