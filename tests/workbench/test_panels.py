@@ -427,3 +427,60 @@ def test_two_pages_show_the_same(page, workbench):
     until(page, "s.state.document.names.t.value === '0.4e-3'")
     tab(page, "names")
     until(page, "document.querySelector('[aria-label=\"Value of t\"]').value === '0.4e-3'")
+
+
+def test_a_target_is_met_at_a_click(page):
+    edit(page, *GUIDE)
+    answered(page)
+    texts = ask(page, "s.state.document.names")
+    steps = len(ask(page, "s.state.undo"))
+    tab(page, "target")
+    write(page.find_element("css selector", ".want input"), "20")
+    page.find_element("xpath", "//*[@id='target']//label[.='L']").click()
+    page.find_element("id", "find").click()
+    until(page, "document.querySelector('#target .job')?.dataset.status === 'done'", 120)
+    until(page, "s.state.document.names.t.value !== '0.0005'")
+    tab(page, "answers")
+    shown = answered(page)
+    assert shown["frequency 1"] == pytest.approx(20, rel=1e-9)
+    names = ask(page, "s.state.document.names")
+    assert names["L"]["value"] == texts["L"]["value"]
+    np.testing.assert_allclose(frequencies(float(names["t"]["value"]))[0], 20, rtol=1e-9)
+    # However many designs were seen on the way, it is one step back.
+    assert len(ask(page, "s.state.undo")) == steps + 1
+    page.find_element("id", "undo").click()
+    until(page, "s.state.document.names.t.value === '0.0005'")
+
+
+def test_a_pinned_design_stands_beside_this_one(page):
+    edit(page, *GUIDE)
+    shown = answered(page)
+    tab(page, "compare")
+    page.find_element("id", "pin").click()
+    until(page, "s.state.pinned?.differences")
+    edit(page, name("t", "1e-3", "0.2e-3", "1e-3"))
+    until(page, "[...document.querySelectorAll('#compare tr')].some((row) => row.textContent.startsWith('t'))")
+    row = "[...document.querySelectorAll('#compare tr')].find((row) => row.textContent.startsWith('{}'))?.textContent"
+    until(page, f"({row.format('frequency 1')} || '').includes('%')")
+    assert "+100 %" in ask(page, row.format("t"))
+    percent = 100 * (frequencies(1e-3)[0] / shown["frequency 1"] - 1)
+    assert f"{percent:.3g} %" in ask(page, row.format("frequency 1"))
+    page.find_element("xpath", "//*[@id='compare']//button[.='Unpin']").click()
+    until(page, "!s.state.pinned?.differences")
+
+
+def test_an_analysis_runs_and_shows_its_picture(page):
+    edit(page, *GUIDE)
+    answered(page)
+    tab(page, "analysis")
+    until(page, "document.querySelector('#analysis-kind option[value=frequencies]')")
+    page.execute_script(
+        "const e = document.getElementById('analysis-kind'); e.value = 'buckling'; e.dispatchEvent(new Event('change'))"
+    )
+    until(page, "!document.getElementById('run').disabled")
+    page.find_element("id", "run").click()
+    until(page, "['done', 'failed'].includes(document.querySelector('#analysis .job')?.dataset.status)", 120)
+    assert ask(page, "document.querySelector('#analysis .job').dataset.status") == "done"
+    # A picture that the browser could read, and the multiplier of the table.
+    until(page, "document.querySelector('#analysis .job img').naturalWidth > 0")
+    assert "78.7" in ask(page, "document.querySelector('#analysis .job').textContent")
