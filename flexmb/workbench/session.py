@@ -383,10 +383,8 @@ class Session:
 
     def _tell_offered(self) -> None:
         """Which analyses there are for the document of now, after all else, since they take much of the package."""
-        try:
-            from .analyses import offered
-        except ModuleNotFoundError:
-            return
+        from .analyses import offered
+
         if (found := offered(self.history.document)) != self._offered:
             self._offered = found
             self.tell({"tell": "analyses", "analyses": found})
