@@ -27,7 +27,7 @@ def name(of, value, low="", high=""):
 
 
 GUIDE = [
-    name("t", str(THICKNESS), "0.2e-3", "1e-3"),
+    name("t", str(THICKNESS), "0.2e-3", "2e-3"),
     name("L", str(LENGTH)),
     add("Material", "steel", E="210e9", G="80e9", rho="7850"),
     add("Rectangle", "leaf", width=str(WIDTH), thickness="t", material="steel"),
@@ -307,14 +307,20 @@ def closed(page):
 
 @pytest.mark.parametrize("ending", ["json", "dat"])
 def test_a_file_that_was_saved_opens_as_the_same_mechanism(page, folder, ending):
-    edit(page, *GUIDE)
+    # A .dat file knows no rigid bodies: a beam that does not deform stands in its place.
+    bar = add("planar.beam", "bar", nodes=["B", "C"], section="leaf", released="none")
+    edit(page, *(bar if one.get("thing", {}).get("name") == "bar" else one for one in GUIDE))
     shown = answered(page)
     page.find_element("id", "file-more").click()
     page.find_element("id", "save-as").click()
     box = dialog(page).find_element("css selector", "input")
     write(box, f"guide.{ending}")
     dialog(page).find_element("css selector", "[type=submit]").click()
-    until(page, "s.state.saved && s.state.file")
+    if ending == "dat":
+        # What it does not hold is read first.
+        until(page, "document.querySelector('dialog[open] li')?.textContent.includes('leaf')")
+        page.find_element("xpath", "//dialog[@open]//button[.='Save without them']").click()
+    until(page, f"s.state.saved && s.state.file?.endsWith('guide.{ending}')")
     closed(page)
     assert (folder / f"guide.{ending}").exists()
     edit(page, *clearing(page))
