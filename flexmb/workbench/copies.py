@@ -211,7 +211,7 @@ def split(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     its temperature and what it releases hold for both.
     """
     thing = _element(document, op["element"])
-    call, id = call_of(thing), thing["id"]
+    id = thing["id"]
     place = checked_value("", op.get("at", "0.5"))
     nodes = thing["args"].get("nodes")
     positions = {n: t["args"].get("position") for t in document.things if t["call"] == "node" and (n := t.get("name"))}
@@ -260,7 +260,6 @@ def split(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         first, last = _of_halves(one, place)
         things += [first, {**last, "id": str(number + len(ids)), "args": {**last["args"], "element": second}}]
         ids.append(str(number + len(ids)))
-    del call
     return document.with_things(things, next=number + len(ids)), Report(ids, [], f"split {thing['name']}")
 
 
@@ -269,9 +268,12 @@ def _of_halves(thing: dict[str, Any], place: str) -> tuple[dict[str, Any], dict[
     change = thing["args"].get("change")
     if not isinstance(change, list) or len(change) != 2:
         return thing, thing
-    middle = between(*change, place)
-    first, last = ([change[0], middle], [middle, change[1]])
-    return tuple({**thing, "args": replaced(thing["args"], ["change"], own)} for own in (first, last))  # pyright: ignore
+    middle = between(change[0], change[1], place)
+
+    def with_change(own: list[str]) -> dict[str, Any]:
+        return {**thing, "args": replaced(thing["args"], ["change"], own)}
+
+    return with_change([change[0], middle]), with_change([middle, change[1]])
 
 
 def _element(document: Document, given: Any) -> dict[str, Any]:

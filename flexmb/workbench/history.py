@@ -198,8 +198,9 @@ class History:
             self.part()
 
     def _open(self, path: Path, mode: str) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._file = open(path, mode, encoding="utf-8")
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        # For the eyes of its user alone.
+        self._file = open(path, mode, encoding="utf-8", opener=lambda name, flags: os.open(name, flags, 0o600))
         _lock(self._file)
 
     def _write(self, line: dict[str, Any]) -> None:

@@ -46,7 +46,7 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-GOODBYE = "The workbench has ended."
+GOODBYE = "The workbench has ended. Start flexmb edit again, and this page goes on."
 
 
 class Server:

@@ -22,7 +22,7 @@ from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
 from .places import Place, place_of
-from .targets import meet, number_like
+from .targets import label_of, meet, number_like
 from .watch import Watch
 
 # How long a design that is pinned waits for its answers [s].
@@ -222,7 +222,7 @@ class Session:
 
     def do_target(self, wants: list, free: list) -> dict[str, Any]:
         """Find dimensions with which answers are as they are wanted: one step, which moves while the search goes on."""
-        document, node = self.history.document, self.wants.support_node
+        document, node, label = self.history.document, self.wants.support_node, label_of(wants)
         merge = f"target {secrets.token_hex(8)}"
 
         def written(ops: list[dict[str, Any]], label: str) -> None:
@@ -230,9 +230,9 @@ class Session:
                 self._changed(self.history.edit(ops, label, merge))
 
         def work(job: Job) -> dict[str, Any]:
-            found = meet(document, wants, free, Shown(job, document, written), node)
+            found = meet(document, wants, free, Shown(job, document, lambda ops: written(ops, label)), node)
             if found["ops"]:
-                written(found["ops"], found["label"])
+                written(found["ops"], label)
             return found
 
         return {"job": self.jobs.start("target", work)}
@@ -277,8 +277,14 @@ class Session:
         self._take(found, file, f"Open {clean(file.name if file else name)}", key)
         return self._changed(None, notes=found.notes)
 
-    def do_save(self, path: str | None = None, anyway: bool = False) -> Any:
-        """Write the file; where that loses something, say so and write nothing, unless it is wanted anyway."""
+    def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
+        """Write the file; what would be lost or written over is said first, and nothing is written then.
+
+        Args:
+            path: Where; that of the document's file unless given.
+            anyway: Whether what the file cannot hold may be left out.
+            over: Whether another file may be written over.
+        """
         given = path or self.history.file
         if not given:
             raise Refused("save: this mechanism has no file yet: give a path.")
@@ -289,7 +295,7 @@ class Session:
         if is_own and (changed := self.watch.differs()):
             self._disk_changed(changed[0])
             raise Refused(f"'{clean(file.name)}' was changed by another program: say which is to stay, and save again.")
-        if not is_own and not anyway and file.exists():
+        if not is_own and not over and file.exists():
             return {"saved": False, "over": file.name}
         self.save(file)
         return {"saved": True, "file": str(file)}
@@ -377,10 +383,8 @@ class Session:
 
     def _tell_offered(self) -> None:
         """Which analyses there are for the document of now, after all else, since they take much of the package."""
-        try:
-            from .analyses import offered
-        except ModuleNotFoundError:
-            return
+        from .analyses import offered
+
         if (found := offered(self.history.document)) != self._offered:
             self._offered = found
             self.tell({"tell": "analyses", "analyses": found})
@@ -389,7 +393,7 @@ class Session:
         pinned, known = self._pinned, self._answers
         document = self.history.document
         if pinned is not None and known.get("of_revision") == self.history.revision:
-            self.tell({"tell": "pinned", **differences(pinned, document, known["values"])})
+            self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})
 
     def _take(self, found: Opened, file: Path | None, label: str, key: str | None) -> None:
         self.history.replace(found.document, label, None if file is None else str(file), key)
@@ -436,10 +440,10 @@ class Shown:
     Args:
         job: Told all of it.
         document: That the names are in.
-        write: Edits the document, by operations and a label.
+        write: Edits the document, by operations.
     """
 
-    def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]], str], None]):
+    def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
         self._job, self._document, self._write = job, document, write
         self._last = 0.0
 
@@ -458,7 +462,7 @@ class Shown:
         own = self._document.names
         texts = {name: number_like(own[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
         ops = [{"op": "name", "name": name, "to": {**own[name], "value": text}} for name, text in texts.items()]
-        self._write(ops, "on the way to a target")
+        self._write(ops)
 
 
 def _difference(own: Document, other: Document) -> str:

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from cases.workbench import cantilever, thing
 
 import flexmb as fm
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
@@ -14,25 +15,6 @@ from flexmb.workbench.session import Refused, Session
 
 pytestmark = pytest.mark.timeout(120)
 LENGTH, DEPTH, THICKNESS, MASS = 0.1, 0.02, 0.5e-3, 0.1
-
-
-def thing(call, name=None, **args):
-    own = {"call": call, "args": args} | ({} if name is None else {"name": name})
-    return {"op": "add", "thing": own}
-
-
-def cantilever():
-    """A leaf spring with a mass at its end, whose thickness is a name."""
-    return [
-        {"op": "name", "name": "t", "to": {"value": "0.5e-3", "low": "0.1e-3", "high": "2e-3"}},
-        thing("Material", "steel", E="210e9", G="80e9", rho="0"),
-        thing("Rectangle", "leaf", width="0.02", thickness="t", material="steel"),
-        thing("node", "A", position=["0", "0"]),
-        thing("node", "B", position=["0.1", "0"]),
-        thing("planar.beam", "spring", nodes=["A", "B"], section="leaf"),
-        thing("fix", node="A", components=""),
-        thing("mass", node="B", mass="0.1"),
-    ]
 
 
 @pytest.fixture(autouse=True)
@@ -159,7 +141,7 @@ def test_saving_over_a_file_that_is_another_asks(opened, tmp_path):
     path.write_text("mine")
     assert session.ask("save", {"path": str(path)}) == {"saved": False, "over": "there.json"}
     assert path.read_text() == "mine"
-    assert session.ask("save", {"path": str(path), "anyway": True})["saved"]
+    assert session.ask("save", {"path": str(path), "over": True})["saved"]
     with pytest.raises(ValueError, match="saves"):
         session.ask("save", {"path": str(tmp_path / "guide.exe")})
     with pytest.raises(ValueError, match="opens"):
@@ -330,7 +312,7 @@ def test_a_pinned_design_is_compared(opened):
     session.ask("pin", {})
     told.until(lambda n: n["pinned"])
     session.ask("edit", {"ops": [{"op": "name", "name": "t", "to": {"value": "1e-3"}}]})
-    found = told.until(lambda n: n["pinned"].get("names") and n["pinned"])
+    found = told.until(lambda n: n["pinned"]["differences"]["names"] and n["pinned"]["differences"])
     (name,) = found["names"]
     assert [name["before"], name["now"]] == ["0.5e-3", "1e-3"]
     one = next(one for one in found["answers"] if one["key"] == "frequency 1")

@@ -70,7 +70,7 @@ export function files(store, canvas) {
       return;
     }
     if (reply.over && reply.saved === false) {
-      ask(`${reply.over} is there already`, h("p", {}, "Shall it be written over?"), "Write over it", () => save(path, { ...more, anyway: true }), { danger: true });
+      ask(`${reply.over} is there already`, h("p", {}, "Shall it be written over?"), "Write over it", () => save(path, { ...more, over: true }), { danger: true });
       return;
     }
     toast(`Saved as ${reply.file ?? path ?? store.state.file}.`);

@@ -74,7 +74,8 @@ export class Store {
   connect(address = new URL("socket", location.href.replace(/^http/, "ws")).href) {
     this.connection = new Connection(address, {
       opened: () => this.greet(),
-      closed: (reason) => this.put({ connected: false, reason }),
+      // What the server said when it ended stays; tries that follow have nothing to say.
+      closed: (reason) => this.put({ connected: false, reason: reason || this.state.reason || "" }),
       heard: (message) => this.hear(message),
     });
   }
