@@ -14,6 +14,7 @@ from cases.drawing import (
     nodes,
     press,
     put,
+    settle,
     take,
     things,
     typed,
