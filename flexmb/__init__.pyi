@@ -19,7 +19,6 @@ from .design.lean import lean as lean
 from .design.objectives import mass as mass
 from .design.objectives import stiffness as stiffness
 from .design.sensitivities import sensitivities as sensitivities
-from .design.sensitivities import tolerances as tolerances
 from .design.sweep import sweep as sweep
 from .design.tune import tune as tune
 from .design.verdict import verdict as verdict
@@ -70,5 +69,6 @@ from .statics.configuration import configuration as configuration
 from .statics.equilibrium import equilibrium as equilibrium
 from .statics.stroke import equilibria as equilibria
 from .viewer.view import view as view
+from .workbench.edit import edit as edit
 
 __version__: str

@@ -23,7 +23,6 @@ LONGEST_MESSAGE = 300
 # Files that this call has written, for who stops it from the keyboard.
 WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
-LATER = {"edit": "a page to build mechanisms on"}
 # Modes whose answer is a unit for co-simulation.
 OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 
@@ -42,12 +41,6 @@ class Once(TyperCommand):
 
 class Program(TyperGroup):
     """The program: every fault of the call is one line on standard error and exit status 2."""
-
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Command of a name."""
-        if cmd_name in LATER:
-            _refuse(f"flexmb {cmd_name} ({LATER[cmd_name]}) is not available yet.")
-        return super().get_command(ctx, cmd_name)
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and end the process with the exit status."""
@@ -733,6 +726,22 @@ def tune(
 
 def _named(before: str, names: Iterable[str]) -> list[str]:
     return [before + name for name in names]
+
+
+@app.command(cls=Once)
+def edit(
+    model: Annotated[
+        Path | None, typer.Argument(metavar="[MODEL.dat]", help="SPACAR input file; none for a new one.")
+    ] = None,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Where to listen; 0 for any port.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+    debug: Debug = False,
+) -> None:
+    """Open the workbench in the browser: draw a mechanism, change it, and see what it does. Ctrl-C ends it."""
+    with _foreseen(debug):
+        from .workbench.command import serve
+
+        serve(model, port, browser, tell=_tell, refuse=_refuse)
 
 
 def main() -> None:

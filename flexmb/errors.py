@@ -1,6 +1,7 @@
 """What flexmb raises and warns of. Every message names the culprit and says what is right."""
 
 import contextlib
+import contextvars
 import sys
 import warnings
 from collections.abc import Iterator
@@ -85,24 +86,25 @@ def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
         text: What is unusual, and what to do if it is not meant.
         category: Of the warning, by which it can be ignored.
     """
+    listening = _HEARD.get()
+    if listening is not None:
+        listening.append(text)
+        return
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_code.co_filename.startswith((_OWN, contextlib.__file__)):
         frame, level = frame.f_back, level + 1
     warnings.warn(text, category, stacklevel=level)
 
 
+_HEARD: contextvars.ContextVar[list[str] | None] = contextvars.ContextVar("heard", default=None)
+
+
 @contextlib.contextmanager
 def heard() -> Iterator[list[str]]:
-    """Collect what the package warns of, to be told elsewhere; other warnings pass. The list is filled at the end."""
+    """Collect what the package warns of in this thread, to be told elsewhere; other warnings pass."""
     said: list[str] = []
-    caught: list[warnings.WarningMessage] = []
+    token = _HEARD.set(said)
     try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", FlexmbWarning)
-            yield said
+        yield said
     finally:
-        for one in caught:
-            if issubclass(one.category, FlexmbWarning):
-                said.append(str(one.message))
-            else:
-                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+        _HEARD.reset(token)

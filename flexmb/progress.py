@@ -5,6 +5,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 
+class Stopped(KeyboardInterrupt):
+    """Raised by a ``progress`` function to stop what it watches, as Ctrl-C does: what there is so far is kept."""
+
+
 @contextlib.contextmanager
 def reporting(
     progress: Callable[..., None] | bool | None, what: str, total: int | None = None

@@ -95,7 +95,7 @@ class RESULTS(enum.IntEnum):
     )
     stopped = (
         13,
-        "The simulation was stopped from the keyboard; the results up to there are kept.",
+        "It was stopped from the keyboard; the results up to there are kept.",
     )
     closed_path = (
         14,

@@ -36,6 +36,7 @@ ROWS = [
     ("answers",),
     ("plot",),
     ("viewer",),
+    ("workbench",),
     ("cli",),
     ("__main__",),
 ]

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import importlib
 import pkgutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +76,7 @@ def answer(
     dofs: str = "named",
     max_steps: int = 200,
     settings: dict[str, Any] | None = None,
+    progress: Callable[..., None] | bool | None = None,
 ) -> Answer:
     """Run one analysis mode.
 
@@ -87,6 +89,7 @@ def answer(
         dofs: "named" or "auto", see Builder.build.
         max_steps: Steps of a path at most.
         settings: What the file says beside the mechanism.
+        progress: What a motion or a path is given as ``progress``; None: a bar where there is a terminal.
 
     Returns:
         Answer, also where the mechanism is not valid or the analysis failed.
@@ -97,7 +100,7 @@ def answer(
     with heard() as said, np.errstate(all="ignore"):
         model = complete_series(builder, builder.build(check=False))
         data["warnings"] += _increment_warnings(builder, modes()[mode])
-        question = Question(builder, model, name, release, dofs, max_steps, settings or {})
+        question = Question(builder, model, name, release, dofs, max_steps, settings or {}, progress=progress)
         found = _answered(question, modes()[mode], data)
     # What does nothing has been told with the line that says it.
     data["warnings"] += [text for text in dict.fromkeys(said) if not text.startswith(("Prestress", "Strain"))]

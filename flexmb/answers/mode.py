@@ -1,6 +1,7 @@
 """What a mode of the command line is. Each stands in a file of this room, whose ``MODES`` is found there."""
 
 import dataclasses
+import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ class Question:
         settings: What the file says beside the mechanism.
         lin: Linearisation that the mode has come to, which is told and drawn also where the mode then fails.
         warnings: What to say beside the answer, likewise.
+        progress: See ``simulate`` and ``path``; None: a bar where there is a terminal.
     """
 
     builder: Builder
@@ -34,6 +36,12 @@ class Question:
     settings: dict[str, Any]
     lin: Linearization | None = None
     warnings: list[str] = dataclasses.field(default_factory=list)
+    progress: Callable[..., None] | bool | None = None
+
+    @property
+    def reported(self) -> Callable[..., None] | bool:
+        """What a long analysis is given as ``progress``."""
+        return sys.stderr.isatty() if self.progress is None else self.progress
 
     def checked(self) -> Model:
         """The mechanism with its degrees of freedom, checked.
@@ -84,6 +92,8 @@ class Mode(NamedTuple):
         table: Lines of the terminal, of the answer's keys and values, which are few where it failed.
         increments: Whether incremental loads act.
         structural: Whether the structure alone is asked about: no loads act, and a status is a finding, not a failure.
+        needs: What it is told beside the mechanism, or cannot do without: "times", "trajectory" and "steps" (of a
+            path); "loads", "cause" (of a motion: loads, start values or what is prescribed) and "signals".
     """
 
     number: int
@@ -92,3 +102,4 @@ class Mode(NamedTuple):
     table: Callable[[dict[str, Any]], list[str]]
     increments: bool = False
     structural: bool = False
+    needs: tuple[str, ...] = ()

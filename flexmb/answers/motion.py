@@ -1,7 +1,6 @@
 """Modes 1 and 4: motion in time, and the linearised equations along it."""
 
 import functools
-import sys
 from typing import Any
 
 import jax
@@ -195,7 +194,7 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     asked.warnings += _idle_ways(asked)
     # That incremental loads are left out is said by the keywords of the file.
     with heard():
-        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=sys.stderr.isatty(), throw=False)
+        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
     code = RESULTS(int(found.result))
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if code not in PARTLY:
@@ -232,7 +231,7 @@ def _table(data: dict[str, Any]) -> list[str]:
         return []
     times, energy = np.asarray(data["time"]), {name: np.asarray(e) for name, e in data["energy"].items()}
     lines = [f"motion from 0 to {times[-1]:.6g} s, {len(times)} output times; at the end:"]
-    lines += [f"  node {node:<8}{row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
+    lines += [f"  node {node:<7} {row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
     total = sum(energy.values())
     lines.append("energy [J] at start and end: {:.6g}, {:.6g}".format(*(np.asarray(total)[[0, -1]])))
     for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
@@ -242,6 +241,6 @@ def _table(data: dict[str, Any]) -> list[str]:
 
 
 MODES = (
-    Mode(1, "simulate", _run, _table),
-    Mode(4, "simulate-linearise", functools.partial(_run, linearised=True), _table),
+    Mode(1, "simulate", _run, _table, needs=("cause", "times")),
+    Mode(4, "simulate-linearise", functools.partial(_run, linearised=True), _table, needs=("cause", "times")),
 )

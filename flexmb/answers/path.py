@@ -46,7 +46,7 @@ def _path(found: Path) -> dict[str, Any]:
 
 
 def _run(asked: Question) -> Found:
-    found = path(asked.checked(), max_steps=asked.max_steps, throw=False)
+    found = path(asked.checked(), max_steps=asked.max_steps, progress=asked.reported, throw=False)
     asked.about(found.linearization())
     return Found(_path(found), found)
 
@@ -70,4 +70,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return lines + [f"  {c['kind']:<11} at load factor {c['load_factor']:.10g}" for c in critical]
 
 
-MODES = (Mode(10, "path", _run, _table, increments=True),)
+MODES = (Mode(10, "path", _run, _table, increments=True, needs=("loads", "steps")),)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import Any, NamedTuple
 
 import jax
@@ -12,7 +11,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
-from ..errors import FlexmbWarning, ModelError
+from ..errors import ModelError, warn
 from ..model.model import Model
 from ..model.roles import HELD, Role
 from .description import Description, Member
@@ -180,11 +179,9 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
         raise _Unknown("it depends on where they are, and these numbers are traced")
     (along, across), (along_other, across_other) = axes
     if abs(across @ across_other) < np.cos(FOLD):
-        warnings.warn(
+        warn(
             f"Elements '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
-            " other. Say with `clamped` whether they do.",
-            FlexmbWarning,
-            stacklevel=6,
+            " other. Say with `clamped` whether they do."
         )
         return True, True
     return bool(abs(along @ along_other) < np.cos(FOLD)), False

@@ -16,7 +16,7 @@ import numpy as np
 from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
-from ..elements.sections import Damping, Section
+from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError
 from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
@@ -207,6 +207,22 @@ def _shape(hint: Any) -> tuple[int, ...] | None:
     """Shape that an annotation of jaxtyping gives in numbers."""
     words = getattr(hint, "dim_str", "any").split()
     return tuple(int(w) for w in words) if all(w.isdecimal() for w in words) else None
+
+
+def check_record(of: str, value: Record) -> None:
+    """Refuse a section, a damping or a material with wrong entries, before an element has it.
+
+    Args:
+        of: What it is, for the message, such as "section 'leaf'".
+        value: The record.
+
+    Raises:
+        ModelError: An entry of the wrong kind, no finite number, or one that cannot be.
+    """
+    _check_record(f"The {of}", of, value)
+    if isinstance(value, Material) and is_concrete(value):
+        for fault in value.faults():
+            raise ModelError(f"The {of} has {fault}.")
 
 
 def _check_record(what: str, of: str, value: Record) -> None:

@@ -10,6 +10,7 @@ from .leanness import too_lean as too_lean
 from .objectives import settling_time as settling_time
 from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import Tolerances as Tolerances
+from .sensitivities import tolerances as tolerances
 from .swept import Front as Front
 from .swept import Sweep as Sweep
 from .tuned import Combination as Combination

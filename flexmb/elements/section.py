@@ -53,6 +53,10 @@ class Material(Record):
         """Poisson's ratio, () [-]."""
         return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
 
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers, all concrete: moduli are positive, and what does not go together."""
+        return faults_of(self, at_least_zero=("rho", "damping")) + _faults_of_material(self)
+
 
 class Section(Record):
     """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers.

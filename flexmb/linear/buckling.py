@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import check_flag, check_whole
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..display import Result, States, Summary, modal_summary
@@ -19,7 +20,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, noda
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
 from ..mechanics.transfer import multipliers
-from ..model.model import Model, as_determined
+from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -27,6 +28,7 @@ from ..statics.equilibrium import load_factors_of
 from ..statics.solve import held_values, solve_state
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
 from .shapes import Shapes
+from .sparse_buckling import sparse_multipliers
 from .spectrum import is_real
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
@@ -87,7 +89,10 @@ def geometric_stiffness_of_increment(
     excess = at.jacobian @ shift - wanted_e
     dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
     elastic = at.S @ (at.jacobian @ dx) + extra
-    sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force)
+    # What turns the stresses of the preload as the mechanism moves is balanced too; else the multipliers would depend
+    # on which degrees of freedom are named.
+    turned = 0.0 if at.curvature is None else at.curvature @ dx
+    sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force - turned)
     curvature = deformation_curvature(topology, parameters, at.x, near, sigma)
     curvature = curvature - load_stiffness(topology, parameters, no_preload, at.x)
     return at.transfer.DFx.T @ curvature @ at.transfer.DFx, sigma, dx
@@ -236,6 +241,8 @@ def _asked(model: Model, function: str, throw: bool, at: ManyStates | None, step
 def buckling_loads(
     model: Model,
     *,
+    count: int | None = None,
+    sparse: bool = False,
     throw: bool = True,
     at: ManyStates | None = None,
     step: int | None = None,
@@ -246,21 +253,36 @@ def buckling_loads(
     Args:
         model: Mechanism with loads; differentiable in ``model.parameters``. With incremental loads, those are scaled
             and the others are a constant preload; otherwise all loads are scaled.
-        throw: Raise where the equilibrium fails or is unstable.
+        count: How many of the smallest size; all unless given or where there are fewer.
+        sparse: For thousands of elements: ``count`` multipliers by sparse factors, of a model that needs no degrees of
+            freedom; see :func:`flexmb.equilibrium`. Those of incremental loads have no derivative.
+        throw: Raise where the equilibrium fails or is unstable; by sparse factors it is raised in any case.
         at: Path of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
         increment: Factor of the incremental loads in the state to begin from, () [-]; zero unless given.
 
     Returns:
-        (n_q,) [-], by magnitude, sign kept, infinite where the load does not act: where round-off alone gives one.
+        (n_q,) or (count,) [-], by magnitude, sign kept, infinite where the load does not act: where round-off
+        alone gives one.
 
     Raises:
+        ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
-    return _asked(model, "buckling_loads", throw, at, step, increment)[0]
+    check_flag("sparse", sparse)
+    count = None if count is None else check_whole("count", count, 1)
+    if not sparse:
+        return _asked(model, "buckling_loads", throw, at, step, increment)[0][:count]
+    if count is None or at is not None:
+        raise ValueError("With `sparse` give a Model and `count`, the number of load multipliers wanted.")
+    Where(at, step, None, increment).refuse("buckling_loads")
+    target = load_factors_of(
+        as_model(model, "buckling_loads"), 1.0, 0.0 if increment is None else increment, "buckling_loads"
+    )
+    return sparse_multipliers(model, target, count)
 
 
 def buckling(

@@ -120,10 +120,16 @@ def in_undeformed(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
     return found | {"section": None} if block.element.series and "section" in found else found
 
 
+def _padded(rows: np.ndarray) -> np.ndarray:
+    """Rows whose last is repeated up to a power of two, so that one element more is seldom another program."""
+    more = 2 ** (len(rows) - 1).bit_length() - len(rows)
+    return np.concatenate([rows, np.repeat(rows[-1:], more, axis=0)]) if more else rows
+
+
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
-    Compiled for each type of element and number of them, whatever else there is in the mechanism.
+    Compiled for each type of element and every power of two of their number, whatever else there is in the mechanism.
 
     Returns:
         e, (n_e,) [m, rad], and D_x, (n_e, n_x).
@@ -138,11 +144,12 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
     found, jacobian = np.zeros(topology.n_e), np.zeros((topology.n_e, topology.n_x))
     for ((element, meaning), fixed, _, splits, _), members in alike.items():
-        x, e, chosen = jax.tree.map(lambda *rows: np.concatenate(rows), *members)
+        x, e, chosen = jax.tree.map(lambda *rows: _padded(np.concatenate(rows)), *members)
         then = (("deformation", meaning),)
         block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
         matrices, found[e] = map(np.asarray, _jacobians(block, chosen, np.asarray(parameters.reference)[x]))
-        np.add.at(jacobian, (e[:, :, None], x[:, None, :]), matrices)
+        count = sum(len(own) for own, _, _ in members)
+        np.add.at(jacobian, (e[:count, :, None], x[:count, None, :]), matrices[:count])
     return found, jacobian
 
 

@@ -1,6 +1,6 @@
 """Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -26,6 +26,7 @@ from ..model.by_name import ByName
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..progress import reporting
 from ..results import RESULTS, check, told
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
@@ -193,6 +194,7 @@ def path(
     stop: Mapping[str, float] | None = None,
     switch: bool | int | Mapping[int, int] = False,
     imperfection: Mapping[int, float] | None = None,
+    progress: Callable[[int, float], None] | bool = False,
     throw: bool = True,
 ) -> Path:
     """Equilibrium path over the load factor from 0 to 1, past limit points.
@@ -214,6 +216,8 @@ def path(
         imperfection: By how much the undeformed mechanism is bent without stress: the largest displacement [m] of each
             buckling mode, by its number from 1, as ``{1: 1e-6}``. They are those of ``fm.buckling`` about the state in
             which the path begins, for the loads that grow. A positive one lets the position grow that moves most.
+        progress: True for a bar, or a function called with the number of states and the load factor before each step.
+            An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
         throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:
@@ -260,7 +264,13 @@ def path(
     walker = Walker(model, step, stops)
     if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
         raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
-    code = walker.walk(max_steps, left)
+    with reporting(progress, "states, load factor") as report:
+        try:
+            code = walker.walk(max_steps, left, report)
+        except KeyboardInterrupt:
+            if report is None:
+                raise
+            code = RESULTS.stopped
     found = [found_at(s) for s in walker.steps]
     if not found[0].matrices.symmetric:
         found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
@@ -280,7 +290,7 @@ def path(
         stopped_by=walker.ended or None,
     )
     try:
-        check(int(code), throw)
+        check(int(code), throw and code != RESULTS.stopped)
     except AnalysisError as error:
         error.path = whole
         raise

@@ -547,19 +547,24 @@ class Walker:
                     return new
         return None
 
-    def walk(self, max_steps: int, switch: dict[int, int]) -> RESULTS:
+    def walk(
+        self, max_steps: int, switch: dict[int, int], report: Callable[[int, float], None] | None = None
+    ) -> RESULTS:
         """Walk until a condition is met; the code says why the walk ended.
 
         Args:
             max_steps: Steps at most.
             switch: Direction, 1 or -1, in which bifurcations are left, by their number from 1. What is used is taken
                 out.
+            report: Called with the number of steps and the load factor before each step.
         """
         length, regular = np.inf, True
         while self.code == RESULTS.successful:
             if len(self.steps) > max_steps:
                 return RESULTS.max_steps
             begin = self.steps[-1]
+            if report is not None:
+                report(len(self.steps), begin.load)
             length = min(length, self.longest(begin.tangent))
             # So that what is no number ends the walk too.
             if not SMALLEST_STEP * self.step <= length < np.inf:

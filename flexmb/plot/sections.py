@@ -111,20 +111,36 @@ def _frames(p, q, y) -> Float[Array, "n 3 3"]:
 
 def _carried(points: Float[np.ndarray, "n places 3"], axes, sides) -> Float[np.ndarray, "n places 3"]:
     """Sides of the sections along lines, from those at the ends, (ends, n, 3)."""
-    tangents = np.gradient(points, axis=1, edge_order=2)
-    tangents = _unit(tangents)
+    tangents = _unit(np.gradient(points, axis=1, edge_order=2))
     # An arc is tilted at its ends, in its plane, from the axis that its ends turn with.
     first, last = (_bent(axes[i], tangents[:, at], sides[i]) for i, at in ((0, 0), (1, -1)))
-    carried = [first]
-    for i in range(1, points.shape[1]):
-        carried.append(_bent(tangents[:, i - 1], tangents[:, i], carried[-1]))
-    sides_along = np.stack(carried, axis=1)
+    carried = (_along(tangents) @ first[:, None, :, None])[..., 0]
+    sides_along = _unit(carried - np.einsum("npi,npi->np", carried, tangents)[..., None] * tangents)
     end = tangents[:, -1]
-    sine = np.einsum("ni,ni->n", _cross(carried[-1], last), end)
-    twist = np.arctan2(sine, np.einsum("ni,ni->n", carried[-1], last))
+    sine = np.einsum("ni,ni->n", _cross(sides_along[:, -1], last), end)
+    twist = np.arctan2(sine, np.einsum("ni,ni->n", sides_along[:, -1], last))
     angle = twist[:, None] * np.linspace(0.0, 1.0, points.shape[1])
     others = _cross(tangents, sides_along)
     return _unit(np.cos(angle)[..., None] * sides_along + np.sin(angle)[..., None] * others)
+
+
+def _along(tangents: Float[np.ndarray, "n places 3"]) -> Float[np.ndarray, "n places 3 3"]:
+    """Rotation from the first tangent of a line to each, one smallest rotation after the other."""
+    start, end = tangents[:, :-1], tangents[:, 1:]
+    axis, cosine = _cross(start, end), np.einsum("npi,npi->np", start, end)[..., None, None]
+    steps = np.empty((*tangents.shape, 3))
+    steps[:, 0] = np.eye(3)
+    steps[:, 1:] = cosine * np.eye(3) + axis[..., :, None] * axis[..., None, :] / np.maximum(1 + cosine, 1e-9)
+    # What multiplies a vector as the cross product does.
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        steps[:, 1:, k, j] += axis[..., i]
+        steps[:, 1:, j, k] -= axis[..., i]
+    # Products of all steps up to each place in as many multiplications as it takes to double them to the length.
+    reach = 1
+    while reach < steps.shape[1]:
+        steps[:, reach:] = steps[:, reach:] @ steps[:, :-reach]
+        reach *= 2
+    return steps
 
 
 def _bent(start, end, vectors) -> Float[np.ndarray, "n 3"]:

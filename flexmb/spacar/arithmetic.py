@@ -14,6 +14,8 @@ from ..errors import clean
 _NUMBER = r"(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])"
 _TOKEN = re.compile(rf"[ \t]*(?:{_NUMBER}|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))")
 
+_PLAIN = re.compile(rf"[ \t]*[-+]?[ \t]*{_NUMBER}[ \t]*")
+
 
 class _Operation(NamedTuple):
     """What a sign does: the higher its rank, the earlier."""
@@ -88,6 +90,33 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
     if waiting:
         raise ValueError("is no arithmetic: a parenthesis is not closed")
     return values[0]
+
+
+def is_number(text: str) -> bool:
+    """Whether a text is a number alone, with a sign or without."""
+    return _PLAIN.fullmatch(text) is not None
+
+
+def names_in(text: str) -> list[str]:
+    """Names in arithmetic, in order, up to what is none; pi is among them."""
+    return [text[start:end] for start, end in _names(text)]
+
+
+def renamed(text: str, old: str, new: str) -> str:
+    """Arithmetic in which a name is another one; all else stays as it is written."""
+    for start, end in reversed(_names(text)):
+        if text[start:end] == old:
+            text = text[:start] + new + text[end:]
+    return text
+
+
+def _names(text: str) -> list[tuple[int, int]]:
+    found, place = [], 0
+    while match := _TOKEN.match(text, place):
+        if match["name"]:
+            found.append(match.span("name"))
+        place = match.end()
+    return found
 
 
 def _rest(text: str, place: int) -> str:

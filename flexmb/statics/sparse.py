@@ -94,6 +94,7 @@ class Assembled(NamedTuple):
     Attributes:
         tangent: Derivative by the coordinates that move and the multipliers, sparse, symmetric.
         coupling: The same by the coordinates that do not move, sparse.
+        geometric: Part of the tangent that stress resultants and weight have, of the coordinates that move, sparse.
         mass: Mass of the coordinates that move, sparse, or None.
         jacobian: D_x, sparse, (n_e, n_x).
         e: Deformations, (n_e,) [m, rad].
@@ -103,6 +104,7 @@ class Assembled(NamedTuple):
 
     tangent: Any
     coupling: Any
+    geometric: Any
     mass: Any
     jacobian: Any
     e: np.ndarray
@@ -124,12 +126,14 @@ def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) 
     keep[held] = 0.0
     kept = scipy.sparse.diags_array(keep)
     s = kept @ sparse_matrix((n_e, n_e), found["stiffness"]) @ kept
-    k = d.T @ s @ d + sparse_matrix((n_x, n_x), found["curvature"]) - sparse_matrix((n_x, n_x), found["weight"])
+    geometric = sparse_matrix((n_x, n_x), found["curvature"]) - sparse_matrix((n_x, n_x), found["weight"])
+    k = d.T @ s @ d + geometric
     rows = d[held]
     tangent = scipy.sparse.block_array([[k[free][:, free], rows[:, free].T], [rows[:, free], None]])
     coupling = scipy.sparse.vstack([k[free][:, fast], rows[:, fast]])
     m = sparse_matrix((n_x, n_x), found["mass"])[free][:, free] if mass else None
-    return Assembled(tangent.tocsc(), coupling, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
+    geometric = geometric[free][:, free]
+    return Assembled(tangent.tocsc(), coupling, geometric, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
 
 
 def refuse_traced(*trees) -> None:

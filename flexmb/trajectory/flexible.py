@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -16,7 +15,7 @@ from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.record import Record, static
 from ..control.state_space import state_matrices
 from ..display import Result, Summary, listed, short, span
-from ..errors import FlexmbWarning, ModelError
+from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model
 from .laws import Law, Shaped, as_law, sampled
@@ -132,12 +131,10 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     error = _error_from_rest(a, c[rows], z, grid)
     if error > MISSED * np.max(np.abs(y)):
         unstable = np.real(inverse.zeros)[np.real(inverse.zeros) > 0]
-        warnings.warn(
+        warn(
             f"The inputs begin before the first of the times: from rest there the outputs are off by up to"
             f" {short(error)}. Let the times begin earlier, by some {short(np.log(1 / ZERO) / np.min(unstable))} s"
-            " before the outputs move.",
-            FlexmbWarning,
-            stacklevel=2,
+            " before the outputs move."
         )
     return StableInversion(
         grid, u, y, z, inverse.zeros, np.array(inverse.degrees), np.asarray(error), tuple(inputs), tuple(names)

@@ -104,7 +104,7 @@ def document(view: View) -> str:
     folder = files("flexmb.viewer")
     page, script = (folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "viewer.js"))
     # Inside a script element only "</" and "<!--" would end or change it; JSON may write "<" as an escape.
-    data = json.dumps(_data(view), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    data = json.dumps(page_data(view), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     # The data may hold any text, so each piece is put into the page once, none of them searched again.
     before, rest = page.replace("{{title}}", html.escape(view.title)).split("{{data}}")
     between, after = rest.split("{{script}}")
@@ -120,7 +120,7 @@ def framed(view: View) -> str:
     )
 
 
-def _data(view: View) -> dict[str, Any]:
+def page_data(view: View) -> dict[str, Any]:
     """What the page reads, arrays as base64 of 32-bit floats."""
     lines, nodes = view.lines, view.nodes
     index = {name: i for i, name in enumerate(nodes.names)}

@@ -11,6 +11,7 @@ from cases.snapping import BASE, EULER, column, load_at, truss
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.progress import Stopped
 
 # Height of the apex at the limit load: dP/dy = 0 where l^3 = L0 b^2.
 HIGHEST = np.sqrt((np.hypot(BASE, 1.0) * BASE**2) ** (2 / 3) - BASE**2)
@@ -529,3 +530,20 @@ def test_command_line(tmp_path):
     assert table.exit_code == 1
     assert "status max_steps" in table.stdout
     assert "path (6 states)" in table.stdout
+
+
+def test_a_path_tells_how_far_it_is_and_keeps_what_it_has_when_it_is_stopped():
+    told = []
+
+    def five(states, load):
+        if states > 5:
+            raise Stopped
+
+    whole = fm.path(truss(), progress=lambda *now: told.append(now))
+    # A step that is tried again, shorter, is told again.
+    states, loads = np.array(told).T
+    np.testing.assert_array_equal(loads, whole.load_factor[states.astype(int) - 1])
+    assert set(np.diff(states)) == {0, 1}
+    part = fm.path(truss(), progress=five)
+    assert (int(part.result), len(part.x)) == (fm.RESULTS.stopped, 6)
+    np.testing.assert_array_equal(part.x, whole.x[:6])

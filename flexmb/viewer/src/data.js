@@ -7,9 +7,11 @@ function floats(text) {
   return new Float32Array(bytes.buffer);
 }
 
-/** Read the data element of the page; every array flat, as the Python side has it. */
-export function read(element) {
-  const data = JSON.parse(element.textContent);
+/** Read the data element of the page. */
+export const read = (element) => decode(JSON.parse(element.textContent));
+
+/** Data of a page with its arrays; every array flat, as the Python side has it. */
+export function decode(data) {
   const optional = (text) => (text === null ? null : floats(text));
   const parts = data.parts.map(([name, kind, start, count, shape]) => ({
     name,

@@ -1,8 +1,8 @@
 /** Marks and texts over the picture, drawn flat: supports, masses, hinges, arrows, names. */
 import { css } from "./theme.js";
+import { Words } from "./words.js";
 
 const ARROW = 0.15;
-const CELL = [7, 13];
 
 export class Overlay {
   constructor(canvas, data, extent) {
@@ -21,7 +21,7 @@ export class Overlay {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
     Object.assign(this, { pen, motion, project, colours, width, height });
-    this.taken = new Set();
+    this.words = new Words(pen, width, height, css(colours.back, 0.8));
     pen.lineWidth = 1.6;
     pen.strokeStyle = css(colours.mark);
     if (shown.supports) this.supports();
@@ -71,7 +71,7 @@ export class Overlay {
     const colour = css(mark.kind === "dof" ? colours.dof : colours.load);
     const start = this.project(motion.nodes, mark.node);
     if (!mark.vector) {
-      this.text(mark.text, start[0] + 7, start[1] - 7, colour);
+      this.words.write(mark.text, start[0] + 7, start[1] - 7, colour);
       return;
     }
     const size = Math.hypot(...mark.vector);
@@ -94,14 +94,14 @@ export class Overlay {
       pen.lineTo(tip[0] - head * along[0] + 0.4 * head * along[1], tip[1] - head * along[1] - 0.4 * head * along[0]);
       pen.fill();
     }
-    this.text(mark.text, end[0] + 10 * along[0], end[1] + 10 * along[1], colour, along[0] < -0.3 ? "right" : "left");
+    this.words.write(mark.text, end[0] + 10 * along[0], end[1] + 10 * along[1], colour, along[0] < -0.3 ? "right" : "left");
   }
 
   names(visible) {
     const { data, motion, colours } = this;
     data.nodes.names.forEach((name, i) => {
       const [x, y] = this.project(motion.nodes, i);
-      this.text(name, x + 7, y - 8, css(colours.text));
+      this.words.write(name, x + 7, y - 8, css(colours.text));
     });
     data.parts.forEach((part, i) => {
       if (!visible[i]) return;
@@ -109,31 +109,8 @@ export class Overlay {
         this.project(motion.points, part.start + round((part.count - 1) / 2)),
       );
       const [x, y] = before.map((value, k) => (value + after[k]) / 2);
-      this.text(part.name, x + 6, y + 6, css(colours.text, 0.65), "left", "italic 12px system-ui, sans-serif");
+      this.words.write(part.name, x + 6, y + 6, css(colours.text, 0.65), "left", "italic 12px system-ui, sans-serif");
     });
-  }
-
-  /** A text where there is room for it: earlier ones keep their place. */
-  text(content, x, y, colour, align = "left", font = "12px system-ui, sans-serif") {
-    const { pen, taken } = this;
-    if (x < 0 || y < 0 || x > this.width || y > this.height) return;
-    pen.font = font;
-    const wide = pen.measureText(content).width;
-    const left = align === "left" ? x : x - wide;
-    const cells = [];
-    for (let i = Math.floor(left / CELL[0]); i <= Math.floor((left + wide) / CELL[0]); i += 1) {
-      for (let j = Math.floor((y - 6) / CELL[1]); j <= Math.floor((y + 5) / CELL[1]); j += 1) cells.push(`${i},${j}`);
-    }
-    if (cells.some((cell) => taken.has(cell))) return;
-    for (const cell of cells) taken.add(cell);
-    pen.textAlign = align;
-    pen.textBaseline = "middle";
-    pen.lineWidth = 3;
-    pen.strokeStyle = css(this.colours.back, 0.8);
-    pen.strokeText(content, x, y);
-    pen.fillStyle = colour;
-    pen.fillText(content, x, y);
-    pen.lineWidth = 1.6;
   }
 }
 

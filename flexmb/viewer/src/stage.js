@@ -59,22 +59,35 @@ function segments({ base, parts }, extent) {
 export class Stage {
   constructor(canvas, data, around) {
     this.canvas = canvas;
-    this.around = around;
-    this.planar = data.dimension === 2;
     this.renderer = new WebGLRenderer({ canvas, antialias: !(data.parts.length >= MANY && isSoftware()), alpha: true });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.camera = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
-    this.camera.up.set(0, this.planar ? 1 : 0, this.planar ? 0 : 1);
     this.scene = new Scene();
     this.ghost = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
-    this.ghost.geometry.setAttribute("position", new BufferAttribute(data.base, 3));
-    this.ghost.geometry.setIndex(segments(data, around.extent));
     this.ghost.frustumCulled = false;
     this.scene.add(this.ghost);
-    this.controls = new OrbitControls(this.camera, canvas);
+    this.replace(data, around);
+  }
+
+  /** Show another mechanism; the camera stays where it is, but where the plane gives way to space. */
+  replace(data, around) {
+    this.around = around;
+    this.ghost.geometry.dispose();
+    this.ghost.geometry = new BufferGeometry();
+    this.ghost.geometry.setAttribute("position", new BufferAttribute(data.base, 3));
+    this.ghost.geometry.setIndex(segments(data, around.extent));
+    if (this.planar !== (data.dimension === 2)) this.hold(data.dimension === 2);
+  }
+
+  /** What turns and moves the camera by hand: in the plane it does not turn. */
+  hold(planar) {
+    this.planar = planar;
+    this.controls?.dispose();
+    this.camera.up.set(0, planar ? 1 : 0, planar ? 0 : 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
-    if (this.planar) {
+    if (planar) {
       this.controls.enableRotate = false;
       this.controls.mouseButtons.LEFT = MOUSE.PAN;
       this.controls.touches.ONE = TOUCH.PAN;

@@ -1,0 +1,259 @@
+"""Load multipliers of large mechanisms about their equilibrium, by sparse factors, and their derivatives."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit
+from ..compilation.threads import one_thread
+from ..errors import AnalysisError, ModelError
+from ..math.derivative import jvp_of_varied
+from ..math.indices import put
+from ..math.sparse import SparseFactors
+from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.extent import sizes_of
+from ..mechanics.inertia import work_of_weight
+from ..mechanics.loads import LoadFactors, scaled_loads
+from ..mechanics.stress_resultants import stiffness_pieces, stress_of_strain
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS
+from ..statics.sparse import (
+    Assembled,
+    Balanced,
+    assemble,
+    balanced,
+    elastic_stress,
+    refuse_traced,
+    refuse_what_is_not_sparse,
+    unknowns,
+)
+
+# Multipliers beyond this many times the smallest are unbounded, and those that the round-off of a stress would give.
+UNBOUNDED = 1e9
+ROUND_OFF = 1e-15
+# Stiffness of an element below zero by more than this share is negative.
+NEGATIVE = 1e-9
+
+
+class _Buckled(NamedTuple):
+    """Load multipliers of a constrained mechanism in all its coordinates.
+
+    Attributes:
+        values: By magnitude, infinite where unbounded, (count,) [-].
+        motions: Of the coordinates that move, one a column, (n, count).
+        multipliers: Those of the constraints in these motions, (h, count).
+        geometric: v^T G v of each, (count,).
+    """
+
+    values: np.ndarray
+    motions: np.ndarray
+    multipliers: np.ndarray
+    geometric: np.ndarray
+
+
+@jax.custom_jvp
+def _load_multipliers(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
+) -> Float[Array, "k"]:
+    refuse_traced(parameters, factors, at)
+    return jnp.asarray(_about(topology, parameters, factors, at, count.shape[0]).values)
+
+
+def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: int) -> _Buckled:
+    """Smallest multipliers about a state; what stays and what is scaled as in :func:`.buckling.scaled_stiffness`."""
+    _refuse_negative(topology, parameters)
+    near = deformations(topology, parameters, at.x, zero_near(topology))
+    held = unknowns(topology)[2]
+    sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
+    found = assemble(topology, parameters, factors, at.x, near, sigma)
+    structural = _without(found.tangent, found.geometric)
+    n = found.geometric.shape[0]
+    moved = np.asarray(sizes_of(topology, parameters))
+    if parameters.increment is None:
+        stays, scaled = structural, found.geometric
+    else:
+        if abs(found.geometric).max() > 0:
+            _refuse_unstable(structural, found.geometric)
+        stays = found.tangent
+        added, moved = _of_increment(topology, parameters, factors, near, held)
+        sigma, only = jnp.asarray(added), LoadFactors(0.0, 1.0)
+        scaled = assemble(topology, parameters, only, at.x, near, sigma).geometric
+    wrong = _round_off(topology, parameters, found, np.asarray(sigma), moved, np.asarray(held))
+    noise = assemble(topology, parameters, LoadFactors(0.0, 0.0), at.x, near, wrong).geometric
+    return _smallest(stays, scaled, noise, min(count, n - (stays.shape[0] - n)))
+
+
+def _without(tangent: Any, geometric: Any) -> Any:
+    """Tangent less its geometric part."""
+    import scipy.sparse
+
+    rest = tangent.shape[0] - geometric.shape[0]
+    return (tangent - scipy.sparse.block_diag([geometric, scipy.sparse.csr_array((rest, rest))])).tocsc()
+
+
+def _of_increment(topology, parameters, factors, near, held) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses that the incremental loads add to first order, (n_e,), and the displacements, (n_x,)."""
+
+    def state(increment):
+        own = LoadFactors(factors.initial, increment)
+        at = balanced(topology, parameters, own)
+        e = deformations(topology, parameters, at.x, near)
+        return put(elastic_stress(topology, parameters, own, e), held, at.multipliers), at.x
+
+    _, (sigma, x) = jax.jvp(state, (jnp.asarray(factors.increment, float),), (jnp.ones(()),))
+    return np.asarray(sigma), np.asarray(x)
+
+
+def _round_off(topology, parameters, found: Assembled, sigma, moved, held) -> np.ndarray:
+    """What stress resultants are wrong by, as :func:`.buckling.scaled_stiffness` has it, (n_e,) [N, N m]."""
+    rows, sizes = abs(found.jacobian), np.asarray(sizes_of(topology, parameters))
+    largest = np.max(sizes * (rows.T @ np.abs(sigma)), initial=0.0)
+    reach = rows.multiply(sizes).max(axis=1).toarray().ravel()
+    stretched, elastic = rows @ np.abs(moved), np.zeros(topology.n_e)
+    for at, columns, matrices in stiffness_pieces(topology, parameters):
+        own = np.einsum("eij,ej->ei", np.abs(np.asarray(matrices)), stretched[np.asarray(columns)])
+        np.add.at(elastic, np.asarray(at), own)
+    elastic[held] = 0.0
+    return ROUND_OFF * (elastic + np.divide(largest, reach, out=np.zeros_like(reach), where=reach > 0))
+
+
+def _operator(stays: Any, n: int) -> tuple[Any, Any]:
+    """Factors of the stiffness that stays, and motions under forces as ARPACK asks for them."""
+    import scipy.sparse.linalg
+
+    factored = SparseFactors(stays)
+    if not factored.regular:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+
+    def moved(force):
+        return factored.solve(np.concatenate([np.ravel(force), np.zeros(stays.shape[0] - n)]))[:n]
+
+    linalg: Any = scipy.sparse.linalg
+    return factored, linalg.LinearOperator((n, n), matvec=moved, dtype=float)
+
+
+def _refuse_unstable(structural: Any, geometric: Any) -> None:
+    """Raise where the preload is beyond a buckling load of its own: K0 + G0 is not positive definite."""
+    import scipy.sparse.linalg
+
+    n, linalg = geometric.shape[0], scipy.sparse.linalg
+    _, moved = _operator(structural, n)
+    start = moved.matvec(np.cos(np.arange(n) ** 2))
+    most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
+    if most[0] >= 1:
+        raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
+
+
+def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
+    """Multipliers of smallest size: -G v = (1/lambda) K v in the motions that the constraints leave.
+
+    Source:
+        THEORY.md 7, eq. (7.4), by the Lanczos method of ARPACK in the inner product of the stiffness that stays.
+    """
+    import scipy.sparse.linalg
+
+    n, linalg = scaled.shape[0], scipy.sparse.linalg
+    factored, moved = _operator(stays, n)
+    stiffness, rest = stays[:n, :n], stays.shape[0] - n
+    if abs(scaled).max() == 0:
+        return _Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
+    start = moved.matvec(np.cos(np.arange(n) ** 2))
+    inverse, motions = linalg.eigsh(-scaled, k=count, M=stiffness, Minv=moved, v0=start, which="LM", tol=1e-13)
+    order = np.argsort(-np.abs(inverse))
+    inverse, motions = inverse[order], motions[:, order]
+    size = np.einsum("ij,ij->j", motions, stiffness @ motions)
+    false = np.abs(np.einsum("ij,ij->j", motions, noise @ motions)) / size
+    bounded = np.abs(inverse) > np.maximum(np.max(np.abs(inverse)) / UNBOUNDED, false)
+    values = np.where(bounded, 1 / np.where(bounded, inverse, 1.0), np.inf)
+    # Once more, for the multipliers too: K v + D^T m = -lambda G v.
+    forces = np.vstack([-(scaled @ motions) / np.where(bounded, inverse, 1.0), np.zeros((rest, count))])
+    full = np.stack([factored.solve(force) for force in forces.T], axis=1)
+    return _Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))
+
+
+@jit
+def _quotient(topology, parameters, factors, at: Balanced, near, motion, multipliers, value) -> Float[Array, ""]:
+    """Second variation of the Lagrangian along a mode, its stresses scaled, whose derivative gives the multiplier's."""
+    free, _, held = unknowns(topology)
+    phi = put(jnp.zeros(topology.n_x), free, motion)
+
+    def rates(x):
+        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
+
+    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
+    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
+    geometric = sigma @ second
+    gravity = scaled_loads(parameters, factors).gravity
+    if gravity is not None:
+
+        def slope(x):
+            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
+
+        geometric = geometric - jax.jvp(slope, (at.x,), (phi,))[1]
+    return first @ stress + value * geometric + 2 * multipliers @ first[held]
+
+
+@_load_multipliers.defjvp
+def _load_multipliers_jvp(primals, tangents):
+    topology, parameters, factors, at, count = primals
+    if parameters.increment is not None:
+        raise NotImplementedError(
+            "Load multipliers of incremental loads by sparse factors have no derivative: scale all loads, or leave"
+            " `sparse` out."
+        )
+    found = _about(topology, parameters, factors, at, count.shape[0])
+    near = deformations(topology, parameters, at.x, zero_near(topology))
+    bounded = np.isfinite(found.values)
+    values = np.where(bounded, found.values, 0.0)
+
+    def all_modes(parameters, factors, at):
+        return jnp.stack(
+            [
+                _quotient(topology, parameters, factors, at, near, *(jnp.asarray(v) for v in mode))
+                for mode in zip(found.motions.T, found.multipliers.T, values, strict=True)
+            ]
+        )
+
+    _, change = jvp_of_varied(all_modes, primals[1:4], tangents[1:4])
+    slope = np.where(bounded, -1 / np.where(bounded, found.geometric, 1.0), 0.0)
+    return jnp.asarray(found.values), slope * change
+
+
+@one_thread()
+def sparse_multipliers(model: Model, target: LoadFactors, count: int) -> Float[Array, "k"]:
+    """Load multipliers of smallest size about the equilibrium by sparse factors, (count,) or fewer [-].
+
+    Args:
+        model: As for :func:`sparse_equilibrium`.
+
+    Raises:
+        ModelError: See :func:`refuse_what_is_not_sparse`, too large a count, or an element of negative stiffness.
+        AnalysisError: singular_stiffness, not_converged, or unstable under the preload.
+
+    Source:
+        THEORY.md 7, eq. (7.4), with multipliers in place of degrees of freedom.
+    """
+    topology, parameters = model.topology, model.parameters
+    refuse_what_is_not_sparse(topology)
+    free, _, held = unknowns(topology)
+    if count >= len(free) - len(held):
+        raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many multipliers. Leave it out.")
+    at = balanced(topology, parameters, target)
+    # The number is handed on as a shape, which stays known.
+    return _load_multipliers(topology, parameters, target, at, jnp.zeros(count))
+
+
+def _refuse_negative(topology: Topology, parameters: Parameters) -> None:
+    """Raise where an element's stiffness is negative: the method's inner product relies on it."""
+    for _, _, matrices in stiffness_pieces(topology, parameters):
+        own = np.linalg.eigvalsh(np.asarray(matrices))
+        if np.any(own[:, 0] < -NEGATIVE * np.abs(own[:, -1])):
+            raise ModelError(
+                "An element has a negative stiffness, which load multipliers by sparse factors cannot take."
+            )

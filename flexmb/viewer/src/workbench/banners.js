@@ -1,0 +1,36 @@
+/** What is told above the drawing: no connection, a file that another program changed. */
+import { byId, button, h } from "./dom.js";
+import { toast } from "./dialogs.js";
+
+export function banners(store) {
+  const root = byId("banners");
+  let last = "";
+  // A connection that is lost for a moment only is not worth a word.
+  let quiet = true;
+  setTimeout(() => ((quiet = false), update()), 1500);
+
+  function update() {
+    const { connected, disk, reason } = store.state;
+    const now = JSON.stringify([connected || quiet, disk, reason]);
+    if (now === last) return;
+    last = now;
+    root.replaceChildren();
+    if (!connected && !quiet) {
+      const text = reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
+      root.append(h("div", { class: "bad", id: "disconnected" }, h("p", {}, text)));
+    }
+    const offer = (id, text, take, keep) => {
+      const answer = (verb) => () => store.ask(verb).catch((fault) => toast(fault.message));
+      const both = [button(take, answer("take_disk"), { class: "main" }), button(keep, answer("keep_disk"))];
+      root.append(h("div", { id }, h("p", {}, text), ...(id === "recovered" ? both.reverse() : both)));
+    };
+    if (disk?.changed) {
+      const text = `Another program changed ${disk.name ?? "the file"}. ${disk.summary ?? ""}`;
+      offer("file-changed", text, "Take it", "Keep what is here");
+    } else if (disk?.recovered) {
+      const text = `flexmb was ended before ${disk.name} was saved: ${disk.summary}`;
+      offer("recovered", text, store.state.file ? "Take the file as it is" : "Begin anew", "Go on with it");
+    }
+  }
+  for (const part of ["connected", "disk", "reason"]) store.on(part, update);
+}

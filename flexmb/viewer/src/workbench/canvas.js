@@ -1,0 +1,539 @@
+/** The stage of the workbench: shows the document and what was computed of it, and changes it by mouse, pen, finger and keys. */
+import { valueOf } from "./arithmetic.js";
+import { describe } from "./describe.js";
+import { nodesOf } from "./dragging.js";
+import { Drawing } from "./draw.js";
+import { Eye } from "./eye.js";
+import { Ground } from "./ground.js";
+import { Hands } from "./hands.js";
+import { Keys } from "./keys.js";
+import { legend } from "./legend.js";
+import { numbers, palette } from "./colours.js";
+import { middleOf, planOf } from "./plan.js";
+import { takeTool } from "./toolbox.js";
+import { snap } from "./snap.js";
+import * as space from "./space.js";
+import { Swing } from "./swing.js";
+import { toolOf } from "./tools.js";
+
+const LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ";
+
+export class Canvas {
+  constructor({ scene, overlay, store }) {
+    Object.assign(this, { scene, overlay, store });
+    this.grid = { snap: true, step: null };
+    this.moved = {};
+    this.cursor = [0, 0, 0];
+    this.keyed = false;
+    this.hovered = null;
+    this.place = null;
+    this.times = [];
+    this.revision = null;
+    this.around(scene.parentElement);
+    this.eye = new Eye(scene, store.state.document?.dimension ?? 2);
+    this.eye.onChange = () => this.see();
+    this.ground = new Ground(this.under);
+    this.drawing = new Drawing(overlay);
+    this.swing = new Swing(this.eye.stage);
+    this.plan = planOf(store.state);
+    this.tool = toolOf(this, store.state.tool);
+    this.hands = new Hands(this);
+    this.keys = new Keys(this);
+    this.listen();
+    this.recolour();
+    this.see();
+    this.document();
+    this.live();
+    requestAnimationFrame((time) => this.frame(time));
+  }
+
+  /** Elements of the page beside the two canvases: what lies under them, a tip, a field for coordinates, spoken words. */
+  around(stage) {
+    const make = (tag, attributes, style) => {
+      const element = document.createElement(tag);
+      for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+      Object.assign(element.style, style);
+      return element;
+    };
+    this.host = stage;
+    const whole = { position: "absolute", inset: "0", width: "100%", height: "100%", display: "block" };
+    this.under = make("canvas", { "aria-hidden": "true", id: "ground" }, { ...whole, pointerEvents: "none" });
+    stage.insertBefore(this.under, stage.firstChild);
+    const box = { position: "absolute", padding: "3px 8px", borderRadius: "4px", font: "12px system-ui, sans-serif" };
+    this.tipBox = make("div", { id: "canvas-tip" }, { ...box, pointerEvents: "none", maxWidth: "24rem", zIndex: "3" });
+    this.promptBox = make("div", { id: "prompt" }, { ...box, pointerEvents: "none", left: "50%", top: "10px", transform: "translateX(-50%)" });
+    this.entry = make("input", { id: "entry", type: "text", "aria-label": "Coordinates", autocomplete: "off", spellcheck: "false" }, {
+      ...box, left: "50%", bottom: "34px", transform: "translateX(-50%)", width: "16rem", font: "14px ui-monospace, monospace", zIndex: "4",
+    });
+    this.entry.placeholder = "x, y   or   @dx, dy   or   length < angle";
+    const unseen = { position: "absolute", width: "1px", height: "1px", overflow: "hidden", clipPath: "inset(50%)", whiteSpace: "nowrap" };
+    this.spoken = make("div", { id: "spoken", role: "status", "aria-live": "polite" }, unseen);
+    this.entry.hidden = this.tipBox.hidden = this.promptBox.hidden = true;
+    stage.append(this.tipBox, this.promptBox, this.entry, this.spoken);
+    this.scene.setAttribute("role", "application");
+    this.scene.setAttribute("aria-label", "Drawing of the mechanism");
+    this.scene.style.touchAction = "none";
+  }
+
+  listen() {
+    const { store } = this;
+    for (const key of ["document", "positions", "values", "catalogue", "revision"]) store.on(key, () => (this.stale = true));
+    store.on("problems", () => (this.dirty = true));
+    store.on("count", () => (this.dirty = true));
+    store.on("selection", () => (this.dirty = true));
+    store.on("scene", () => this.live());
+    store.on("want", () => this.wanted());
+    store.on("tool", () => this.choose(store.state.tool));
+    new ResizeObserver(() => this.eye.resize()).observe(this.host);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
+    new MutationObserver(() => this.recolour()).observe(document.documentElement, { attributeFilter: ["data-theme", "class", "style"] });
+    this.scene.addEventListener("focus", () => (this.dirty = true));
+    this.scene.addEventListener("blur", () => (this.dirty = true));
+  }
+
+  // What is shown.
+
+  get step() {
+    return this.grid.step ?? this.eye.step;
+  }
+
+  /** The camera moved. */
+  see() {
+    this.eye.update();
+    this.swing.near(this.eye.scale);
+    this.grounded = this.dirty = this.sceneDirty = true;
+  }
+
+  recolour() {
+    this.colours = palette();
+    this.swing.recolour(this.colours);
+    const { colours } = this;
+    for (const box of [this.tipBox, this.promptBox, this.entry]) {
+      Object.assign(box.style, { background: colours.back, color: colours.text, border: `1px solid ${colours.edge}` });
+    }
+    this.grounded = this.dirty = this.sceneDirty = true;
+  }
+
+  /** The document changed. */
+  document() {
+    this.stale = false;
+    const { state } = this.store;
+    const before = this.count ?? 0;
+    const other = this.file !== undefined && this.file !== (state.file ?? null);
+    if (state.document) {
+      this.eye.setDimension(state.document.dimension);
+      this.file = state.file ?? null;
+    }
+    this.replan();
+    const { nodes } = this.plan;
+    this.count = nodes.length;
+    // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
+    if (nodes.length > 1 && (other || (before === 0 && !this.drawn))) this.fit();
+    this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
+    if (this.analysed && this.analysed.revision !== state.revision) this.live();
+    this.behind();
+  }
+
+  replan() {
+    this.plan = planOf(this.store.state, this.moved);
+    this.swing.only(new Set([...this.plan.lines.map(({ name }) => name), ...Object.keys(this.store.state.positions)]));
+    this.dirty = this.sceneDirty = true;
+  }
+
+  /** Wait until the document of a revision is here. */
+  reached(revision) {
+    if (this.store.state.revision >= revision) {
+      this.document();
+      return Promise.resolve();
+    }
+    return new Promise((resolve) => (this.waiters ??= []).push({ revision, done: () => void resolve() }));
+  }
+
+  live() {
+    const { scene, revision } = this.store.state;
+    if (this.analysed && this.analysed.revision !== revision) this.analysed = null;
+    this.swing.replace(this.analysed ?? scene);
+    this.replan();
+    this.behind();
+  }
+
+  wanted() {
+    this.swing.amplitude = this.store.state.want.amplitude ?? this.swing.amplitude;
+    this.swing.move();
+    this.sceneDirty = this.dirty = true;
+  }
+
+  /** Since when the live picture is of an older document. */
+  behind() {
+    const { scene, revision } = this.store.state;
+    const current = this.analysed || !scene || scene.of_revision === undefined || scene.of_revision === revision;
+    this.since = current ? null : this.since ?? performance.now();
+  }
+
+  frame(time) {
+    const elapsed = Math.min((time - (this.last ?? time)) / 1000, 0.25);
+    this.last = time;
+    if (this.stale) this.document();
+    this.tool.dragging?.send();
+    if (this.swing.advance(elapsed)) this.sceneDirty = true;
+    if (this.swing.age(this.since ?? null, performance.now())) this.sceneDirty = this.dirty = true;
+    const { stage } = this.eye;
+    if (this.sceneDirty || this.dirty || this.grounded) this.times = [...this.times.filter((other) => time - other < 1000), time];
+    if (this.sceneDirty) stage.draw();
+    if (this.grounded) this.ground.draw(this.eye, this.colours, stage.ratio, this.step);
+    if (this.dirty) this.draw();
+    this.sceneDirty = this.grounded = this.dirty = false;
+    requestAnimationFrame((next) => this.frame(next));
+  }
+
+  draw() {
+    const { state } = this.store;
+    const { swing } = this;
+    this.drawing.draw({
+      plan: this.plan,
+      eye: this.eye,
+      colours: this.colours,
+      selection: new Set(state.selection),
+      hovered: this.hovered,
+      problems: new Set((state.problems ?? []).map(({ address }) => String(address ?? "").split("/")[0])),
+      shares: this.shares(),
+      alive: swing.names && !swing.old ? (name) => swing.names.has(name) : null,
+      displaced: swing.displaced,
+      more: (drawing) => this.above(drawing),
+    });
+  }
+
+  /** Colours of elements by their share of a self-stress, where no live picture shows it. */
+  shares() {
+    const { count, want, scene } = this.store.state;
+    const own = want?.state === "self-stress" && scene?.kind !== "self-stress" && count?.shares?.[want.mode ?? 0];
+    if (!own) return null;
+    const [from, to] = [this.colours.ghost, this.colours.load].map(numbers);
+    return (name) => {
+      const share = Math.min(Math.abs(own[name] ?? 0), 1);
+      return `rgb(${from.map((value, k) => Math.round(value + share * (to[k] - value))).join(", ")})`;
+    };
+  }
+
+  /** What the tool, the pointer and the keyboard's cursor add to the drawing. */
+  above(drawing) {
+    const shown = this.place && (this.tool.prompt || this.tool.dragging) ? this.place : null;
+    this.tool.draw(drawing);
+    if (shown) space.target(drawing, shown);
+    space.handles(drawing, this);
+    if (this.keyed && document.activeElement === this.scene) space.cross(drawing, this.cursor);
+    if (!this.eye.planar) space.triad(drawing, this.eye);
+    const { data, old } = this.swing;
+    if (data?.colours && !old) legend(drawing, data.colours);
+  }
+
+  fit(direction) {
+    this.eye.fit(this.plan.nodes.map(({ at }) => at), direction);
+  }
+
+  /** Look from a direction, in space. */
+  look(direction) {
+    this.fit(this.eye.planar ? undefined : direction);
+  }
+
+  zoom(factor) {
+    this.eye.stage.zoom(factor);
+    this.see();
+  }
+
+  /** Turn in space, move in the plane. */
+  turn(right, down) {
+    if (this.eye.planar) this.eye.stage.move(0.05 * right, -0.05 * down);
+    else this.eye.stage.turn(0.1 * right, -0.1 * down);
+    this.see();
+  }
+
+  /** Show the picture of an analysis in place of the live one, until the document changes; null ends it. */
+  playView(view) {
+    this.analysed = view && { view, revision: this.store.state.revision };
+    this.live();
+    if (view) this.play();
+  }
+
+  setAmplitude(value) {
+    this.swing.amplitude = value;
+    this.swing.move();
+    this.sceneDirty = true;
+  }
+
+  /** All that is seen, as one canvas. */
+  picture() {
+    const { stage } = this.eye;
+    stage.draw();
+    const all = document.createElement("canvas");
+    all.width = this.overlay.width;
+    all.height = this.overlay.height;
+    const pen = all.getContext("2d");
+    pen.fillStyle = this.colours.back;
+    pen.fillRect(0, 0, all.width, all.height);
+    for (const layer of [this.under, this.scene, this.overlay]) pen.drawImage(layer, 0, 0, all.width, all.height);
+    return all;
+  }
+
+  play(on = true) {
+    this.swing.playing = on;
+    this.say(on ? "Playing." : "Paused.");
+  }
+
+  setGrid(changes) {
+    Object.assign(this.grid, changes);
+    this.see();
+    this.say(this.grid.snap ? `Grid of ${this.words([this.step])}.` : "Grid off.");
+  }
+
+  setPlane({ axis = this.eye.axis, height }) {
+    if (axis !== this.eye.axis) this.eye.height = this.cursor[axis];
+    this.eye.axis = axis;
+    if (height !== undefined) this.eye.height = Number(height.toPrecision(12));
+    this.cursor[axis] = this.eye.height;
+    this.see();
+    this.say(`Working plane ${["yz", "zx", "xy"][axis]} at ${"xyz"[axis]} = ${this.words([this.eye.height])}.`);
+    this.host.dispatchEvent(new CustomEvent("plane"));
+  }
+
+  // Things.
+
+  thing(id) {
+    return this.store.state.document?.things.find((own) => own.id === id);
+  }
+
+  /** Ids of all that is drawn, in the order of the document. */
+  order() {
+    const drawn = new Set([...this.plan.nodes, ...this.plan.lines, ...this.plan.marks].map(({ id }) => id));
+    return (this.store.state.document?.things ?? []).map(({ id }) => id).filter((id) => drawn.has(id));
+  }
+
+  placeOf(id) {
+    const node = this.plan.nodes.find((own) => own.id === id);
+    const mark = this.plan.marks.find((own) => own.id === id);
+    const line = this.plan.lines.find((own) => own.id === id) ?? mark?.line;
+    return node?.at ?? mark?.node?.at ?? (line ? middleOf(line) : null);
+  }
+
+  nodeOn(point) {
+    const near = 1e-9 + 1e-3 * this.eye.scale;
+    return this.plan.nodes.find(({ at }) => at.every((value, k) => Math.abs(value - point[k]) < near)) ?? null;
+  }
+
+  freshName(taken = new Set()) {
+    const used = this.names(taken);
+    for (const letter of LETTERS) if (!used.has(letter)) return letter;
+    return this.freeName("N", taken, 1);
+  }
+
+  freeName(prefix, taken = new Set(), first = 1) {
+    const used = this.names(taken);
+    for (let k = first; ; k += 1) if (!used.has(`${prefix} ${k}`) && !used.has(`${prefix}${k}`)) return prefix.length > 1 ? `${prefix} ${k}` : `${prefix}${k}`;
+  }
+
+  names(taken) {
+    const { document: own, positions } = this.store.state;
+    return new Set([...taken, ...Object.keys(positions ?? {}), ...(own?.things ?? []).map(({ name }) => name)]);
+  }
+
+  tell(id) {
+    this.say(describe(this, id));
+  }
+
+  // What is done to them.
+
+  async edit(ops, label, merge) {
+    try {
+      return await this.store.edit(ops, merge ? { label, merge } : { label });
+    } catch (problem) {
+      this.say(problem.message, true);
+      return null;
+    }
+  }
+
+  async remove() {
+    const ids = this.store.state.selection;
+    if (!ids.length) return;
+    const words = ids.length === 1 ? describe(this, ids[0]) : `${ids.length} things`;
+    const reply = await this.edit([{ op: "delete", ids: [...ids] }], `delete ${ids.length === 1 ? this.thing(ids[0])?.name ?? "" : ids.length}`);
+    if (!reply) return;
+    const along = reply.also?.length ? ` With it ${reply.also.length} that hung on it.` : "";
+    this.say(`Deleted ${words}.${along}`);
+  }
+
+  /** Copy what is selected beside itself; the copies are then selected, to be moved. */
+  async duplicate(by, count = 1) {
+    const { document: own, selection } = this.store.state;
+    if (!selection.length) return this.say("Select what shall be copied.", true);
+    const step = String(Number((4 * this.step).toPrecision(12)));
+    const shift = by ?? (own.dimension === 2 ? [step, `-${step}`] : [step, "0", "0"]);
+    const reply = await this.edit([{ op: "copy", ids: [...selection], by: shift, count }], "copy");
+    if (reply?.ids?.length) {
+      await this.reached(reply.revision);
+      this.store.select(reply.ids);
+      this.say(`${reply.ids.length} things copied.`);
+    }
+    return reply;
+  }
+
+  /** Mirror what is selected across an axis ("x" mirrors x coordinates) at a place. */
+  mirror(axis = "x", at = "0") {
+    return this.edit([{ op: "mirror", ids: [...this.store.state.selection], axis, at: String(at) }], "mirror");
+  }
+
+  /** Ask the page for a dialog: "mirror", "repeat", "edit" or "keys". */
+  request(what) {
+    this.host.dispatchEvent(new CustomEvent("request", { detail: { what, ids: [...this.store.state.selection] }, bubbles: true }));
+  }
+
+  // Tools.
+
+  choose(tool) {
+    const same = this.tool.call !== undefined && this.tool.kind === tool.kind && this.tool.call === (tool.call ?? tool.kind);
+    if (same) {
+      // Only what the next thing is given has changed: clicks that were made stay.
+      this.tool.args = tool.args ?? {};
+      return;
+    }
+    this.tool.cancel();
+    this.tool = toolOf(this, tool);
+    this.keys.leaving = false;
+    this.told();
+    if (this.tool.prompt) this.say(`${this.tool.prompt}.`);
+  }
+
+  /** Take the tool of a call in hand, with what the last thing of it was given. */
+  take(call) {
+    takeTool(this.store, call).catch((problem) => this.say(problem.message, true));
+  }
+
+  /** What the tool waits for changed. */
+  told() {
+    const { prompt } = this.tool;
+    this.promptBox.hidden = !prompt;
+    this.promptBox.textContent = prompt;
+    this.scene.style.cursor = prompt ? "crosshair" : "default";
+    this.dirty = true;
+  }
+
+  /** Whether there was something to end. */
+  escape() {
+    const { store } = this;
+    if (this.tool.cancel()) {
+      this.told();
+      return true;
+    }
+    if (this.analysed) {
+      this.playView(null);
+      return true;
+    }
+    if (store.state.tool.kind !== "select") {
+      store.setTool({ kind: "select" });
+      return true;
+    }
+    const some = store.state.selection.length > 0;
+    store.select([]);
+    return some;
+  }
+
+  from() {
+    return this.tool.options?.from?.point ?? null;
+  }
+
+  snapAt(x, y, options = {}) {
+    return snap(this, x, y, { ...this.tool.options, ...options });
+  }
+
+  handleAt(x, y) {
+    return space.handleAt(this, x, y);
+  }
+
+  movable() {
+    return this.store.state.tool.kind === "select" ? nodesOf(this, this.store.state.selection) : [];
+  }
+
+  // The keyboard's cursor.
+
+  along(arrow, size) {
+    return space.along(this.eye, arrow, size);
+  }
+
+  moveCursor(delta) {
+    const { step } = this;
+    const next = this.cursor.map((value, k) => (delta[k] ? Number((Math.round((value + delta[k]) / step) * step).toPrecision(12)) : value));
+    this.setCursor(next);
+    const [x, y] = this.eye.project(next);
+    const place = this.snapAt(x, y, { free: true, lines: true });
+    this.say(place.kind === "node" || place.kind === "line" ? `${place.word}, ${this.words(next)}` : this.words(next));
+  }
+
+  setCursor(point) {
+    this.cursor = point.slice();
+    this.keyed = true;
+    this.place = this.placeAtCursor();
+    this.hovered = null;
+    this.dirty = true;
+  }
+
+  placeAtCursor() {
+    const [x, y] = this.eye.project(this.cursor);
+    const met = this.snapAt(x, y, { free: true, lines: true });
+    const near = met.point.every((value, k) => Math.abs(value - this.cursor[k]) < 3 * this.eye.scale);
+    if ((met.kind === "node" || met.kind === "line") && near) return met;
+    const point = this.cursor.slice();
+    const texts = point.slice(0, this.eye.planar ? 2 : 3).map((value) => String(Number(value.toPrecision(12)) || 0));
+    return { kind: "grid", point, texts, guides: [], word: this.words(point) };
+  }
+
+  /** Enter: a click where the cursor is. */
+  enter(shift) {
+    this.keyed = true;
+    this.clickAt(this.cursor, null, shift);
+  }
+
+  clickAt(point, texts = null, shift = false) {
+    this.cursor = point.slice();
+    const place = this.placeAtCursor();
+    if (texts && place.kind === "grid") place.texts = texts;
+    const [x, y] = this.eye.project(point);
+    const event = { x, y, shift, reach: 1 };
+    this.place = place;
+    this.tool.press(place, event);
+    this.tool.release(place, event);
+    this.dirty = true;
+  }
+
+  // Words.
+
+  words(point) {
+    return space.words(point, this.eye.planar);
+  }
+
+  /** Tell to those who do not see it; with `aloud` also beside the pointer. */
+  say(text, aloud = false) {
+    this.spoken.textContent = text;
+    if (!aloud) return;
+    this.tip(text, ...this.eye.project(this.cursor));
+    clearTimeout(this.quiet);
+    this.quiet = setTimeout(() => this.tip(null), 5000);
+  }
+
+  tip(text, x = 0, y = 0) {
+    const { tipBox } = this;
+    tipBox.hidden = !text;
+    if (!text) return;
+    tipBox.textContent = text;
+    const { width, height } = this.eye.stage;
+    tipBox.style.left = `${Math.max(4, Math.min(x + 14, width - tipBox.offsetWidth - 8))}px`;
+    tipBox.style.top = `${y + 34 + tipBox.offsetHeight > height ? y - 10 - tipBox.offsetHeight : y + 14}px`;
+  }
+
+  /** Value of a text of the document. */
+  value(text) {
+    return valueOf(text, this.store.state.values);
+  }
+
+  get framesPerSecond() {
+    return this.times.length;
+  }
+}

@@ -1,0 +1,61 @@
+/** All keys, and the mouse. */
+import { h } from "./dom.js";
+import { ask } from "./dialogs.js";
+
+const HELP = {
+  Everywhere: [
+    ["Ctrl+Z", "undo"],
+    ["Ctrl+Y, Ctrl+Shift+Z", "do it again"],
+    ["Ctrl+S", "save"],
+    ["Ctrl+O", "open"],
+    ["F1, ?", "this help"],
+    ["F6, Shift+F6", "next, last part of the page"],
+    ["/", "search what can be added"],
+    ["Esc", "end the tool, give a field its text back"],
+  ],
+  "In the drawing": [
+    ["S N M", "select, node, measure"],
+    ["B R T P", "beam, rigid body, truss, spring"],
+    ["H L W", "hold (support), load, mass"],
+    ["I O Q", "input, output, degree of freedom"],
+    ["← → ↑ ↓", "move the cursor, or what is selected, by the grid; with Shift by ten"],
+    ["Enter", "place or choose at the cursor"],
+    ["0.1, 20 mm", "typed: a place; @ from the last one; 0.1 < 45 for length and angle; = for names"],
+    ["Tab", "next thing; after the last one, or after Esc, on through the page"],
+    ["Delete", "delete what is selected"],
+    ["D J A", "duplicate, mirror, repeat"],
+    ["E", "properties of what is selected"],
+    ["Ctrl+A", "select everything"],
+    ["F, Page ↑ ↓", "fit, zoom; Ctrl and arrows move the view, in space turn it"],
+    ["G", "grid on or off"],
+    ["X Y Z, [ ]", "in space: the plane that is drawn on, lower, higher"],
+    ["Space", "play or pause"],
+  ],
+  Mouse: [
+    ["click", "select; with Shift add to it"],
+    ["drag a node", "move it; the answers follow; onto another node: join"],
+    ["drag the ground", "select what is in the rectangle; to the left also what it touches"],
+    ["right button", "move the view, in space turn it; the middle one moves it"],
+    ["Alt", "without grid and lines"],
+    ["wheel", "zoom"],
+  ],
+  Fields: [
+    ["0.5e-3", "a number, in SI units"],
+    ["t, 2*w, (a+b)/2", "names and arithmetic; a new name can be made at once"],
+    ["↑ ↓ in Parts", "walk; Shift adds, Delete deletes, Enter goes to the properties"],
+    ["↑ ↓ on a slider", "a small step; Page ↑ ↓ a larger one"],
+  ],
+};
+
+export function help() {
+  const list = h(
+    "div",
+    { id: "help-list" },
+    ...Object.entries(HELP).map(([title, rows]) =>
+      h("section", {}, h("h2", {}, title), h("dl", {}, ...rows.flatMap(([keys, text]) => [h("dt", {}, h("kbd", {}, keys)), h("dd", {}, text)]))),
+    ),
+  );
+  const own = ask("Keys and mouse", list, "", null, { wide: true });
+  own.id = "help-dialog";
+  own.style.width = "min(1060px, 94vw)";
+}

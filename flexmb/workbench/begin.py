@@ -1,0 +1,99 @@
+"""How a session begins: from a file, a mechanism, or what a killed process has left in its journal."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import clean
+from .document import Document, EditError
+from .filing import opened
+from .history import History, recover
+from .places import Place, left_place, new_place, place_of
+from .session import Session
+
+
+class TakenError(OSError):
+    """Another workbench has the file open.
+
+    Attributes:
+        address: Of its page, where it answers.
+    """
+
+    def __init__(self, path: Path, address: str | None):
+        where = f": {address}" if address else ""
+        super().__init__(f"'{clean(path.name)}' is open in another workbench already{where}")
+        self.address = address
+
+
+def session_of_file(path: Path) -> Session:
+    """A session on a file, with the edits that a killed process did not save.
+
+    Args:
+        path: Ends in .dat or .json.
+
+    Raises:
+        OSError: It cannot be read, or another workbench has it (TakenError).
+        ValueError: It holds no mechanism.
+    """
+    path = path.expanduser().absolute()
+    place = place_of(path)
+    if place.is_taken():
+        raise TakenError(path, place.address())
+    if (history := _recovered(place)) is not None:
+        session = Session(history, place=place)
+        session.file.recovered = True
+        session.file.know()
+        return session
+    found = opened(path)
+    session = Session(History(found.document, place.journal, file=str(path)), place=place, notes=found.notes)
+    session.file.know()
+    return session
+
+
+def session_of_new(document: Document | None = None, notes: list[str] | None = None) -> Session:
+    """A session on a new mechanism; without a document on the one that a killed process left last, if it left one.
+
+    Args:
+        document: To begin with.
+        notes: What is to be said about it.
+    """
+    while document is None and (place := left_place()) is not None:
+        if (history := _recovered(place)) is not None:
+            session = Session(history, place=place)
+            session.file.recovered = True
+            return session
+        place.leave()
+    place = new_place()
+    return Session(History(document, place.journal), place=place, notes=notes)
+
+
+def session_of(model: Any, names: Mapping[str, Any]) -> Session:
+    """A session on whatever :func:`flexmb.edit` takes."""
+    if model is None:
+        return session_of_new()
+    if isinstance(model, str | os.PathLike):
+        return session_of_file(Path(model))
+    if isinstance(model, Document):
+        return session_of_new(model)
+    from .from_builder import document_of
+
+    document, left_out = document_of(model, names)
+    return session_of_new(document, left_out)
+
+
+def _recovered(place: Place) -> History | None:
+    """What a journal tells, where not all of it was saved; a journal that tells nothing is put aside."""
+    if not place.journal.exists():
+        return None
+    try:
+        history = recover(place.journal)
+    except (EditError, ValueError, KeyError, TypeError):
+        place.journal.replace(place.journal.with_suffix(".unreadable"))
+        return None
+    if history.is_saved:
+        history.close()
+        return None
+    return history

@@ -1,0 +1,378 @@
+"""A document built: its numbers evaluated, its calls made on a Builder, and what is wrong told at the field."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from ..arguments import is_concrete
+from ..build.builder import Builder
+from ..build.carry import carried
+from ..build.properties import check_record
+from ..elements import planar, spatial
+from ..errors import clean
+from ..model.model import Model
+from .content import Document
+from .edits import texts
+from .fields import ENDS_IN_WORDS, Call
+from .references import call_of, part_of, referred
+from .values import evaluated
+from .values import free_names as free_names
+from .values import numbers_of as numbers_of
+from .values import structure as structure
+
+ROOMS = {"planar": planar, "spatial": spatial}
+# How messages of the Builder speak of what stands in fields of a kind.
+SAID = {"deformations": "deformation", "components": "coordinate|deformation", "nodes": "node|joins|length"}
+FLAGS = {"true": True, "false": False}
+
+
+@dataclasses.dataclass(frozen=True)
+class Built:
+    """What has become of a document.
+
+    Attributes:
+        builder: With all that could be built.
+        problems: What is wrong, {"address", "message"} each.
+        skipped: Ids of things that are not in the builder: they have problems, or refer to such that have.
+        made: What each thing made, by its id: names of "nodes" and of "elements".
+        records: Sections, materials and dampings, by id.
+        numbers: Values of the numeric fields, as they were used.
+    """
+
+    builder: Builder
+    problems: list[dict[str, str]]
+    skipped: list[str]
+    made: dict[str, dict[str, list[str]]]
+    records: dict[str, Any]
+    numbers: dict[str, Any]
+
+    def model(self, like: Model | None = None) -> Model:
+        """The model of what could be built.
+
+        Args:
+            like: A model of the same structure with concrete numbers, whose degrees of freedom and clamps a build
+                under a trace takes.
+
+        Raises:
+            ModelError: As of :meth:`flexmb.Builder.build`.
+        """
+        if like is None:
+            return self.builder.build()
+        with carried([like]):
+            return self.builder.build()
+
+
+class _Fault(Exception):
+    """What is wrong with a field."""
+
+    def __init__(self, address: str, message: str):
+        super().__init__(message)
+        self.address, self.message = address, message
+
+
+# -- the mechanism -----------------------------------------------------------------------------------------------
+
+
+def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built:
+    """Make the calls of a document on a Builder; what is wrong is left out and told.
+
+    Args:
+        document: The document.
+        numbers: Values of numeric fields by address, as :func:`numbers_of` gives them, which may be traced; those
+            that are missing are evaluated.
+    """
+    found, faults = evaluated(document)
+    if numbers is not None:
+        return _Building(document, {**found, **numbers}, faults, found).done()
+    if "built" not in document.kept:
+        document.kept["built"] = _Building(document, dict(found), faults, found).done()
+    built = document.kept["built"]
+    # What is done to the builder by one who asked is not seen by another.
+    return dataclasses.replace(built, builder=built.builder.copy())
+
+
+def positions(document: Document, built: Built | None = None) -> dict[str, list[float]]:
+    """Where nodes are, [x, y] or [x, y, z] each, by name, also of what cannot be built; those of blocks if it is.
+
+    Args:
+        document: The document.
+        built: What has become of it, where that is known.
+    """
+    found, _ = evaluated(document)
+    places: dict[str, list[float]] = {}
+    for thing in document.things:
+        if thing["call"] == "node" and thing.get("name"):
+            own = [found.get(f"{thing['id']}/position/{k}") for k in range(document.dimension)]
+            if len(thing["args"].get("position", ())) == document.dimension and None not in own:
+                places[thing["name"]] = [float(one) for one in own if one is not None]
+    for name, node in (built or build(document)).builder.nodes.items():
+        if node.kind.part == "position" and is_concrete(node.start):
+            places.setdefault(name, [float(one) for one in node.start])
+    return places
+
+
+class _Building:
+    """One building of a document: each thing after those that it refers to."""
+
+    def __init__(self, document: Document, values: dict, faults: dict[str, str], concrete: dict):
+        self.document, self.values, self.faults, self.concrete = document, values, faults, concrete
+        self.builder = Builder()
+        self.problems: list[dict[str, str]] = []
+        self.made: dict[str, dict[str, list[str]]] = {}
+        self.records: dict[str, Any] = {}
+        self.state: dict[str, str] = {}
+        self.needs = {thing["id"]: referred(document.known, thing) for thing in document.things}
+
+    def done(self) -> Built:
+        used = {address for address, _ in texts(self.document)}
+        for address, message in self.faults.items():
+            if address in used and address.startswith("names/"):
+                self._tell(address, message)
+        for thing in self.document.things:
+            self._visit(thing["id"])
+        skipped = [thing["id"] for thing in self.document.things if self.state[thing["id"]] != "made"]
+        places = {thing["id"]: k for k, thing in enumerate(self.document.things)}
+        self.problems.sort(key=lambda one: places.get(one["address"].partition("/")[0], -1))
+        return Built(self.builder, self.problems, skipped, self.made, self.records, self.values)
+
+    def _tell(self, address: str, message: str) -> None:
+        self.problems.append({"address": address, "message": message})
+
+    def _visit(self, first: str) -> None:
+        """Make a thing, after those that it needs; without recursion, since chains may be long."""
+        waiting = [first]
+        while waiting:
+            id = waiting[-1]
+            if self.state.get(id) in ("made", "left out"):
+                waiting.pop()
+                continue
+            needs = [one for one in self.needs[id].values() if one is not None]
+            first_visit = id not in self.state
+            self.state[id] = "open"
+            open_ = [one for one in needs if one not in self.state]
+            if first_visit and open_:
+                waiting += reversed(open_)
+                continue
+            waiting.pop()
+            if any(self.state[one] == "left out" for one in needs):
+                self.state[id] = "left out"
+            else:
+                self.state[id] = "made" if self._make(self.document.by_id[id]) else "left out"
+
+    def _make(self, thing: dict[str, Any]) -> bool:
+        """Make the call of a thing; whether that went well."""
+        call, id = call_of(thing), thing["id"]
+        if call is None:
+            self._tell(id, f"'{clean(thing['call'])}' is no call of this version.")
+            return False
+        before = len(self.problems)
+        args = self._arguments(call, thing)
+        if len(self.problems) > before:
+            return False
+        nodes, members = len(self.builder.nodes), len(self.builder.members)
+        trial = self.builder.copy() if call.kind == "block" else self.builder
+        try:
+            self._call(trial, call, thing, args)
+        except (ValueError, TypeError, ImportError, OSError, ArithmeticError) as fault:
+            self._tell(self._address_of(call, thing, str(fault)), _sentence(fault))
+            self._withdraw(nodes, members)
+            return False
+        self.builder = trial
+        self.made[id] = {
+            "nodes": list(self.builder.nodes)[nodes:],
+            "elements": [name for name, m in list(self.builder.members.items())[members:] if not m.hidden],
+        }
+        return True
+
+    def _withdraw(self, nodes: int, members: int) -> None:
+        """Take back what a call that failed has added."""
+        for kept, contents in ((nodes, self.builder.nodes), (members, self.builder.members)):
+            for name in list(contents)[kept:]:
+                del contents[name]
+
+    def _arguments(self, call: Call, thing: dict[str, Any]) -> dict[str, Any]:
+        """Values of the fields that are given; what has none is told."""
+        found, given = {}, thing["args"]
+        for key, value in given.items():
+            field, address = call.fields.get(key), f"{thing['id']}/{key}"
+            if field is None:
+                self._tell(address, f"{call.name} takes no '{clean(key)}'. It takes: {', '.join(call.fields)}.")
+                continue
+            if value in ("", []):
+                continue
+            try:
+                found[key] = self._argument(field, address, value)
+            except _Fault as fault:
+                self._tell(fault.address, fault.message)
+        for key, field in call.fields.items():
+            if not field["optional"] and given.get(key) in (None, "", []):
+                self._tell(f"{thing['id']}/{key}", f"{call.entry['title'].capitalize()} needs {_article(field)}.")
+        return found
+
+    def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
+        kind = field["kind"]
+        if kind == "number":
+            return self._number(field, address, value)
+        if kind == "vector":
+            return self._vector(field, address, value)
+        if kind == "weights":
+            return self._weights(address, value)
+        if kind in ("components", "deformations"):
+            return _words(address, value)
+        if kind == "nodes":
+            return [value] if isinstance(value, str) else value
+        if kind == "sections":
+            names = [value] if isinstance(value, str) else value
+            return [self._record("section", f"{address}/{k}", name) for k, name in enumerate(names)]
+        if not isinstance(value, str):
+            raise _Fault(address, f"One {kind} is wanted here, not a list.")
+        if kind in ("section", "material", "damping"):
+            return self._record(kind, address, value)
+        if kind == "flag":
+            if value not in FLAGS:
+                raise _Fault(address, f"This must be true or false, not '{clean(value)}'.")
+            return FLAGS[value]
+        if kind == "choice":
+            if value not in field["choices"]:
+                raise _Fault(address, f"This must be one of {', '.join(field['choices'])}, not '{clean(value)}'.")
+            return ENDS_IN_WORDS[value] if field["name"] == "clamped" else value
+        return value
+
+    def _number(self, field: dict[str, Any], address: str, value: Any) -> Any:
+        if isinstance(value, list):
+            return [self._one(f"{address}/{k}") for k in range(len(value))]
+        if not field["whole"]:
+            return self._one(address)
+        # It chooses code: it is never traced.
+        self._one(address)
+        number = self.concrete[address]
+        if number != int(number):
+            raise _Fault(address, f"This must be a whole number, not '{clean(value)}'.")
+        return int(number)
+
+    def _vector(self, field: dict[str, Any], address: str, value: Any) -> Any:
+        count = field["count"][str(self.document.dimension)]
+        if isinstance(value, str):
+            if count not in (None, 1):
+                raise _Fault(address, f"This takes {count} numbers, not one.")
+            return [self._one(address)] if field["name"] in ("values", "start", "breaks") else self._one(address)
+        if count == 0:
+            raise _Fault(address, "This is for mechanisms in space.")
+        if count is not None and len(value) != count:
+            raise _Fault(address, f"This takes {count} number{'s' * (count > 1)}, not {len(value)}.")
+        found = [self._one(f"{address}/{k}") for k in range(len(value))]
+        return found[0] if count == 1 and field["name"] != "start" else found
+
+    def _weights(self, address: str, value: Any) -> dict[str, Any]:
+        found = {}
+        for k, pair in enumerate(value):
+            if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
+                raise _Fault(f"{address}/{k}", "Each part has its name and its factor.")
+            if pair[0] in found:
+                raise _Fault(f"{address}/{k}/0", f"'{clean(pair[0])}' is there twice: give the sum of its factors.")
+            found[pair[0]] = self._one(f"{address}/{k}/1")
+        return found
+
+    def _one(self, address: str) -> Any:
+        if address in self.faults and address not in self.values:
+            raise _Fault(address, self.faults[address])
+        if address not in self.values:
+            raise _Fault(address, "A number, a name or arithmetic is missing.")
+        return self.values[address]
+
+    def _record(self, kind: str, address: str, name: str) -> Any:
+        id = self.document.known.thing((kind,), name)
+        if id is None:
+            known = ", ".join(map(clean, self.document.known.by_space.get(kind, {}))) or "none yet"
+            raise _Fault(address, f"There is no {kind} '{clean(name)}'. There are: {known}.")
+        return self.records[id]
+
+    def _call(self, builder: Builder, call: Call, thing: dict[str, Any], args: dict[str, Any]) -> None:
+        name = thing.get("name")
+        if call.kind == "constant":
+            self.records[thing["id"]] = call.function
+        elif call.kind == "record":
+            made = call.function(**args)
+            check_record(f"{call.makes} '{name}'", made)
+            self.records[thing["id"]] = made
+        elif call.kind == "element":
+            released = {"released": _released(args.pop("released"))} if "released" in args else {}
+            builder.add(call.function, *args.pop("nodes"), name=name, **released, **args)
+        elif call.kind == "block":
+            if "element" in args:
+                room, _, kind = args["element"].partition(".")
+                args["element"] = getattr(ROOMS[room], kind)
+            call.function(builder, name=name, **args)
+        else:
+            several = args.pop("components", args.pop("deformations", args.pop("values", ())))
+            if "component" in args:
+                args["component"] = " ".join(map(str, args["component"]))
+            first = [args.pop(key) for key in ("node", "of", "element") if key in args]
+            named = {"name": name} if call.makes and name else {}
+            getattr(builder, call.name)(*first, *_components(several), **named, **args)
+
+    def _address_of(self, call: Call, thing: dict[str, Any], message: str) -> str:
+        """The field that a message of the Builder is about, as far as that can be told."""
+        id = thing["id"]
+        unknown = [address for address, of in self.needs[id].items() if of is None]
+        if unknown:
+            return f"{id}/{unknown[0]}"
+        quoted = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
+        # Names of things say nothing of fields.
+        plain = re.sub(r"'[^']*'", "", message)
+        found = {
+            key: re.search(rf"\b({SAID.get(field['kind'], '$')}|{key.rstrip('s')})", plain, re.IGNORECASE)
+            for key, field in call.fields.items()
+        }
+        places = {key: match.start() for key, match in found.items() if match}
+        words = sorted(places, key=lambda key: places[key])
+        given = thing["args"]
+        said = [key for key in quoted if key in given] or [key for key in words if key in given] or quoted
+        return f"{id}/{said[0]}" if said else id
+
+
+def problem_of(document: Document, fault: Exception) -> dict[str, str]:
+    """What a model that cannot be built says, as a problem: at the first thing that its message names.
+
+    Args:
+        document: The document.
+        fault: What :meth:`flexmb.Builder.build` raised.
+    """
+    message = str(fault)
+    known = document.known
+    for name in re.findall(r"'([^']+)'", message):
+        for spaces in (("element",), ("node",), ("input",), ("output",)):
+            if id := known.thing(spaces, name) or known.thing(spaces, part_of(known, name)[1]):
+                return {"address": id, "message": message}
+    return {"address": "", "message": message}
+
+
+def _sentence(fault: Exception) -> str:
+    return str(fault) or type(fault).__name__
+
+
+def _article(field: dict[str, Any]) -> str:
+    word = field["name"].replace("_", " ")
+    return f"its {word}"
+
+
+def _words(address: str, value: Any) -> list[str]:
+    """Components, written with blanks or commas between them."""
+    texts = value if isinstance(value, list) else re.split(r"[\s,]+", value)
+    if any(not isinstance(text, str) for text in texts):
+        raise _Fault(address, "Components are written one after the other, such as 'x y'.")
+    return [text for text in texts if text]
+
+
+def _components(values: Any) -> list[Any]:
+    return [int(one) if isinstance(one, str) and one.isascii() and one.isdecimal() else one for one in values]
+
+
+def _released(words: list[str]) -> Any:
+    """What may change: "all", "none" or numbers."""
+    if words in (["all"], ["none"]):
+        return "all" if words == ["all"] else ()
+    return _components([word.removeprefix("e") for word in words])

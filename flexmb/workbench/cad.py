@@ -1,0 +1,317 @@
+"""The mechanism for CAD programs: solids as STEP by build123d, lines as DXF by ezdxf; both in millimetres."""
+
+import importlib
+import io
+import itertools
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from ..display import listed
+from ..elements.section import Rigidity
+from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
+from ..errors import ModelError, clean
+from ..math.rotation import initial_frame
+from ..model.model import Model
+from ..plot.geometry import PLACES, Line, extent_of, lines, names_of, nodes_of
+from ..plot.sections import across_of, shapes_of
+
+# Both kinds of file count in millimetres.
+MILLIMETRES = 1e3
+# A line that stays this near to the one between its ends, as a share of the mechanism, is straight.
+STRAIGHT = 1e-9
+# Of a bent line every so many places is a section that a smooth surface goes through.
+STRIDE = 6
+# Diameter of the bar that stands for a rigid element, as a share of the mechanism.
+BAR = 0.01
+
+
+class Exported(NamedTuple):
+    """Content of a file, and what is to be said about it.
+
+    Attributes:
+        content: Of the file.
+        notes: What is drawn otherwise than it is, or left out, in words.
+    """
+
+    content: bytes
+    notes: list[str]
+
+
+class _Outline(NamedTuple):
+    """Section of an element at a place: sides along local y and z, or twice the diameter; zero inside: no hole [m]."""
+
+    outer: tuple[float, float]
+    inner: tuple[float, float]
+    round: bool
+
+
+class _Part(NamedTuple):
+    """An element with a section: places along it, each with a frame and an outline.
+
+    Attributes:
+        name: Of the element.
+        points: (places, 3) [m].
+        width: Direction of local y, (places, 3) [-].
+        height: Direction of local z, (places, 3) [-].
+        outlines: One a place.
+        smooth: Whether one smooth surface goes through all of them, rather than a flat one from each to the next.
+    """
+
+    name: str
+    points: Float[np.ndarray, "places 3"]
+    width: Float[np.ndarray, "places 3"]
+    height: Float[np.ndarray, "places 3"]
+    outlines: list[_Outline]
+    smooth: bool
+
+
+def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "mechanism") -> Exported:
+    """The mechanism as a STEP file: each element with a section a solid along its centreline, named like it.
+
+    Rigid elements without a section are thin round bars between their nodes; what is neither is left out and told.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+        x: Nodal coordinates of the state that is drawn, (n_x,) [m, rad, -]; the undeformed one unless given.
+        title: Name of the assembly.
+
+    Returns:
+        Content of the file, in millimetres, and what is to be said about it.
+
+    Raises:
+        ImportError: build123d is not installed.
+        ModelError: Nothing of it is a solid.
+    """
+    cad = _library("build123d", "A STEP file")
+    x = np.asarray(model.parameters.reference if x is None else x, float)
+    drawn = lines(model, x, straight=True)
+    parts, extent = list(_parts(model, x, drawn)), _extent(model)
+    solids, known = [_solid(cad, part) for part in parts], {part.name for part in parts}
+    bars, left = [], []
+    for line in drawn:
+        if line.element in known:
+            continue
+        if line.kind in ("rigid", "beam", "bar") and _length(line.points) > STRAIGHT * extent:
+            bars.append(line.element)
+            solids += _bars(cad, line, BAR * extent)
+        else:
+            left.append(line.element)
+    if not solids:
+        raise ModelError("There is nothing to write to a STEP file: no element has a section with a shape.")
+    notes = ["Lengths are in millimetres."]
+    if bars:
+        notes.append(
+            f"Drawn as round bars of {1e3 * BAR * extent:.3g} mm, since no section says their size: {listed(bars)}."
+        )
+    if left:
+        notes.append(f"Left out, since they have no shape: {listed(left)}.")
+    whole, buffer = cad.Compound(label=clean(title), children=solids), io.BytesIO()
+    cad.export_step(whole, buffer)
+    return Exported(buffer.getvalue(), notes)
+
+
+def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
+    """The mechanism as a DXF drawing, a layer for each kind of line.
+
+    In the plane outlines of the sections, in space the two edges of each; centrelines, rigid elements, and nodes as
+    points with their names.
+
+    Args:
+        model: Mechanism, with concrete numbers.
+        x: As for :func:`step`.
+
+    Returns:
+        Content of the file, in millimetres, and what is to be said about it.
+
+    Raises:
+        ImportError: ezdxf is not installed.
+    """
+    ezdxf = _library("ezdxf", "A DXF file")
+    x = np.asarray(model.parameters.reference if x is None else x, float)
+    drawing = ezdxf.new("R2010", setup=True)
+    drawing.header["$INSUNITS"], drawing.header["$MEASUREMENT"] = 4, 1
+    for name, (color, linetype) in LAYERS.items():
+        drawing.layers.add(name, color=color, linetype=linetype)
+    space, flat, drawn = drawing.modelspace(), model.labels.dimension == 2, lines(model, x, straight=True)
+    extent = _extent(model)
+
+    def draw(points: np.ndarray, layer: str, closed: bool = False) -> None:
+        points = MILLIMETRES * np.asarray(points)
+        if flat:
+            space.add_lwpolyline(points[:, :2].tolist(), close=closed, dxfattribs={"layer": layer})
+        else:
+            space.add_polyline3d(points.tolist(), close=closed, dxfattribs={"layer": layer})
+
+    for part in _parts(model, x, drawn):
+        along = part.height if flat else part.width
+        half = np.array([outline.outer[1 if flat else 0] for outline in part.outlines])[:, None] / 2
+        draw(np.concatenate([part.points + half * along, (part.points - half * along)[::-1]]), "outlines", closed=True)
+    for line in drawn:
+        if len(line.points) > 1:
+            draw(_in_space(_few(line.points, extent)), LAYER_OF[line.kind])
+    for name, index in nodes_of(model).items():
+        at = MILLIMETRES * _in_space(x[index][None])[0]
+        space.add_point(at.tolist(), dxfattribs={"layer": "nodes"})
+        text = space.add_text(clean(name), height=MILLIMETRES * 0.015 * extent, dxfattribs={"layer": "names"})
+        text.set_placement(at.tolist())
+    stream = io.StringIO()
+    drawing.write(stream)
+    return Exported(stream.getvalue().encode("utf-8"), ["Lengths are in millimetres."])
+
+
+# Colour by its number in AutoCAD, and kind of line.
+LAYERS = {
+    "outlines": (5, "CONTINUOUS"),
+    "centrelines": (1, "CENTER"),
+    "rigid": (8, "CONTINUOUS"),
+    "springs": (3, "CONTINUOUS"),
+    "joints": (9, "CONTINUOUS"),
+    "nodes": (7, "CONTINUOUS"),
+    "names": (7, "CONTINUOUS"),
+}
+LAYER_OF = {"beam": "centrelines", "bar": "centrelines", "rigid": "rigid", "spring": "springs"} | dict.fromkeys(
+    ("joint", "hinge"), "joints"
+)
+
+
+def _library(name: str, what: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise ImportError(f"{what} needs {name}: pip install 'flexmb[cad]'.") from None
+
+
+def _extent(model: Model) -> float:
+    x = np.asarray(model.parameters.reference)
+    return extent_of(np.array([x[index] for index in nodes_of(model).values()]))
+
+
+def _length(points: np.ndarray) -> float:
+    return float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+
+
+def _in_space(points: np.ndarray) -> np.ndarray:
+    return np.concatenate([points, np.zeros((len(points), 3 - points.shape[1]))], axis=1)
+
+
+def _few(points: np.ndarray, extent: float) -> np.ndarray:
+    """The ends alone of a line that is straight."""
+    s = np.linspace(0, 1, len(points))[:, None]
+    off = np.max(np.abs(points - (1 - s) * points[0] - s * points[-1]))
+    return points[[0, -1]] if off <= STRAIGHT * extent else points
+
+
+def _sections(model: Model) -> dict[str, Section]:
+    """The section of every element that has one, by the element's name."""
+    found: dict[str, Section] = {}
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        names, section = names_of(model, block), properties.get("section")
+        if not names or section is None:
+            continue
+        stacks = section if isinstance(section, tuple) else (section,)
+        each = [jax.tree.map(lambda a, i=i: a[i], one) for one in stacks for i in range(len(jax.tree.leaves(one)[0]))]
+        found.update(zip(names, each, strict=True))
+    return found
+
+
+def _outline(section: Section) -> _Outline | None:
+    """Outline of a section, None where it has no shape."""
+    if isinstance(section, Rigidity):
+        return None if section.outline is None else _outline(section.outline)
+    if isinstance(section, Rectangle | HollowRectangle):
+        outer = float(section.width), float(section.thickness)
+        hollow = isinstance(section, HollowRectangle)
+        walls = (float(section.wall_y), float(section.wall_z)) if hollow else outer  # pyright: ignore
+        return _Outline(outer, (max(outer[0] - 2 * walls[0], 0.0), max(outer[1] - 2 * walls[1], 0.0)), False)
+    if isinstance(section, Circle | Tube):
+        d = float(section.diameter)
+        inner = d - 2 * float(section.wall) if isinstance(section, Tube) else 0.0
+        return _Outline((d, d), (inner, inner), True)
+    return None
+
+
+def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
+    """Elements whose sections have a shape, and whose orientation is known."""
+    sections, extent = _sections(model), _extent(model)
+    across = across_of(model, x, drawn, shapes_of(model))
+    rest = {line.element: line for line in lines(model, np.asarray(model.parameters.reference), straight=True)}
+    for line in drawn:
+        section = sections.get(line.element)
+        if section is None or len(line.points) != len(PLACES) or _length(line.points) <= STRAIGHT * extent:
+            continue
+        length = _length(rest[line.element].points)
+        places = PLACES.tolist() if section.varies else [0.0]
+        known = [own for place in places if (own := _outline(section.at(place, length))) is not None]
+        if len(known) < len(places):
+            continue
+        outlines = known if section.varies else known * len(PLACES)
+        points = _in_space(line.points)
+        tangents = _unit(np.gradient(points, axis=0, edge_order=2))
+        if model.labels.dimension == 2:
+            width = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+        elif line.element in across:
+            width = across[line.element]
+        elif outlines[0].round:
+            width = _untwisted(tangents)
+        else:
+            continue
+        few = [0, -1] if len(_few(points, extent)) == 2 and np.ptp(width, axis=0).max() < STRAIGHT else None
+        chosen = range(len(PLACES)) if section.varies else few or range(0, len(PLACES), STRIDE)
+        own = [_Part(line.element, points, width, np.cross(tangents, width), outlines, not section.varies)]
+        yield from (_at(part, list(chosen)) for part in own)
+
+
+def _at(part: _Part, chosen: list[int]) -> _Part:
+    rows = (part.points[chosen], part.width[chosen], part.height[chosen], [part.outlines[i] for i in chosen])
+    return _Part(part.name, *rows, part.smooth and len(chosen) > 2)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def _untwisted(tangents: np.ndarray) -> np.ndarray:
+    """Directions across a line that turn with it and not about it, (places, 3)."""
+    start, end = np.zeros(3), tangents[0]
+    y = np.asarray(initial_frame(jnp.asarray(start), jnp.asarray(end), None))[:, 1]
+    found = []
+    for t in tangents:
+        y = _unit(y - (y @ t) * t)
+        found.append(y)
+    return np.array(found)
+
+
+def _solid(cad: Any, part: _Part) -> Any:
+    """The solid between the sections of a part."""
+
+    def lofted(sizes: list[tuple[float, float]]) -> Any:
+        wires = []
+        for p, y, z, (a, b), outline in zip(part.points, part.width, part.height, sizes, part.outlines, strict=True):
+            if outline.round:
+                plane = cad.Plane(tuple(MILLIMETRES * p), x_dir=tuple(y), z_dir=tuple(np.cross(y, z)))
+                wires.append(cad.Wire.make_circle(MILLIMETRES * a / 2, plane))
+            else:
+                corners = [p + i * a / 2 * y + j * b / 2 * z for i, j in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+                wires.append(cad.Wire.make_polygon([tuple(MILLIMETRES * c) for c in corners]))
+        return cad.Solid.make_loft(wires, ruled=not part.smooth)
+
+    solid = lofted([outline.outer for outline in part.outlines])
+    if all(min(outline.inner) > 0 for outline in part.outlines):
+        solid = solid.cut(lofted([outline.inner for outline in part.outlines]))
+    solid.label = clean(part.name)
+    return solid
+
+
+def _bars(cad: Any, line: Line, diameter: float) -> Iterator[Any]:
+    """Round bars along the pieces of a line."""
+    points = MILLIMETRES * _in_space(_few(line.points, extent_of(line.points)))
+    for p, q in itertools.pairwise(points):
+        plane = cad.Plane(tuple(p), z_dir=tuple(q - p))
+        bar = cad.Solid.make_cylinder(MILLIMETRES * diameter / 2, float(np.linalg.norm(q - p)), plane)
+        bar.label = clean(line.element)
+        yield bar

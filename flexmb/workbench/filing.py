@@ -1,0 +1,203 @@
+"""Documents from files and to files; what a format cannot hold is told before it is left out."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import clean
+from ..files import write_whole
+from .document import Document
+
+OPENED, SAVED = (".dat", ".json"), (".dat", ".py", ".json")
+
+
+class Opened(NamedTuple):
+    """A document that was read.
+
+    Attributes:
+        document: The document.
+        notes: What is to be said about it.
+    """
+
+    document: Document
+    notes: list[str]
+
+
+def files_of(path: Path | None) -> list[Path]:
+    """Files that a document was read from: beside an input file stands the study with its names and their bounds."""
+    if path is None:
+        return []
+    return [path, path.with_suffix(".toml")] if path.suffix == ".dat" else [path]
+
+
+def opened(path: Path) -> Opened:
+    """The document of a file; nothing that stands in it is run.
+
+    Args:
+        path: Ends in .dat or .json.
+
+    Raises:
+        OSError: It cannot be read.
+        ValueError: It holds no such thing, or ends otherwise.
+    """
+    if path.suffix == ".json":
+        return Opened(_of_json(path.read_bytes(), path.name), [])
+    if path.suffix == ".dat":
+        from .dat_file import open_dat
+
+        document, notes = open_dat(path)
+        return Opened(document, list(notes))
+    raise ValueError(f"The workbench opens {' and '.join(OPENED)}, not '{clean(path.name)}'.")
+
+
+def received(name: str, text: str) -> Opened:
+    """The document of a text that a page sent.
+
+    Args:
+        name: Of the file that it was; its ending says what it is.
+        text: Its content.
+
+    Raises:
+        ValueError: As of :func:`opened`.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        plain = re.sub(r"[^\w.-]", "_", Path(name).name)[-80:] or "mechanism"
+        path = Path(folder) / plain
+        path.write_text(text, encoding="utf-8")
+        return opened(path)
+
+
+def lost_in(document: Document, path: Path) -> list[str]:
+    """What a file of this ending cannot hold, in words."""
+    if path.suffix != ".dat":
+        return []
+    from .dat_file import cannot_hold
+
+    return list(cannot_hold(document))
+
+
+def write(document: Document, path: Path) -> list[str]:
+    """Write a document; what is to be said about it.
+
+    Args:
+        document: What.
+        path: Ends in .dat, .py or .json.
+
+    Raises:
+        ModelError: An input file has no words for it.
+        OSError: It cannot be written.
+        ValueError: It ends otherwise.
+    """
+    if path.suffix == ".json":
+        write_whole(path, f"{document.text}\n".encode())
+    elif path.suffix == ".py":
+        from .python_file import python_of
+
+        write_whole(path, python_of(document).encode())
+    elif path.suffix == ".dat":
+        from .dat_file import save_dat
+
+        return list(save_dat(document, path))
+    else:
+        raise ValueError(f"The workbench saves {', '.join(SAVED)}, not '{clean(path.name)}'.")
+    return []
+
+
+def exported(document: Document, kind: str, name: str, deformed: bool = False) -> dict[str, Any]:
+    """Content of a file for a page to hand to its user.
+
+    Args:
+        document: What.
+        kind: "py", "dat", "json", "html", "step" or "dxf".
+        name: Of the file, without its ending.
+        deformed: Whether solids and drawings have the shape under the loads.
+
+    Returns:
+        "name", with "text" or "base64", "notes", and under "left_out" what the format cannot hold.
+
+    Raises:
+        ValueError: Another kind, or something cannot be built or computed.
+    """
+    if kind in ("py", "dat", "json"):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"{name}.{kind}"
+            lost = lost_in(document, path)
+            notes = write(document, path)
+            files = [own for own in files_of(path) if own.exists()]
+            if len(files) == 1:
+                return {"name": path.name, "text": path.read_text(encoding="utf-8"), "left_out": lost, "notes": notes}
+            buffer = io.BytesIO()
+            with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+                for own in files:
+                    archive.write(own, own.name)
+        return {"name": f"{name}.zip", **_bytes(buffer.getvalue()), "left_out": lost, "notes": notes}
+    from .building import build
+
+    if kind not in ("html", "step", "dxf"):
+        raise ValueError(f"There is no export '{clean(kind)}'; there are py, dat, json, html, step and dxf.")
+    built = build(document)
+    notes = [problem["message"] for problem in built.problems]
+    model = built.builder.build(check=False)
+    if kind == "html":
+        return {"name": f"{name}.html", "text": _page(built), "notes": notes}
+    from ..statics.equilibrium import equilibrium
+    from .cad import dxf, step
+
+    x = np.asarray(equilibrium(model).x) if deformed else None
+    found = step(model, x, name) if kind == "step" else dxf(model, x)
+    return {"name": f"{name}.{kind}", **_bytes(found.content), "notes": [*notes, *found.notes]}
+
+
+def _page(built: Any) -> str:
+    """One page of the modes; of the mechanism alone where it has none."""
+    from ..errors import AnalysisError, ModelError
+    from ..linear.modes import modes
+    from ..viewer.view import view
+
+    try:
+        return view(modes(built.model())).html()
+    except (AnalysisError, ModelError, NotImplementedError):
+        return view(built.builder.build(check=False)).html()
+
+
+def _bytes(content: bytes) -> dict[str, str]:
+    return {"base64": base64.b64encode(content).decode()}
+
+
+def _of_json(content: bytes, name: str) -> Document:
+    try:
+        data = json.loads(content)
+    except (ValueError, RecursionError) as fault:
+        raise ValueError(f"'{clean(name)}' is no JSON: {fault}.") from None
+    return Document.from_data(data)
+
+
+def difference(own: Document, other: Document) -> str:
+    """In what a document differs from another, in a few words; "" where it builds the same.
+
+    Args:
+        own: The document here.
+        other: The other.
+    """
+    names = [name for name in {**own.names, **other.names} if own.names.get(name) != other.names.get(name)]
+
+    def plain(document: Document) -> list[str]:
+        return sorted(repr((one["call"], one.get("name"), sorted(one["args"].items()))) for one in document.things)
+
+    here, there = plain(own), plain(other)
+    apart = max(len([one for one in here if one not in there]), len([one for one in there if one not in here]))
+    parts = [f"{apart} {'thing' if apart == 1 else 'things'}"] if apart else []
+    if names:
+        shown = ", ".join(map(clean, names[:5]))
+        parts.append(f"the {'name' if len(names) == 1 else 'names'} {shown}{' and more' if len(names) > 5 else ''}")
+    verb = "differs" if len(names) + apart == 1 else "differ"
+    return f"{' and '.join(parts)} {verb} from what is here." if parts else ""

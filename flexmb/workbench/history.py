@@ -1,0 +1,318 @@
+"""The edits of a session: undone and redone without limit, and journalled so that a killed process comes back."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import itertools
+import json
+import os
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+try:
+    import fcntl
+except ImportError:  # Where the system has no such locks, all journals are offered.
+    fcntl = None
+
+from .document import Document, EditError, Report, apply
+
+# Requests that are remembered, so that one which is sent again is done once.
+KEPT_REQUESTS = 1000
+
+
+class _Step(NamedTuple):
+    """One step back: what it is called, and the document before it; its file too, where the step changed that."""
+
+    label: str
+    before: Document
+    merge: str | None
+    file: tuple[str | None] | None = None
+
+
+class History:
+    """A document and the way to it.
+
+    Attributes:
+        document: As it is now.
+        revision: Number of changes, undone and redone ones among them.
+        file: Path of the file that the document belongs to; None where it has none.
+        saved: The document as its file has it; None where no file does.
+        requests: What came of the last requests, by their keys: a report of edits, or a label.
+    """
+
+    def __init__(
+        self, document: Document | None = None, journal: str | os.PathLike | None = None, *, file: str | None = None
+    ):
+        """A history that begins.
+
+        Args:
+            document: To begin with; an empty one unless given.
+            journal: File to which each edit is written as it is done, before it is answered; no journal unless given.
+            file: That the document was read from.
+        """
+        self.document = document or Document.empty()
+        self.revision = 0
+        self.file = file
+        self.saved: Document | None = self.document
+        self.requests: dict[str, Report | str | None] = {}
+        self._back: list[_Step] = []
+        self._forth: list[_Step] = []
+        self._file = None
+        if journal is not None:
+            self._open(Path(journal), "x")
+            self._write({"document": self.document.data, "file": file})
+
+    @property
+    def undo_labels(self) -> list[str]:
+        """What may be undone, the last first."""
+        return [step.label for step in reversed(self._back)]
+
+    @property
+    def redo_labels(self) -> list[str]:
+        """What may be done again, the next first."""
+        return [step.label for step in reversed(self._forth)]
+
+    @property
+    def journal(self) -> Path | None:
+        """The file of the journal."""
+        return None if self._file is None else Path(self._file.name)
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether a file has all of it, or there was nothing to save so far."""
+        return self.document is self.saved or (self.saved is not None and self.document.data == self.saved.data)
+
+    def edit(self, ops: Any, label: str | None = None, merge: str | None = None, key: str | None = None) -> Report:
+        """Edit the document.
+
+        Args:
+            ops: As of :func:`.document.apply`.
+            label: What the step is called; by default after the operations.
+            merge: Edits with equal keys in a row are one step, such as those of a slider that is dragged.
+            key: Of the request, under which its report is remembered.
+
+        Raises:
+            EditError: Nothing is changed then.
+        """
+        document, report = apply(self.document, ops)
+        report = report._replace(label=label or report.label)
+        self._write({"edit": ops, "label": report.label, "merge": merge, "key": key})
+        self._take(document, report.label, merge)
+        self._remember(key, report)
+        return report
+
+    def replace(self, document: Document, label: str, file: str | None = None, key: str | None = None) -> None:
+        """Put another document in the place of this one, as one step: a file that is opened.
+
+        Args:
+            document: The document, which counts as saved.
+            label: What the step is called.
+            file: That it was read from, which saving writes from now on, until the step is undone.
+            key: Of the request.
+        """
+        self._write({"document": document.data, "label": label, "file": file, "key": key})
+        self._take(document, label, None)
+        self._back[-1] = self._back[-1]._replace(file=(self.file,))
+        self.file, self.saved = file, document
+        self._remember(key, label)
+
+    def undo(self, key: str | None = None) -> str | None:
+        """Go one step back; its label, or None where there is none."""
+        return self._go(self._back, self._forth, "undo", key)
+
+    def redo(self, key: str | None = None) -> str | None:
+        """Do again what was undone last; its label, or None where there is none."""
+        return self._go(self._forth, self._back, "redo", key)
+
+    def mark_saved(self, file: str | None) -> None:
+        """Say that a file has the document as it is now."""
+        self._write({"saved": True, "file": file})
+        self.file, self.saved = file, self.document
+
+    def part(self) -> None:
+        """End a step: what follows is a step of its own, whatever its key."""
+        if self._back and self._back[-1].merge is not None:
+            self._write({"part": True})
+            self._back[-1] = self._back[-1]._replace(merge=None)
+
+    def close(self, *, keep: bool = False) -> None:
+        """End the journal.
+
+        Args:
+            keep: Whether its file stays, to be recovered.
+        """
+        if self._file is not None:
+            self._file.close()
+            if not keep:
+                Path(self._file.name).unlink(missing_ok=True)
+            self._file = None
+
+    def move_journal(self, path: Path) -> None:
+        """Go on in another file, which takes the place of one that is there."""
+        if self._file is not None:
+            old = Path(self._file.name)
+            self._file.close()
+            os.replace(old, path)
+            self._open(path, "a")
+
+    def _take(self, document: Document, label: str, merge: str | None) -> None:
+        if merge is None or not self._back or self._back[-1].merge != merge or self._forth:
+            self._back.append(_Step(label, self.document, merge))
+        self._forth.clear()
+        self.document = document
+        self.revision += 1
+
+    def _go(self, source: list[_Step], other: list[_Step], what: str, key: str | None) -> str | None:
+        if not source:
+            return None
+        self._write({what: True, "key": key})
+        step = source.pop()
+        other.append(_Step(step.label, self.document, None, step.file and (self.file,)))
+        self.document = step.before
+        self.file = step.file[0] if step.file else self.file
+        self.revision += 1
+        self._remember(key, step.label)
+        return step.label
+
+    def _remember(self, key: str | None, found: Report | str | None) -> None:
+        if key is not None:
+            self.requests[key] = found
+            while len(self.requests) > KEPT_REQUESTS:
+                del self.requests[next(iter(self.requests))]
+
+    def _replay(self, line: dict[str, Any]) -> None:
+        """Do what a line of a journal tells."""
+        if "edit" in line:
+            self.edit(line["edit"], line.get("label"), line.get("merge"), line.get("key"))
+        elif "document" in line:
+            document = Document.from_data(line["document"])
+            self.replace(document, line.get("label", ""), line.get("file"), line.get("key"))
+        elif "undo" in line:
+            self.undo(line.get("key"))
+        elif "redo" in line:
+            self.redo(line.get("key"))
+        elif "saved" in line:
+            self.mark_saved(line.get("file"))
+        elif "part" in line:
+            self.part()
+
+    def _open(self, path: Path, mode: str) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        # For the eyes of its user alone.
+        self._file = open(path, f"{mode}b", buffering=0, opener=lambda name, flags: os.open(name, flags, 0o600))
+        _lock(self._file)
+
+    def _write(self, line: dict[str, Any]) -> None:
+        """A line of the journal, on the disk before anything else is done."""
+        if self._file is None:
+            return
+        content = json.dumps(line, ensure_ascii=False).encode() + b"\n"
+        end = self._file.tell()
+        try:
+            if self._file.write(content) < len(content):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(self._file.fileno())
+        except OSError as fault:
+            # Half a line would hide those that follow it.
+            with contextlib.suppress(OSError):
+                self._file.truncate(end)
+                self._file.seek(end)
+            message = (
+                f"Nothing is changed: the journal '{self._file.name}' cannot be written: {fault.strerror or fault}."
+            )
+            raise EditError("", message) from None
+
+
+def recover(path: str | os.PathLike) -> History:
+    """The history that a journal tells, which goes on in the same file.
+
+    A line that was not finished when the process was killed is left out: its edit was never answered.
+
+    Args:
+        path: The journal.
+
+    Raises:
+        EditError: It is no journal.
+        OSError: It cannot be read.
+    """
+    path = Path(path)
+    lines, whole = [], 0
+    content = path.read_bytes()
+    for raw in content.splitlines(keepends=True):
+        line = _read(raw)
+        if line is None:
+            break
+        lines.append(line)
+        whole += len(raw)
+    if not lines or "document" not in lines[0]:
+        raise EditError("", f"'{path}' is no journal of the workbench.")
+    found = History(Document.from_data(lines[0]["document"]), file=lines[0].get("file"))
+    for line in lines[1:]:
+        found._replay(line)
+    with open(path, "r+b") as file:
+        file.truncate(whole)
+    found._open(path, "a")
+    return found
+
+
+def journals(folder: str | os.PathLike | None = None) -> list[Path]:
+    """Journals that processes left behind which are no more, the newest first.
+
+    Args:
+        folder: Where they are; that of the user unless given.
+    """
+    folder = journal_folder() if folder is None else Path(folder)
+    found = sorted(folder.glob("*.jsonl"), key=lambda path: path.stat().st_mtime, reverse=True)
+    return [path for path in found if not is_locked(path)]
+
+
+def new_journal(folder: str | os.PathLike | None = None) -> Path:
+    """A file for a new journal.
+
+    Args:
+        folder: Where it shall be; that of the user unless given.
+    """
+    folder = journal_folder() if folder is None else Path(folder)
+    stamp = time.strftime("%Y%m%d-%H%M%S")
+    names = (f"{stamp}-{os.getpid()}{f'-{k}' if k else ''}.jsonl" for k in itertools.count())
+    return next(folder / name for name in names if not (folder / name).exists())
+
+
+def journal_folder() -> Path:
+    """Where journals are: ``$FLEXMB_STATE``, or flexmb/workbench in the folder of states or in ``$FLEXMB_CACHE``."""
+    if given := os.environ.get("FLEXMB_STATE"):
+        return Path(given)
+    if given := os.environ.get("FLEXMB_CACHE"):
+        return Path(given) / "workbench"
+    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "flexmb" / "workbench"
+
+
+def _lock(file: Any) -> None:
+    """Hold a file for as long as the process lives, where the system can."""
+    if fcntl is not None:
+        with contextlib.suppress(OSError):
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def is_locked(path: Path) -> bool:
+    """Whether a process that lives writes a journal."""
+    if fcntl is None:
+        return False
+    with open(path, "rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return True
+        fcntl.flock(file, fcntl.LOCK_UN)
+        return False
+
+
+def _read(raw: bytes) -> dict[str, Any] | None:
+    """A line of a journal; None where it is not whole."""
+    try:
+        line = json.loads(raw) if raw.endswith(b"\n") else None
+    except ValueError:
+        return None
+    return line if isinstance(line, dict) else None

@@ -1,0 +1,224 @@
+"""Counts, answers and the scene of the newest document, computed beside what serves the pages."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+
+from ..errors import AnalysisError, ModelError, heard
+from ..model.model import Model
+from .advice import advice, mass_advice
+from .building import build
+from .counts import Count, count, quick_numbers
+from .live_answers import Answers, Wants
+from .scene import Scenes
+from .ways import Ways
+
+Tell = Callable[[dict[str, Any]], None]
+
+# Structures whose analyses are known to be compiled.
+MOST = 200
+
+
+class Live:
+    """A thread that computes what is shown of the newest document: one evaluation at a time, the newest wins.
+
+    It tells the counts first, then the answers, then the scene of the chosen mode, each with the revision that it
+    belongs to. Answers to a new structure are told one after the other as they are compiled.
+
+    Attributes:
+        counted: The newest count with its advice, as it was told.
+    """
+
+    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build):
+        """Start the thread.
+
+        Args:
+            tell: Called from the thread with every message.
+            build: Makes ``builder`` and ``problems`` of a document with ``things``; that of documents unless given.
+        """
+        self._tell, self._build = tell, build
+        self._changed = threading.Condition()
+        self._next: tuple[int, Any, Wants] | None = None
+        self._busy = self._stopped = False
+        self._compiled: dict[Any, None] = {}
+        self._good: dict[str, Any] = {"of_revision": None, "values": {}, "words": [], "warnings": []}
+        self._scenes, self._ways = Scenes(), Ways(self._again)
+        self._shown: tuple[int, Any, Wants] | None = None
+        self.counted: dict[str, Any] = {}
+        self._thread = threading.Thread(target=self._run, name="flexmb live", daemon=True)
+        self._thread.start()
+
+    def show(self, revision: int, document: Any, wants: Wants | None = None) -> None:
+        """Compute this next, in place of what waits.
+
+        Args:
+            revision: Of the document.
+            document: What ``build`` takes.
+            wants: What is to be shown.
+        """
+        with self._changed:
+            self._next = revision, document, wants or Wants()
+            self._changed.notify_all()
+
+    def wait(self, timeout: float) -> bool:
+        """Wait until nothing is left to compute.
+
+        Args:
+            timeout: How long at most [s].
+
+        Returns:
+            Whether that is so.
+        """
+        end = time.monotonic() + timeout
+        with self._changed:
+            while self._busy or self._next is not None:
+                left = end - time.monotonic()
+                if left <= 0 or not self._changed.wait(left):
+                    return not self._busy and self._next is None
+            return True
+
+    def stop(self) -> None:
+        """End the thread once it has finished what it computes; nothing more is told."""
+        with self._changed:
+            self._stopped, self._next = True, None
+            self._changed.notify_all()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=10)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._busy = False
+                self._changed.notify_all()
+                while self._next is None and not self._stopped:
+                    self._changed.wait()
+                if self._stopped or self._next is None:
+                    return
+                self._shown, self._next, self._busy = self._next, None, True
+                revision, document, wants = self._shown
+            try:
+                self._evaluate(revision, document, wants)
+            except Exception as fault:  # Whatever it is, the pages are to know and the next edit is to be answered.
+                logging.getLogger("flexmb").exception("revision %s", revision)
+                self._failed(revision, f"{type(fault).__name__}: {fault}")
+
+    def _again(self) -> None:
+        """Compute the same once more, since something has been compiled that was asked for."""
+        with self._changed:
+            self._next = self._next or self._shown
+            self._changed.notify_all()
+
+    def _say(self, what: str, revision: int, **content: Any) -> None:
+        if not self._stopped:
+            self._tell({"tell": what, "revision": revision, **content})
+
+    def _evaluate(self, revision: int, document: Any, wants: Wants) -> None:
+        built = self._build(document)
+        found = self._count(revision, built, document.things)
+        if built.problems:
+            more = f" There are {len(built.problems)} such problems." if len(built.problems) > 1 else ""
+            self._failed(revision, f"{built.problems[0]['message']}{more}")
+            self._show(revision, self._scenes.of_count(found))
+        elif found.model is None:
+            self._failed(revision, found.message)
+            self._show(revision, self._scenes.of_count(found))
+        else:
+            self._answer(revision, found, document, wants)
+
+    # Counts.
+
+    def _count(self, revision: int, built: Any, things: list[dict[str, Any]]) -> Count:
+        """Count, tell it with its advice; of a new structure the numbers first, which take no compiling."""
+        builder = built.builder
+        key = "count", tuple((m.element, len(m.roles)) for m in builder.members.values())
+        if key not in self._compiled:
+            told = Count("counting", "", quick_numbers(builder)).told()
+            self._say("count", revision, **told, advice=[])
+        found = count(builder)
+        self._remember(key)
+        self._tell_count(revision, found, advice(found, things))
+        return found
+
+    def _tell_count(self, revision: int, found: Count, given: list[dict[str, Any]]) -> None:
+        self.counted = {"revision": revision, **found.told(), "advice": given}
+        self._say("count", **self.counted)
+
+    def _remember(self, key: Any) -> None:
+        self._compiled[key] = None
+        while len(self._compiled) > MOST:
+            del self._compiled[next(iter(self._compiled))]
+
+    # Answers.
+
+    def _failed(self, revision: int, message: str) -> None:
+        """The last good answers stay, and are old."""
+        self._say("answers", revision, status="failed", message=message, stale=True, **self._good)
+
+    def _answer(self, revision: int, found: Count, document: Any, wants: Wants) -> None:
+        assert found.model is not None
+        answers, told = Answers(found.model, wants), False
+        kind = _structure(found.model)
+        with heard() as said:
+            said.extend(found.warnings)
+            for name, analyse in answers.analyses():
+                key = name, kind
+                is_new = key not in self._compiled
+                if is_new and not told:
+                    told = True
+                    self._computing(revision, **(_so_far(revision, answers, said) if answers.values else {}))
+                try:
+                    analyse()
+                except (AnalysisError, ModelError, NotImplementedError) as fault:
+                    self._failed(revision, str(fault))
+                    self._show(revision, self._scenes.of_count(found))
+                    return
+                self._remember(key)
+                if is_new:
+                    if self._is_old():
+                        return
+                    self._computing(revision, **_so_far(revision, answers, said))
+                    if name == "frequencies":
+                        self._show(revision, self._scenes.of_answers(answers))
+        self._good = _so_far(revision, answers, said)
+        message = "" if answers.fault is None else str(answers.fault)
+        if message and found.status == "loose":
+            message = found.message
+        self._say("answers", revision, status="ok", message=message, stale=False, **self._good)
+        if answers.fault is not None and (given := mass_advice(found.model)):
+            self._tell_count(revision, found, [*given, *self.counted["advice"]])
+        slopes, label = None, ""
+        if wants.sensitivity_of is not None:
+            told = self._ways.of(document, answers)
+            self._say("ways", revision, **told)
+            slopes, label = told["by_element"], f"{wants.sensitivity_of}: % per % of the section's sizes"
+        self._show(revision, self._scenes.of_answers(answers, slopes, label))
+
+    def _computing(self, revision: int, **partial: Any) -> None:
+        content = {**self._good, **partial}
+        stale = content["of_revision"] != revision
+        self._say("answers", revision, status="computing", message="", stale=stale, **content)
+
+    def _is_old(self) -> bool:
+        """Whether something newer waits."""
+        with self._changed:
+            return self._next is not None
+
+    def _show(self, revision: int, scene: dict[str, Any] | None) -> None:
+        if scene is not None:
+            self._say("scene", revision, of_revision=revision, **scene)
+
+
+def _so_far(revision: int, answers: Answers, said: list[str]) -> dict[str, Any]:
+    """Answers of a revision as they are told; copies, since they are written elsewhere while more come."""
+    warnings = list(dict.fromkeys(said))
+    return {"of_revision": revision, "values": dict(answers.values), "words": [*answers.words], "warnings": warnings}
+
+
+def _structure(model: Model) -> Any:
+    """What an analysis is compiled for: structure, and the shapes of all arrays."""
+    leaves, structure = jax.tree.flatten((model.topology, model.parameters))
+    return structure, tuple(leaf.shape for leaf in leaves)

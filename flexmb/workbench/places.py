@@ -1,0 +1,96 @@
+"""Where a workbench keeps its journal, and how another one finds it: files that no other user can read."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import http.client
+import json
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..files import write_whole
+from .history import is_locked, journal_folder, journals, new_journal
+
+
+class Place(NamedTuple):
+    """Where one workbench keeps what it must not lose.
+
+    Attributes:
+        journal: File of its edits.
+    """
+
+    journal: Path
+
+    def known(self) -> dict[str, Any]:
+        """What the workbench that was last here has told: "port" and "token"; empty where none was."""
+        with contextlib.suppress(OSError, ValueError):
+            found = json.loads(self._about.read_text(encoding="utf-8"))
+            if isinstance(found, dict) and isinstance(found.get("port"), int) and isinstance(found.get("token"), str):
+                return found
+        return {}
+
+    def take(self, port: int, token: str) -> None:
+        """Say where this process answers. A later one goes on with port and token, so that open pages find it again."""
+        write_whole(self._about, json.dumps({"port": port, "token": token}).encode())
+        self._about.chmod(0o600)
+
+    def leave(self) -> None:
+        """Nobody works here any more, and there is nothing to go on with."""
+        self._about.unlink(missing_ok=True)
+
+    def is_taken(self) -> bool:
+        """Whether another process works here."""
+        return self.journal.exists() and is_locked(self.journal)
+
+    def address(self) -> str | None:
+        """Address of the workbench that answers here now; None where none does."""
+        known = self.known()
+        if not known:
+            return None
+        path = f"/{known['token']}/"
+        connection = http.client.HTTPConnection("127.0.0.1", known["port"], timeout=2)
+        try:
+            connection.request("GET", path)
+            there = connection.getresponse().status == 200
+        except (OSError, ValueError, http.client.HTTPException):
+            there = False
+        finally:
+            connection.close()
+        return f"http://127.0.0.1:{known['port']}{path}" if there else None
+
+    @property
+    def _about(self) -> Path:
+        return self.journal.with_suffix(".json")
+
+
+def place_of(file: Path) -> Place:
+    """Place of a file.
+
+    Raises:
+        OSError: The folder of journals cannot be made.
+    """
+    path = os.path.realpath(file)
+    return Place(_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
+
+
+def left_place() -> Place | None:
+    """Place of the new mechanism that was left last without being saved, where there is one."""
+    found = (path for path in journals(_folder()) if path.name[:1].isdigit())
+    return next(map(Place, found), None)
+
+
+def new_place() -> Place:
+    """Place of a new mechanism.
+
+    Raises:
+        OSError: The folder of journals cannot be made.
+    """
+    return Place(new_journal(_folder()))
+
+
+def _folder() -> Path:
+    folder = journal_folder()
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return folder

@@ -1,0 +1,280 @@
+"""The server of the workbench: a page, its script and a socket, on the loopback address alone.
+
+Any web page may send requests to this address, so that each needs the token, which stands in the address, a host that
+is this machine (a foreign name may be made to point here), and for the socket an origin that is this server.
+"""
+
+import asyncio
+import contextlib
+import hmac
+import http
+import logging
+import os
+import re
+import secrets
+import socket
+import threading
+from collections import deque
+from collections.abc import Hashable
+from concurrent.futures import ThreadPoolExecutor
+from importlib.resources import files
+from typing import Any
+
+from .messages import LONGEST_FRAME, Page, guarded, number_of, parsed, refused, written
+from .session import Refused, Session
+
+LOOPBACK = "127.0.0.1"
+# Requests of one page whose replies are kept, for those that are sent again after the connection was lost.
+KEPT_REPLIES = 200
+KEPT_PAGES = 50
+# Requests of one page that are under way at once; more wait.
+MOST_UNDER_WAY = 50
+# Jobs whose last state a new page is told.
+KEPT_JOBS = 30
+FILES = {
+    "": ("page.html", "text/html"),
+    "page.css": ("page.css", "text/css"),
+    "workbench.js": ("workbench.js", "text/javascript"),
+}
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:;"
+    " connect-src 'self'; base-uri 'none'; form-action 'none'"
+)
+HEADERS = {
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+GOODBYE = "The workbench has ended. Start flexmb edit again, and this page goes on."
+
+
+class Server:
+    """Serves a session to the pages of this machine's user.
+
+    Attributes:
+        address: What to open in a browser.
+        port: Where it listens.
+        token: What an address must have.
+    """
+
+    def __init__(self, session: Session, *, port: int = 0, token: str | None = None, framed: bool = False):
+        """Take the port; :meth:`start` begins to answer.
+
+        Args:
+            session: What is served.
+            port: Where to listen; 0 for any that is free.
+            token: Of an earlier server that this one goes on for; a new one where None.
+            framed: Whether pages of others may show this one in a frame, as notebooks do.
+
+        Raises:
+            ModuleNotFoundError: websockets is not installed.
+            OSError: The port is taken.
+        """
+        _websockets()
+        self.session = session
+        self.token = token or secrets.token_urlsafe(24)
+        self._socket = _listening(port)
+        self.port = self._socket.getsockname()[1]
+        self.address = f"http://{LOOPBACK}:{self.port}/{self.token}/"
+        self._policy = POLICY if framed else f"{POLICY}; frame-ancestors 'none'"
+        self._pages: set[Page] = set()
+        self._last: dict[Hashable, str] = {}
+        self._replies: dict[str, dict[int, asyncio.Task]] = {}
+        # Everything that changes the session runs here, one after the other; the event loop only passes it on.
+        self._desk = ThreadPoolExecutor(1, "flexmb desk")
+        self._beside = ThreadPoolExecutor(2, "flexmb beside")
+        self._thread = threading.Thread(target=self._run, name="flexmb workbench", daemon=True)
+        self._ready = threading.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._ended: asyncio.Event | None = None
+
+    def start(self) -> None:
+        """Begin to answer, in a thread of its own."""
+        self._thread.start()
+        self._ready.wait()
+        self.session.listen(self.tell)
+
+    def close(self) -> None:
+        """Tell the pages, end the session, and give the port back; a second call does nothing."""
+        if self._thread.is_alive() and self._loop is not None and self._ended is not None:
+            with contextlib.suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(self._ended.set)
+            self._thread.join()
+        self._socket.close()
+        self.session.close()
+        self._desk.shutdown(cancel_futures=True)
+        self._beside.shutdown(wait=False, cancel_futures=True)
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Push a message to all pages; from any thread.
+
+        Args:
+            message: What, under "tell", and its content.
+        """
+        key = (message["tell"], message.get("job"))
+        text = written(message)
+        if self._loop is not None:
+            # The loop may have ended.
+            with contextlib.suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(self._push, key, text)
+
+    # What runs in the event loop.
+
+    def _run(self) -> None:
+        asyncio.run(self._serve())
+
+    async def _serve(self) -> None:
+        from websockets.asyncio.server import serve
+
+        self._loop, self._ended = asyncio.get_running_loop(), asyncio.Event()
+        quiet = logging.getLogger("flexmb.workbench.websockets")
+        quiet.addHandler(logging.NullHandler())
+        quiet.propagate = False
+        server = await serve(
+            self._connected,
+            sock=self._socket,
+            process_request=self._request,
+            max_size=LONGEST_FRAME,
+            compression=None,
+            server_header=None,
+            close_timeout=1,
+            logger=quiet,
+        )
+        self._ready.set()
+        await self._ended.wait()
+        server.close(reason=GOODBYE)
+        await server.wait_closed()
+
+    def _push(self, key: Hashable, text: str) -> None:
+        # The newest job stands last, the oldest is forgotten.
+        self._last.pop(key, None)
+        self._last[key] = text
+        jobs = [other for other in self._last if isinstance(other, tuple) and other[1] is not None]
+        for old in jobs[:-KEPT_JOBS]:
+            del self._last[old]
+        for page in self._pages:
+            page.push(key, text)
+
+    def _request(self, connection: Any, request: Any) -> Any:
+        """Answer a request for a file, refuse a wrong one, or let the socket open (None)."""
+        hosts, path = request.headers.get_all("Host"), request.path.partition("?")[0]
+        if len(hosts) != 1 or not _is_here(hosts[0]):
+            return self._refusal(connection, 403, "This address answers to 127.0.0.1 and localhost alone.")
+        token, _, name = path.removeprefix("/").partition("/")
+        if not hmac.compare_digest(token.encode(), self.token.encode()):
+            return self._refusal(connection, 403, "The token in the address is missing or wrong: take the whole line.")
+        if name == "socket":
+            if request.headers.get_all("Origin") != [f"http://{hosts[0]}"]:
+                return self._refusal(connection, 403, "The socket answers to the page of this server alone.")
+            return None
+        if name not in FILES:
+            return self._refusal(connection, 404, "There is no such file.")
+        file, kind = FILES[name]
+        content = files("flexmb.workbench").joinpath(file)
+        if not content.is_file():
+            return self._refusal(connection, 404, "There is no such file.")
+        return self._response(connection, 200, content.read_bytes(), kind)
+
+    def _refusal(self, connection: Any, status: int, text: str) -> Any:
+        return self._response(connection, status, f"{text}\n".encode(), "text/plain")
+
+    def _response(self, connection: Any, status: int, body: bytes, kind: str) -> Any:
+        from websockets.datastructures import Headers
+        from websockets.http11 import Response
+
+        headers = Headers(HEADERS)
+        headers["Content-Security-Policy"] = self._policy
+        headers["Content-Type"] = f"{kind}; charset=utf-8"
+        headers["Content-Length"] = str(len(body))
+        headers["Connection"] = "close"
+        return Response(status, http.HTTPStatus(status).phrase, headers, body)
+
+    async def _connected(self, own: Any) -> None:
+        from websockets.exceptions import ConnectionClosed
+
+        page = Page(own)
+        sender = asyncio.create_task(page.send())
+        name, under_way = "", deque[asyncio.Task]()
+        try:
+            async for text in own:
+                try:
+                    number, verb, arguments = parsed(text)
+                except Refused as fault:
+                    page.reply(refused(number_of(text), fault))
+                    continue
+                if verb == "hello":
+                    name = str(arguments.pop("page", ""))[:100]
+                under_way.append(self._asked(page, name, number, verb, arguments))
+                if len(under_way) > MOST_UNDER_WAY:
+                    await asyncio.wait([under_way.popleft()])
+        except ConnectionClosed:
+            pass
+        finally:
+            self._pages.discard(page)
+            sender.cancel()
+            with contextlib.suppress(asyncio.CancelledError, ConnectionClosed):
+                await sender
+
+    def _asked(self, page: Page, name: str, number: int, verb: str, arguments: dict[str, Any]) -> asyncio.Task:
+        """Have a request done, once however often it is sent, and reply when it is."""
+        kept = self._replies.setdefault(name, {}) if name else {}
+        task = kept.get(number) if verb != "hello" else None
+        if task is None:
+            key = f"{name}/{number}" if name else None
+            task = kept[number] = asyncio.create_task(self._reply(number, verb, arguments, key))
+            while len(kept) > KEPT_REPLIES:
+                del kept[next(iter(kept))]
+        while len(self._replies) > KEPT_PAGES:
+            del self._replies[next(iter(self._replies))]
+
+        def done(task: asyncio.Task) -> None:
+            if task.cancelled():
+                return
+            page.reply(task.result())
+            if verb == "hello":
+                self._pages.add(page)
+                for key, text in self._last.items():
+                    page.push(key, text)
+
+        task.add_done_callback(done)
+        return task
+
+    async def _reply(self, number: int, verb: str, arguments: dict[str, Any], key: str | None) -> str:
+        assert self._loop is not None
+        try:
+            found = await self._loop.run_in_executor(self._desk, guarded, self.session.ask, verb, arguments, key)
+            if callable(found):
+                found = await self._loop.run_in_executor(self._beside, guarded, found)
+            return written({"re": number, "ok": True, **found})
+        except Refused as fault:
+            return refused(number, fault)
+
+
+def _websockets() -> None:
+    try:
+        import websockets.asyncio.server  # noqa: F401
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            "The workbench needs the package websockets: pip install 'flexmb[workbench]'.", name="websockets"
+        ) from None
+
+
+def _listening(port: int) -> socket.socket:
+    # Said to be TCP by name, or asyncio leaves small messages waiting for those before them to be acknowledged (40 ms).
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        if os.name == "posix":
+            # A port of a process that has just ended is free; elsewhere this would share one that is taken.
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind((LOOPBACK, port))
+        found.listen()
+    except OSError:
+        found.close()
+        raise
+    return found
+
+
+def _is_here(host: str) -> bool:
+    """Whether a Host header names this machine; its port may be another, where a tunnel leads here."""
+    return re.fullmatch(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", host, re.ASCII | re.IGNORECASE) is not None

@@ -1,0 +1,361 @@
+"""One session of the workbench: the document and its history, what is computed of it, and what pages ask for."""
+
+from __future__ import annotations
+
+import inspect
+import secrets
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..errors import ModelError, clean
+from .building import Built, build, numbers_of, positions
+from .compare import Pinned, differences
+from .document import Document, Report
+from .fields import catalogue
+from .filing import exported, lost_in
+from .history import History
+from .jobs import Job, Jobs
+from .live import Live
+from .live_answers import Wants
+from .open_file import OpenFile
+from .places import Place
+from .preview import Shown
+from .targets import label_of, meet
+
+# How long a design that is pinned waits for its answers [s].
+LONGEST_WAIT = 5.0
+# Designs on the way to a target are shown no faster than this [s], with so many digits.
+PACE, DIGITS = 0.1, 6
+
+
+class Refused(Exception):
+    """What a page asked for is not done.
+
+    Attributes:
+        problem: Its message, and the address of the field where one is meant.
+    """
+
+    def __init__(self, message: str, address: str | None = None):
+        super().__init__(message)
+        self.problem = {"message": message} | ({"address": address} if address else {})
+
+
+class Session:
+    """A document that is worked on, with a method ``do_<verb>`` for everything that a page may ask for.
+
+    Verbs run one after the other in one thread. Each answers what its reply holds, or a function that makes it, which
+    runs beside the verbs that follow: it must be of what it was given alone.
+
+    Attributes:
+        run: Name of this session: another one after the program was started again.
+        history: The document, and the way to it.
+        notes: What is to be said about how it began.
+        file: Where it is saved, and where its journal stands.
+        live: What is computed of the newest document.
+        jobs: Long work.
+    """
+
+    def __init__(self, history: History | None = None, *, place: Place | None = None, notes: list[str] | None = None):
+        """Begin; what is computed is told from the first :meth:`listen` on.
+
+        Args:
+            history: What is worked on; an empty document unless given.
+            place: Where its journal stands.
+            notes: What is to be said about how it began.
+        """
+        self.run = secrets.token_hex(8)
+        self.history = history or History()
+        self.notes = notes or []
+        self.wants = Wants()
+        self.jobs = Jobs(self.tell)
+        self._lock = threading.RLock()
+        self.file = OpenFile(self.history, place, self.tell, self._lock)
+        self.file.settled = self._tell_changes
+        self._listeners: list[Callable[[dict[str, Any]], None]] = []
+        self._built: tuple[Document, Built] | None = None
+        self._agreed: set[str] = set()
+        self._is_closed = False
+        self._answers: dict[str, Any] = {}
+        self._pinned: Pinned | None = None
+        self._offered: dict[str, Any] = {}
+        self.live = Live(self._live_tells, self.built)
+
+    # What it tells, and how it is asked.
+
+    def listen(self, listener: Callable[[dict[str, Any]], None]) -> None:
+        """Tell a function everything that pages are to know, from any thread."""
+        self._listeners.append(listener)
+        with self._lock:
+            self._tell_changes()
+            self.file.begin()
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Tell all pages, from any thread."""
+        for listener in list(self._listeners):
+            listener(message)
+
+    def ask(self, verb: str, arguments: dict[str, Any], key: str | None = None) -> Any:
+        """Do what a page asks for.
+
+        Args:
+            verb: What.
+            arguments: By name.
+            key: Of the request, the same where it is sent again.
+
+        Returns:
+            Content of the reply, or a function that makes it.
+
+        Raises:
+            Refused: There is no such verb, or it takes other arguments.
+            Exception: Whatever was wrong with what was asked.
+        """
+        method = getattr(self, f"do_{verb}", None) if verb.isidentifier() else None
+        if method is None:
+            raise Refused(f"There is no verb '{clean(verb)}'.")
+        signature = inspect.signature(method)
+        try:
+            given = signature.bind(**arguments, **({"key": key} if "key" in signature.parameters else {}))
+        except TypeError as fault:
+            raise Refused(f"{verb}: {fault}.") from None
+        with self._lock:
+            if key is not None and key in self.history.requests:
+                # Done by a process that was killed before it could say so.
+                return self._reply(self.history.requests[key])
+            return method(*given.args, **given.kwargs) or {}
+
+    def built(self, document: Document | None = None) -> Built:
+        """What has become of a document, which is built once.
+
+        Args:
+            document: The one of now unless given.
+        """
+        document = document or self.history.document
+        known = self._built
+        if known is None or known[0] is not document:
+            self._built = known = document, build(document)
+        return known[1]
+
+    def builder(self) -> Any:
+        """A new builder with the mechanism as it is now.
+
+        Raises:
+            ModelError: Something in it cannot be built; the message lists all.
+        """
+        built = build(self.history.document)
+        if built.problems:
+            raise ModelError("\n".join(problem["message"] for problem in built.problems))
+        return built.builder
+
+    def close(self, *, keep: bool | None = None) -> None:
+        """End what is running; a second call does nothing.
+
+        Args:
+            keep: Whether the journal stays; by default where something was not saved.
+        """
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self.jobs.close()
+        self.live.stop()
+        self.file.close(keep)
+
+    # Verbs.
+
+    def do_hello(self, run: str | None = None) -> dict[str, Any]:
+        """What a page needs to begin."""
+        return {
+            "run": self.run,
+            "version": __version__,
+            "file": self.history.file,
+            "catalogue": catalogue(),
+            "notes": self.notes,
+        }
+
+    def do_edit(self, ops: list, label: str | None = None, merge: str | None = None, key: str | None = None) -> Any:
+        """Change the document."""
+        return self._changed(self.history.edit(ops, label or None, merge, key))
+
+    def do_undo(self, key: str | None = None) -> Any:
+        """Go back one step."""
+        return self._stepped(self.history.undo(key))
+
+    def do_redo(self, key: str | None = None) -> Any:
+        """Go forward again."""
+        return self._stepped(self.history.redo(key))
+
+    def do_part(self) -> None:
+        """End a step: what follows is another one, whatever its merge key."""
+        self.history.part()
+
+    def do_want(self, **changes: Any) -> None:
+        """Change what is computed and shown."""
+        self.wants = self.wants.changed(changes)
+        self.live.show(self.history.revision, self.history.document, self.wants)
+
+    def do_advise(self, index: int, key: str | None = None) -> Any:
+        """Do what a piece of advice says."""
+        counted = self.live.counted
+        given = counted.get("advice", [])
+        if counted.get("revision") != self.history.revision or not 0 <= index < len(given):
+            raise Refused("The mechanism has changed since this advice was given: see what it says now.")
+        return self._changed(self.history.edit(given[index]["ops"], given[index]["text"], None, key))
+
+    def do_target(self, wants: list, free: list) -> dict[str, Any]:
+        """Find dimensions with which answers are as they are wanted: one step, which moves while the search goes on."""
+        document, node, label = self.history.document, self.wants.support_node, label_of(wants)
+        merge = f"target {secrets.token_hex(8)}"
+
+        def written(ops: list[dict[str, Any]], label: str) -> None:
+            with self._lock:
+                self._changed(self.history.edit(ops, label, merge))
+
+        def work(job: Job) -> dict[str, Any]:
+            found = meet(document, wants, free, Shown(job, document, lambda ops: written(ops, label)), node)
+            if found["ops"]:
+                written(found["ops"], label)
+            return found
+
+        return {"job": self.jobs.start("target", work)}
+
+    def do_run(self, analysis: str, options: dict | None = None) -> dict[str, Any]:
+        """Run an analysis."""
+        from .analyses import run
+
+        document = self.history.document
+        return {"job": self.jobs.start(clean(analysis), lambda job: run(document, analysis, options or {}, job))}
+
+    def do_pin(self) -> None:
+        """Keep this design to compare others with."""
+        if self._answers.get("of_revision") != self.history.revision:
+            self.live.wait(LONGEST_WAIT)
+        known = self._answers
+        values = known["values"] if known.get("of_revision") == self.history.revision else {}
+        self._pinned = Pinned(self.history.document, self.history.revision, values)
+        self._tell_pinned()
+
+    def do_unpin(self) -> None:
+        """Compare no longer."""
+        self._pinned = None
+        self.tell({"tell": "pinned"})
+
+    def do_stop(self, job: str) -> None:
+        """Stop a job."""
+        self.jobs.stop(job)
+
+    def do_open(
+        self, path: str | None = None, text: str | None = None, name: str | None = None, key: str | None = None
+    ) -> Any:
+        """Put the document of a file, or of a text that a page has, in the place of this one; a step as any other."""
+        if path is not None and text is None and name is None:
+            notes = self.file.open(Path(path).expanduser().absolute(), key)
+        elif path is None and isinstance(text, str) and isinstance(name, str):
+            notes = self.file.receive(name, text, key)
+        else:
+            raise Refused("open: give a path, or a text and its name.")
+        return self._changed(None, notes=notes)
+
+    def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
+        """Write the file; what would be lost or written over is said first, and nothing is written then.
+
+        Args:
+            path: Where; that of the document's file unless given.
+            anyway: Whether what the file cannot hold may be left out; it is asked for once.
+            over: Whether another file may be written over.
+        """
+        own = self.file.path
+        file = Path(path).expanduser().absolute() if path else own
+        if file is None:
+            raise Refused("save: this mechanism has no file yet: give a path.")
+        lost = lost_in(self.history.document, file)
+        if not anyway and not self._agreed.issuperset(lost):
+            return {"saved": False, "cannot_hold": lost}
+        if file != own and not over and file.exists():
+            return {"saved": False, "over": file.name}
+        notes = self.save(file)
+        self._agreed.update(lost)
+        return {"saved": True, "file": str(file), "notes": notes}
+
+    def do_export(self, kind: str, deformed: bool = False) -> Callable[[], dict[str, Any]]:
+        """Content of a file of another kind."""
+        document, file = self.history.document, self.file.path
+        name = file.stem if file else "".join(c if c.isalnum() else "_" for c in document.data["title"])[:60]
+        return lambda: exported(document, kind, name or "mechanism", deformed)
+
+    def do_keep_disk(self) -> None:
+        """Keep what is here; the next save writes over what another program has written."""
+        self.file.keep()
+        self._tell_changes()
+
+    def do_take_disk(self, key: str | None = None) -> Any:
+        """Take what the file holds now, or begin anew where there is no file; a step as any other."""
+        return self._changed(None, notes=self.file.take(key))
+
+    # What they share.
+
+    def save(self, file: Path) -> list[str]:
+        """Write the document to a file, see :meth:`.open_file.OpenFile.save`.
+
+        Args:
+            file: Ends in .dat, .json or .py.
+        """
+        with self._lock:
+            notes = self.file.save(file)
+            self._tell_changes()
+        return notes
+
+    def _reply(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
+        own = {"label": found} if found is None or isinstance(found, str) else found._asdict()
+        return {"revision": self.history.revision, **own, **more}
+
+    def _changed(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
+        self._tell_changes()
+        return self._reply(found, **more)
+
+    def _stepped(self, label: str | None) -> dict[str, Any]:
+        self.file.follow()
+        return self._changed(label)
+
+    def _tell_changes(self) -> None:
+        history = self.history
+        built = self.built()
+        values = numbers_of(history.document)
+        self.tell(
+            {
+                "tell": "document",
+                "revision": history.revision,
+                "document": history.document.data,
+                "undo": history.undo_labels,
+                "redo": history.redo_labels,
+                "problems": built.problems,
+                "positions": positions(history.document, built),
+                "values": {name: values.get(f"names/{name}/value") for name in history.document.names},
+                "saved": history.is_saved,
+                "file": history.file,
+            }
+        )
+        self.live.show(history.revision, history.document, self.wants)
+
+    def _live_tells(self, message: dict[str, Any]) -> None:
+        self.tell(message)
+        if message["tell"] == "answers" and message["status"] == "ok":
+            self._answers = message
+            self._tell_pinned()
+        if message["tell"] == "scene" or message.get("status") == "failed":
+            self._tell_offered()
+
+    def _tell_offered(self) -> None:
+        """Which analyses there are for the document of now, after all else, since they take much of the package."""
+        from .analyses import offered
+
+        if (found := offered(self.history.document)) != self._offered:
+            self._offered = found
+            self.tell({"tell": "analyses", "analyses": found})
+
+    def _tell_pinned(self) -> None:
+        pinned, known = self._pinned, self._answers
+        document = self.history.document
+        if pinned is not None and known.get("of_revision") == self.history.revision:
+            self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})

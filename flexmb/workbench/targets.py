@@ -1,0 +1,519 @@
+"""Targets: numbers beside the drawing that are to have a value, met by the dimensions nearest to the present ones."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..arguments import shown
+from ..design.evaluate import layout_of
+from ..design.problem import Problem, Rows
+from ..design.scaling import Scaling
+from ..design.search import search
+from ..display import listed, measured, short
+from ..errors import ModelError, clean
+from ..mechanics.loads import has_loads
+from ..plot.geometry import extent_of
+from ..progress import Stopped
+from ..results import RESULTS
+from ..spacar.arithmetic import value_of
+from .building import build, free_names, numbers_of, positions
+from .document import Document, apply
+from .traced import Traced, traced
+
+KINDS = {"equal": "=", "least": "≥", "most": "≤"}
+# Of a name without bounds, this many times up and down.
+WIDE = 5.0
+# Relative difference at which a target is met, at which it is met to round-off, and by which the search may miss it.
+MET, EXACT, NEARLY = 1e-9, 1e-12, 1e-6
+# Evaluations of a search, and steps that end it; of a search for what is nearest where nothing meets all.
+BUDGET, STEPS, BUDGET_NEAREST = 400, 12, 200
+# Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
+PACE, LONGEST_PAUSE = 0.03, 1.0
+# A dimension this near to a bound, as a share of the range, is at it.
+AT_BOUND = 1e-6
+PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+OF_LOADS = ("multiplier", "stress", "utilisation", "displacement")
+UNITS = {"frequency": "Hz", "stress": "Pa", "mass": "kg", "displacement": "m"}
+
+
+class Watched(Protocol):
+    """What a target tells how far it is: a job."""
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it is to end."""
+        ...
+
+    def tell(self, **changes: Any) -> None:
+        """Take how far it is."""
+        ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Want:
+    """An answer that is to have a value.
+
+    Attributes:
+        key: Which answer.
+        kind: "equal", "least" or "most".
+        value: In its unit.
+        unit: SI, without a prefix.
+    """
+
+    key: str
+    kind: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.key} {KINDS[self.kind]} {_text(self.value, self.unit)}"
+
+    def missed(self, value: float) -> float:
+        """By how much a value misses it, relative to it [-]; not above zero where it does not."""
+        off = (value - self.value) / (abs(self.value) or 1.0)
+        return {"equal": abs(off), "least": -off, "most": off}[self.kind]
+
+
+def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
+    """What is wanted, checked.
+
+    Args:
+        given: Each with "answer", "kind" and "value": a number, arithmetic of names, with or without its unit.
+        names: Values of the names.
+
+    Raises:
+        ValueError: Nothing is wanted, or what is no number.
+    """
+    found = []
+    for one in given:
+        key, kind = str(one.get("answer", "")), one.get("kind", "equal")
+        if kind not in KINDS:
+            raise ValueError(f"Target '{clean(key)}' must be equal, least or most, not {shown(kind)}.")
+        unit = unit_of(key)
+        found.append(Want(key, kind, _value(key, str(one.get("value", "")), unit, names), unit))
+    if not found:
+        raise ValueError("Say what is wanted, such as frequency 1 = 20 Hz.")
+    for key in {want.key for want in found}:
+        own = {want.kind: want.value for want in found if want.key == key}
+        if len(own) < sum(want.key == key for want in found) or ("equal" in own and len(own) > 1):
+            raise ValueError(
+                f"'{clean(key)}' is wanted twice: give it one value, or one from below and one from above."
+            )
+        if own.get("least", -np.inf) > own.get("most", np.inf):
+            raise ValueError(f"'{clean(key)}' cannot be at least {own['least']:g} and at most {own['most']:g}.")
+    return found
+
+
+def label_of(given: Sequence[Mapping[str, Any]]) -> str:
+    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
+    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
+    return clean(f"target {', '.join(parts)}")
+
+
+def unit_of(key: str) -> str:
+    """Unit of an answer by its key, SI without a prefix."""
+    kind, _, which = key.partition(" ")
+    if kind == "stiffness":
+        return "N m/rad" if which in ("phi", "rx", "ry", "rz") else "N/m"
+    if kind == "displacement" and which in ("phi", "rx", "ry", "rz"):
+        return "rad"
+    return UNITS.get(kind, "")
+
+
+def _value(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:
+    """A number from text such as "20", "20 Hz", "300 MPa", "2*f"."""
+    rest, factor = text.strip(), 1.0
+    if unit and rest.endswith(unit):
+        rest = rest.removesuffix(unit)
+        if rest and rest[-1] in PREFIXES and (len(rest) < 2 or not rest[-2].isalpha()):
+            rest, factor = rest[:-1], PREFIXES[rest[-1]]
+    try:
+        value = float(value_of(rest.strip(), names)) * factor
+    except ValueError as fault:
+        form = f"a number [{unit or '-'}]" + (f", such as 20 {unit} or 20 k{unit}" if unit else "")
+        raise ValueError(f"Target '{clean(key)}': '{clean(text)}' {fault}. Give {form}.") from None
+    if not np.isfinite(value):
+        raise ValueError(f"Target '{clean(key)}' must be finite, not '{clean(text)}'.")
+    return value
+
+
+def _text(value: float, unit: str) -> str:
+    return f"{short(value)} {unit}".strip() if unit in ("", "kg") else measured(value, unit)
+
+
+def meet(
+    document: Document,
+    wants: Sequence[Mapping[str, Any]],
+    free: Sequence[str],
+    job: Watched,
+    node: str | None = None,
+) -> dict[str, Any]:
+    """Find the dimensions nearest to the present ones with which answers are as they are wanted.
+
+    The designs that are looked at are told as they come. What is found is not written anywhere: see "ops".
+
+    Args:
+        document: The document.
+        wants: See :func:`wants_of`.
+        free: Names that may change; all whose values are numbers if there are none.
+        job: Told "design" (values of the free names by name), "values" (answers by key), "fraction" and "text".
+        node: Node whose support stiffness and displacements are meant.
+
+    Returns:
+        "status", failed where not all is met; "text"; "design" and "values" in the end; "ops" and "label" of the one
+        edit that writes it, empty where nothing changes; "met", whether all is as wanted: where not, the design is the
+        nearest, and the text says what limits it; "stopped"; "assumed", bounds of names that have none.
+
+    Raises:
+        ValueError: What is wanted, or may change, is none.
+        ModelError: The document builds no mechanism, or its answers are not there.
+    """
+    tuning = _Tuning(document, wants, free, job, node)
+    try:
+        tuning.run()
+    except Stopped:
+        return tuning.told(stopped=True)
+    return tuning.told()
+
+
+class _Tuning:
+    """One search, and the best design so far."""
+
+    def __init__(self, document: Document, wants: Any, free: Sequence[str], job: Watched, node: str | None):
+        numbers = numbers_of(document)
+        names = {name: float(numbers[f"names/{name}/value"]) for name in document.names if _has(numbers, name)}
+        self.document, self.job, self.node = document, job, node
+        self.wants = wants_of(wants, names)
+        self.free = _checked_free(document, free)
+        self.assumed: dict[str, tuple[float, float]] = {}
+        bounds = {name: self._bounds(name, numbers) for name in self.free}
+        self.start = np.array([names[name] for name in self.free])
+        self.scaling = Scaling(layout_of(names | {}), {}, {}) if not self.free else _scaling(self.free, names, bounds)
+        self.keys = list(dict.fromkeys(want.key for want in self.wants))
+        model = self._model()
+        idle = [key for key in self.keys if key.split()[0] in OF_LOADS]
+        if idle and not has_loads(model.topology, model.parameters):
+            raise ValueError(f"No load acts, and so there is no {idle[0]}: add a force, a moment or gravity.")
+        self.traced: Traced = traced(document, model, self.keys, node)
+        self.answers = self.traced.at(document)
+        self.everything = np.array([names[name] for name in self.traced.names])
+        self.places = [self.traced.names.index(name) for name in self.free]
+        self.best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
+        self.first: np.ndarray | None = None
+        self.count, self.told_at, self.paused, self.failed = 0, 0.0, 0.0, RESULTS.successful
+
+    def _model(self) -> Any:
+        built = build(self.document)
+        if built.problems:
+            raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
+        return built.builder.build()
+
+    def _bounds(self, name: str, numbers: Mapping[str, Any]) -> tuple[float, float]:
+        """Bounds of a name, sensible ones where it has none."""
+        value = float(numbers[f"names/{name}/value"])
+        known = [numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
+        if None not in known:
+            low, high = (float(one) for one in known)  # pyright: ignore[reportArgumentType]
+        else:
+            size = abs(value) * WIDE if value else 0.5 * extent_of(np.array(list(positions(self.document).values())))
+            wide = sorted((value / WIDE, value * WIDE)) if value else [-size, size]
+            low, high = (float(w if own is None else own) for own, w in zip(known, wide, strict=True))
+            self.assumed[name] = low, high
+        if not low < high:
+            raise ValueError(f"Name '{clean(name)}' has no room between its bounds {low:g} and {high:g}.")
+        if not low <= value <= high:
+            raise ValueError(f"Name '{clean(name)}' is {value:g}, outside its bounds {low:g} to {high:g}: widen them.")
+        return low, high
+
+    # What the search asks.
+
+    def kernel(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+        """Answers and scaled dimensions, (m + n,), their derivatives, and the code."""
+        values, slopes, code = self.look(np.asarray(self.scaling.to_dimensions(np.clip(unit, 0.0, 1.0))))
+        rate = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
+        x = np.asarray(self.scaling.to_dimensions(np.clip(unit, 0.0, 1.0)))
+        by_unit = slopes * np.where(self.scaling.log, x * rate, self.scaling.upper - self.scaling.lower)
+        return np.concatenate([values, unit]), np.concatenate([by_unit, np.eye(len(unit))]), code
+
+    def _ratio(self) -> np.ndarray:
+        return np.where(self.scaling.log, self.scaling.upper / np.where(self.scaling.log, self.scaling.lower, 1.0), 1.0)
+
+    def look(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+        """Answers of a design, noted and told."""
+        if self.job.stopped:
+            raise Stopped
+        whole = self.everything.copy()
+        whole[self.places] = x
+        values, slopes, code = self.answers(whole)
+        slopes = slopes[:, self.places]
+        self.count += 1
+        if code == RESULTS.successful and np.all(np.isfinite(values)):
+            missed = self.missed(values)
+            self.first = values if self.first is None else self.first
+            far = float(np.linalg.norm(self.scaling.to_unit(x) - self.scaling.to_unit(self.start)))
+            # Of designs that meet all, the nearest.
+            rank = missed if missed > EXACT else far * EXACT
+            if self.best is None or rank < self.best[0]:
+                self.best = rank, x.copy(), values, slopes
+            self._tell(x, values, missed)
+        else:
+            self.failed = RESULTS.not_finite if code == RESULTS.successful else RESULTS(code)
+        return values, slopes, code
+
+    def missed(self, values: np.ndarray) -> float:
+        """By how much the worst want is missed [-]."""
+        by_key = dict(zip(self.keys, values.tolist(), strict=True))
+        return max(0.0, *(want.missed(by_key[want.key]) for want in self.wants))
+
+    def _tell(self, x: np.ndarray, values: np.ndarray, missed: float) -> None:
+        now = time.monotonic()
+        if (wait := self.told_at + PACE - now) > 0:
+            if self.paused > LONGEST_PAUSE:
+                return
+            time.sleep(wait)
+            self.paused += wait
+        self.told_at = time.monotonic()
+        by_key = dict(zip(self.keys, values.tolist(), strict=True))
+        text = ", ".join(f"{key} {_text(value, unit_of(key))}" for key, value in by_key.items())
+        done = min(0.95, self.count / 40) if missed > MET else 0.98
+        self.job.tell(fraction=done, text=text, design=dict(zip(self.free, x.tolist(), strict=True)), values=by_key)
+
+    # The search.
+
+    def run(self) -> None:
+        """Search, as ``fm.tune`` does, and end with Newton's steps."""
+        self.job.tell(fraction=0.0, text="compiling")
+        values, slopes, code = self.look(self.start)
+        if code != RESULTS.successful or not np.all(np.isfinite(values)):
+            told = RESULTS(code) if code != RESULTS.successful else RESULTS.not_finite
+            names = ", ".join(key for key, v in zip(self.keys, values, strict=True) if not np.isfinite(v))
+            raise ModelError(f"{names or 'What is wanted'} has no value now, to begin from: {told.message}")
+        if self.missed(values) <= 0:
+            return
+        self._refuse_without_effect(values, slopes)
+        unit = self.scaling.to_unit(self.start)
+        search(self.problem(), self.kernel, _untraced, _none_refused, unit, None, NEARLY, BUDGET)
+        self.finish()
+        if self.best is not None and self.best[0] > MET:
+            self.nearest()
+            self.finish()
+
+    def _refuse_without_effect(self, values: np.ndarray, slopes: np.ndarray) -> None:
+        for want in self.wants:
+            i = self.keys.index(want.key)
+            if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
+                now = _text(float(values[i]), want.unit)
+                raise ValueError(
+                    f"{want} cannot be met: it is {now}, and {listed(self.free)} has no effect on it. Let another"
+                    " dimension vary: write a name where a number stands."
+                )
+
+    def problem(self, wants: Sequence[Want] | None = None) -> Problem:
+        """The least relative change of the dimensions that meets what is wanted; with ``wants`` those alone, nearly."""
+        m, n = len(self.keys), len(self.free)
+        size = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
+        near = np.concatenate([np.zeros((n, m)), np.diag(size)], axis=1)
+        start = size * self.scaling.to_unit(self.start)
+
+        def rows(own: Sequence[Want], inside: float = 0.0) -> Rows:
+            matrix, right = np.zeros((len(own), m + n)), np.zeros(len(own))
+            for row, want in enumerate(own):
+                sign, scale = -1.0 if want.kind == "least" else 1.0, abs(want.value) or 1.0
+                matrix[row, self.keys.index(want.key)] = sign / scale
+                right[row] = sign * want.value / scale - inside
+            return Rows(matrix, right, tuple(str(want) for want in own))
+
+        if wants is not None:
+            return Problem(np.zeros(m + n), rows(wants), rows([]), rows([]))
+        equal = [want for want in self.wants if want.kind == "equal"]
+        others = [want for want in self.wants if want.kind != "equal"]
+        distance = Rows(near, start, tuple(self.free))
+        return Problem(np.zeros(m + n), distance, rows(equal), rows(others, NEARLY))
+
+    def finish(self) -> None:
+        """Newton's steps to the targets that are missed, the shortest ones within the bounds."""
+        for _ in range(STEPS):
+            assert self.best is not None
+            rank, x, values, slopes = self.best
+            if rank <= EXACT:
+                return
+            unit = self.scaling.to_unit(x)
+            by_key = dict(zip(self.keys, values.tolist(), strict=True))
+            open_, right = [], []
+            for want in self.wants:
+                missed = want.missed(by_key[want.key])
+                if missed > 0 or (want.kind != "equal" and missed > -NEARLY):
+                    goal = want.value * (
+                        1 + {"equal": 0, "least": 1, "most": -1}[want.kind] * MET * np.sign(want.value)
+                    )
+                    open_.append(self.keys.index(want.key))
+                    right.append(goal - by_key[want.key])
+            scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
+            matrix, held, step = slopes[open_] * scale, np.zeros(len(unit), bool), np.zeros(len(unit))
+            weights = np.abs(np.array(right))[:, None] + np.abs(values[open_])[:, None]
+            for _ in range(len(unit)):
+                step = np.zeros(len(unit))
+                step[~held] = np.linalg.lstsq(matrix[:, ~held] / weights, np.array(right) / weights[:, 0], rcond=1e-12)[
+                    0
+                ]
+                out = ~held & ((unit + step < 0) | (unit + step > 1)) & ((unit <= 0) | (unit >= 1))
+                if not np.any(out):
+                    break
+                held |= out
+            new = np.asarray(self.scaling.to_dimensions(np.clip(unit + step, 0.0, 1.0)))
+            self.look(new)
+            if self.best[0] >= rank:
+                return
+
+    def nearest(self) -> None:
+        """The design that misses what cannot be met by as little as possible."""
+        assert self.best is not None
+        by_key = dict(zip(self.keys, self.best[2].tolist(), strict=True))
+        bad = [want for want in self.wants if want.kind == "equal" or want.missed(by_key[want.key]) > 0]
+        unit = self.scaling.to_unit(self.best[1])
+        search(self.problem(bad), self.kernel, _untraced, _none_refused, unit, None, NEARLY, BUDGET_NEAREST)
+
+    # What is told.
+
+    def told(self, stopped: bool = False) -> dict[str, Any]:
+        """The result, as :func:`meet` gives it."""
+        if self.best is None or self.first is None:
+            nothing: dict[str, Any] = {"design": {}, "values": {}, "ops": [], "label": "", "met": False}
+            return {**nothing, "text": "Stopped before the first design.", "stopped": stopped, "assumed": {}}
+        rank, x, values, _ = self.best
+        ops, written = self._written(x)
+        met = rank <= MET
+        wanted = ", ".join(map(str, self.wants))
+        changes = [
+            f"{name} = {op['to']['value']} (was {self.document.names[name]['value']})"
+            for name, op in ((op["name"], op) for op in ops)
+        ]
+        by_key = dict(zip(self.keys, values.tolist(), strict=True))
+        if met and not ops:
+            text = f"{wanted}: it is so already."
+        elif met:
+            text = f"{wanted}: met with {', '.join(changes)}."
+        elif stopped:
+            text = f"Stopped on the way to {wanted}; nearest so far {', '.join(changes) or 'as it is'}."
+        else:
+            text = self._why(x, values)
+        for name, (low, high) in self.assumed.items():
+            text += f" '{clean(name)}' has no bounds: {low:.4g} to {high:.4g} were taken."
+        return {
+            "status": "done" if met else "stopped" if stopped else "failed",
+            "text": text,
+            "design": written,
+            "values": by_key,
+            "ops": ops,
+            "label": f"target {wanted}",
+            "met": met,
+            "stopped": stopped,
+            "assumed": {name: list(pair) for name, pair in self.assumed.items()},
+        }
+
+    def _why(self, x: np.ndarray, values: np.ndarray) -> str:
+        """What is not met, how near it comes, and what limits it."""
+        by_key, unit = dict(zip(self.keys, values.tolist(), strict=True)), self.scaling.to_unit(x)
+        bad = [w for w in self.wants if w.missed(by_key[w.key]) > MET]
+        comes = [f"{want} is not reached: it comes to {_text(by_key[want.key], want.unit)}" for want in bad]
+        limits = []
+        for name, u, low, high in zip(self.free, unit, self.scaling.lower, self.scaling.upper, strict=True):
+            if min(u, 1 - u) < AT_BOUND:
+                limits.append(
+                    f"{clean(name)} is at its {'lower' if u < 0.5 else 'upper'} bound {low if u < 0.5 else high:g}"
+                )
+        for want in self.wants:
+            if want not in bad and want.missed(by_key[want.key]) > -1e-4:
+                limits.append(f"{want} stands against it")
+        if len(bad) > 1:
+            limits.append("they stand against each other")
+        if self.failed is not RESULTS.successful and not limits:
+            limits.append(f"designs further on have no answer: {self.failed.message}")
+        limited = f"; {'; '.join(limits)}" if limits else "; no dimension brings it nearer"
+        advice = " Widen the bounds, or let more dimensions vary." if limits else " Let more dimensions vary."
+        return f"{', '.join(comes)}{limited}.{advice}"
+
+    def _written(self, x: np.ndarray) -> tuple[list[dict[str, Any]], dict[str, float]]:
+        """The edit that writes a design, of as few digits as keep what it meets, and the design as written."""
+        for digits in (12, 17):
+            found: list[dict[str, Any]] = []
+            values = dict(zip(self.free, self.start.tolist(), strict=True))
+            for name, value, before in zip(self.free, x.tolist(), self.start.tolist(), strict=True):
+                own = self.document.names[name]
+                if value != before:
+                    text = number_like(own["value"], value, digits)
+                    values[name] = float(text)
+                    found.append({"op": "name", "name": name, "to": {**own, "value": text}})
+            whole = self.everything.copy()
+            whole[self.places] = list(values.values())
+            after = self.answers(whole)[0] if found else None
+            if after is None or self.best is None or self.missed(after) <= MET:
+                break
+        return found, values
+
+
+def number_like(text: str, value: float, digits: int) -> str:
+    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood.
+
+    Args:
+        text: The other number.
+        value: The number.
+        digits: Significant ones at most.
+    """
+    exponent = re.search(r"[eE]([-+]?\d+)\s*$", text)
+    plain = f"{value:.{digits}g}"
+    if exponent is None:
+        return plain
+    mantissa = f"{value / 10.0 ** int(exponent[1]):.{digits}g}"
+    return f"{mantissa}{exponent[0].strip()}" if "e" not in mantissa else plain
+
+
+def _has(numbers: Mapping[str, Any], name: str) -> bool:
+    return f"names/{name}/value" in numbers
+
+
+def _checked_free(document: Document, free: Sequence[str]) -> list[str]:
+    """Names that may change."""
+    known = free_names(document)
+    for name in free:
+        if name not in document.names:
+            raise ValueError(f"There is no name '{clean(name)}' to change.")
+        if name not in known:
+            text = document.names[name]["value"]
+            raise ValueError(
+                f"'{clean(name)}' is '{clean(text)}': it follows from others. Choose from {listed(known)}."
+            )
+    chosen = list(dict.fromkeys(free)) or known
+    if not chosen:
+        raise ValueError(
+            "No dimension may change: write a name, such as t, where a number stands, and give it a value."
+        )
+    return chosen
+
+
+def _scaling(free: list[str], names: Mapping[str, float], bounds: Mapping[str, Any]) -> Scaling:
+    return Scaling(layout_of({name: names[name] for name in free}), bounds, {})
+
+
+def _untraced(unit: Any) -> Any:
+    raise AssertionError("Only optimisers of optax and optimistix trace.")
+
+
+def _none_refused(units: np.ndarray) -> np.ndarray:
+    return np.zeros(len(units), bool)
+
+
+def applied(document: Document, result: Mapping[str, Any]) -> Document:
+    """A document with what was found written into it.
+
+    Args:
+        document: The document.
+        result: Of :func:`meet`.
+    """
+    return apply(document, result["ops"])[0]

@@ -1,0 +1,285 @@
+"""Which way to go: how an answer changes with every number of the document, and with every free name."""
+
+import dataclasses
+import logging
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..compilation.compile import jit
+from ..elements.section import Material
+from ..errors import AnalysisError, heard
+from ..linear.linearize import linearize
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..plot.geometry import names_of
+from ..results import RESULTS, check, collected
+from .building import build, free_names, numbers_of, structure
+from .content import Document
+from .live_answers import Answers
+from .references import call_of
+from .traced import Answer, answer_of
+
+# Two frequencies or multipliers this near to each other, relatively, are repeated: neither has a derivative.
+REPEATED = 1e-6
+# The closure was made of another design: where what it finds is off by more, something that is no number has changed.
+SAME = 1e-6
+# Closures that are kept.
+MOST = 12
+
+Slopes = Callable[[Any], Any]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Closure:
+    """A compiled function of the numbers of documents of one structure.
+
+    Attributes:
+        addresses: Of the numbers, in order.
+        slopes: Of the numbers (n,): answer, slopes (n,), relative slopes by the sections of each block's elements, and
+            code of RESULTS.
+    """
+
+    addresses: tuple[str, ...]
+    slopes: Slopes
+
+
+class Ways:
+    """Sensitivities of answers: compiled once for each structure and answer, in a thread of its own."""
+
+    def __init__(self, changed: Callable[[], None]):
+        """Nothing is compiled yet.
+
+        Args:
+            changed: Called, from another thread, once something has been compiled that was asked for.
+        """
+        self._changed = changed
+        self._closures: dict[Any, _Closure | Exception | None] = {}
+        self._names: dict[Any, Callable[..., Any]] = {}
+
+    def of(self, document: Document, found: Answers, *, wait: bool = False) -> dict[str, Any]:
+        """Sensitivities of the answer that is wanted, as a message to pages.
+
+        Args:
+            document: What the answers are of; without problems.
+            found: Answers to it, all of them.
+            wait: Compile at once, rather than beside.
+
+        Returns:
+            answer, status ("ok", "computing" or "failed") and message; where it is ok by_field and by_name {address or
+            name: slope}, relative {address or name: d ln answer/d ln number}, by_element {element: relative slope by
+            all sizes of its section} and words about what is special.
+        """
+        key = str(found.wants.sensitivity_of)
+        told = {"answer": key, "message": "", "by_field": {}, "by_name": {}, "relative": {}, "by_element": {}}
+        value = found.values.get(key, {}).get("value")
+        why = _meaningless(key, found) if value is not None else f"There is no {key} here, and so no sensitivity of it."
+        if value is None or why:
+            return {**told, "status": "failed", "message": why, "words": []}
+        kind = _kind(document, found, key)
+        if kind not in self._closures:
+            self._prepare(kind, document, found, key, wait)
+        closure = self._closures.get(kind)
+        if closure is None:
+            return {**told, "status": "computing", "words": []}
+        if isinstance(closure, Exception):
+            return {**told, "status": "failed", "message": str(closure), "words": []}
+        numbers = numbers_of(document)
+        point = np.array([numbers[address] for address in closure.addresses])
+        same, slopes, shares, code = closure.slopes(point)
+        slopes = np.asarray(slopes)
+        try:
+            check(int(code), True)
+        except AnalysisError as fault:
+            return {**told, "status": "failed", "message": str(fault), "words": []}
+        if abs(float(same) - value) > SAME * abs(value):
+            # Such as an end that is clamped now and was not: another mechanism.
+            del self._closures[kind]
+            return {**told, "status": "computing", "words": []}
+        if not np.all(np.isfinite(slopes)):
+            message = RESULTS.critical_state.message if int(code) else "It has no derivative here."
+            return {**told, "status": "failed", "message": message, "words": []}
+        by_field = dict(zip(closure.addresses, slopes.tolist(), strict=True))
+        by_name = self._by_name(document, by_field)
+        at = {**{a: numbers[a] for a in by_field}, **{n: numbers[f"names/{n}/value"] for n in by_name}}
+        every = {**by_field, **by_name}
+        return {
+            **told,
+            "status": "ok",
+            "by_field": by_field,
+            "by_name": by_name,
+            "relative": {one: every[one] * float(at[one]) / value for one in every if at[one] != 0 and value != 0},
+            "by_element": _by_element(found.model, shares, value),
+            "words": _words(key, found, by_field),
+        }
+
+    def _prepare(self, kind: Any, document: Document, found: Answers, key: str, wait: bool) -> None:
+        """Compile a closure."""
+        self._closures[kind] = None
+        while len(self._closures) > MOST:
+            del self._closures[next(iter(self._closures))]
+
+        def compile_() -> None:
+            try:
+                answer = answer_of(key, found.wants.support_node)
+                with heard():
+                    closure: Any = _closure(document, found, answer, numbers_of(document))
+            except Exception as fault:  # Told to the pages, whatever it is; nobody else waits for this thread.
+                logging.getLogger("flexmb").debug("%s", key, exc_info=True)
+                closure = fault
+            if kind in self._closures:
+                self._closures[kind] = closure
+            if not wait:
+                self._changed()
+
+        if wait:
+            compile_()
+        else:
+            threading.Thread(target=compile_, name="flexmb ways", daemon=True).start()
+
+    def _by_name(self, document: Document, by_field: Mapping[str, float]) -> dict[str, float]:
+        """Slopes by the free names: those of the fields, through the arithmetic in each."""
+        names = free_names(document)
+        if not names:
+            return {}
+        addresses = tuple(by_field)
+        kind = structure(document), tuple(names), addresses
+        if kind not in self._names:
+            self._names[kind] = _pulled(document, names, addresses)
+            while len(self._names) > MOST:
+                del self._names[next(iter(self._names))]
+        values = numbers_of(document)
+        point = np.array([values[f"names/{name}/value"] for name in names])
+        found = self._names[kind](point, np.array([by_field[address] for address in addresses]))
+        return dict(zip(names, np.asarray(found).tolist(), strict=True))
+
+
+def numeric_fields(document: Document) -> list[str]:
+    """Addresses of the fields that are numbers to differentiate by: not names, nor what chooses code."""
+    whole = set()
+    for thing in document.things:
+        call = call_of(thing)
+        fields = call.fields if call else {}
+        whole.update(f"{thing['id']}/{name}" for name, field in fields.items() if field["whole"])
+    return [
+        address
+        for address in numbers_of(document)
+        if not address.startswith("names/") and address not in whole and address.rpartition("/")[0] not in whole
+    ]
+
+
+def _kind(document: Document, found: Answers, key: str) -> Any:
+    """What a closure is for: structure, roles that the Builder finds by numbers, and the answer."""
+    model = found.model
+    roles = tuple(tuple(map(str, some)) for some in model.roles())
+    clamps = tuple(
+        tuple(np.asarray(own["clamped"]).ravel().tolist()) for own in model.parameters.properties if "clamped" in own
+    )
+    where = found.values[key].get("where", {}).get("node") if key == "displacement" else None
+    return structure(document, arithmetic=False), key, found.wants.support_node, where, roles, clamps
+
+
+def _closure(document: Document, found: Answers, answer: Answer, numbers: Mapping[str, Any]) -> _Closure:
+    """Answer and slopes of documents of this structure, compiled; called once, so that it is."""
+    like, increment, addresses = found.model, found.increment, tuple(numeric_fields(document))
+
+    def parameters(flat: Any) -> Parameters:
+        return build(document, dict(zip(addresses, flat, strict=True))).model(like).parameters
+
+    def of_parameters(own: Parameters):
+        with collected() as codes:
+            value = answer(linearize(dataclasses.replace(like, parameters=own), increment=increment))
+        code: Any = jnp.zeros((), jnp.int32)
+        for other in codes:
+            code = jnp.where(code == RESULTS.successful, jnp.max(jnp.asarray(other, jnp.int32)), code)
+        return value, code
+
+    def both(flat: Any):
+        own, pull = jax.vjp(parameters, flat)
+        (value, code), slopes = jax.value_and_grad(of_parameters, has_aux=True)(own)
+        shares = [_of_sections(mine, theirs) for mine, theirs in zip(own.properties, slopes.properties, strict=True)]
+        return value, pull(slopes)[0], shares, code
+
+    compiled = jit(both)
+    compiled(np.array([float(numbers[address]) for address in addresses]))
+    return _Closure(addresses, compiled)
+
+
+def _of_sections(properties: dict[str, Any], slopes: dict[str, Any]) -> list[Any]:
+    """Slopes times sizes, summed over the sizes of each section, for every stack of sections of a block."""
+    found = []
+    sections, theirs = properties.get("section"), slopes.get("section")
+    for own, slope in zip(*((one if isinstance(one, tuple) else (one,)) for one in (sections, theirs)), strict=True):
+        if own is not None:
+            pairs = zip(jax.tree.leaves(_sizes(own)), jax.tree.leaves(_sizes(slope)), strict=True)
+            # What is not stacked is no number of an element's own.
+            products = [a * b for a, b in pairs if jnp.ndim(a)]
+            found.append(sum(jnp.sum(jnp.reshape(own, (own.shape[0], -1)), axis=1) for own in products))
+    return found
+
+
+def _sizes(section: Any) -> Any:
+    """What of a section is no material."""
+    fields = [getattr(section, field.name) for field in dataclasses.fields(section)]
+    return [own for own in fields if not isinstance(own, Material)]
+
+
+def _by_element(model: Model, shares: list[list[Any]], value: float) -> dict[str, float]:
+    """Relative slopes by the name of each element."""
+    found: dict[str, float] = {}
+    for block, stacks in zip(model.topology.blocks, shares, strict=True):
+        names = names_of(model, block)
+        own = [one for stack in stacks for one in np.asarray(stack).tolist()]
+        for name, one in zip(names, own, strict=False):
+            found[name] = found.get(name, 0.0) + one / value
+    return found
+
+
+def _pulled(document: Document, names: list[str], addresses: tuple[str, ...]) -> Callable[..., Any]:
+    """From slopes by the fields to slopes by the names, at values of these."""
+
+    def fields(flat: Any) -> Any:
+        found = numbers_of(document, dict(zip(names, flat, strict=True)))
+        return jnp.stack([jnp.asarray(found[address], float) for address in addresses])
+
+    return jit(lambda flat, slopes: jax.vjp(fields, flat)[1](slopes)[0])
+
+
+def _meaningless(key: str, found: Answers) -> str:
+    """Why an answer has no sensitivity; empty where it has."""
+    word, _, number = key.partition(" ")
+    several: dict[str, Any] = {}
+    if found.modes is not None:
+        several["frequency"] = found.modes.eigenvalues
+    if found.buckled is not None:
+        several["multiplier"] = found.buckled.multipliers
+    if word == "pole":
+        return "Poles of loads without a potential are not differentiated here."
+    if word in several:
+        values, place = np.asarray(several[word]), int(number) - 1
+        alike = np.abs(values - values[place]) <= REPEATED * np.abs(values[place])
+        near = [i for i in np.flatnonzero(alike).tolist() if i != place]
+        if found.values[key]["text"].startswith("0 Hz"):
+            return f"{key.capitalize()} is that of a free motion: it stays zero."
+        if near:
+            others = ", ".join(f"{word} {i + 1}" for i in near)
+            return f"{key.capitalize()} is repeated, as {others}: alone it has no derivative."
+    if word in ("displacement", "stress") and not found.values[key]["value"]:
+        return f"There is no {key}, and so no sensitivity of it."
+    return ""
+
+
+def _words(key: str, found: Answers, by_field: Mapping[str, float]) -> list[str]:
+    """What is special about sensitivities."""
+    words = []
+    if not any(by_field.values()):
+        words.append(f"No number changes {key}.")
+    if key == "stress" and found.stress is not None:
+        largest = np.max(np.asarray(found.stress.von_mises), axis=-1)
+        if np.sum(largest >= (1 - REPEATED) * np.max(largest)) > 1:
+            words.append("It is largest at several places alike: this is how it changes at one of them.")
+    return words

@@ -1,0 +1,128 @@
+"""Load multipliers: under a preload, and by sparse factors."""
+
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+import scipy.linalg
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.mechanics.deformation import deformations, zero_near
+from flexmb.mechanics.loads import LoadFactors
+from flexmb.statics.sparse import assemble, balanced, elastic_stress
+
+
+@pytest.mark.parametrize("preload", [(0.0, 0.5), (0.3, 1.0)])
+def test_multipliers_under_a_preload_are_those_of_the_balance(preload):
+    # What the increment adds to all stresses is the derivative of the balance by its factor, here by differences
+    # of equilibria in all coordinates (1e-5: truncation 1e-9), and no choice of degrees of freedom changes it.
+    def bent(dofs):
+        b = fm.Builder()
+        for i in range(5):
+            b.node(f"n{i}", (i / 4, 0.0))
+        for i in range(4):
+            section = fm.Rigidity(EA=1e4, EIy=1.0)
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, released=(2, 3))
+        b.fix("n0")
+        b.force("n4", preload)
+        b.force("n4", (-1.0, 0.1), increment=True)
+        return b.build(dofs=dofs)
+
+    model = bent([f"b{i}.e{j}" for i in range(4) for j in (2, 3)])
+    other = bent([f"n{i}.{name}" for i in range(1, 5) for name in ("y", "rotation.phi")])
+    topology, parameters = model.topology, model.parameters
+    held = np.asarray(topology.e.held)
+
+    def balance(factor):
+        factors = LoadFactors(1.0, factor)
+        at = balanced(topology, parameters, factors)
+        near = deformations(topology, parameters, at.x, zero_near(topology))
+        sigma = np.array(elastic_stress(topology, parameters, factors, near))
+        sigma[held] = at.multipliers
+        return at.x, near, sigma
+
+    x, near, sigma = balance(0.0)
+    added = (balance(1e-5)[2] - balance(-1e-5)[2]) / 2e-5
+    stays, scaled = (
+        assemble(topology, parameters, LoadFactors(1.0, 0.0), x, near, s).tangent.toarray()
+        for s in (sigma, sigma + added)
+    )
+    n = len(topology.x.free)
+    motions = scipy.linalg.null_space(stays[n:, :n])
+    found: Any = scipy.linalg.eigvals(
+        -motions.T @ (scaled - stays)[:n, :n] @ motions, motions.T @ stays[:n, :n] @ motions
+    )
+    inverse = found.real
+    wanted = 1 / inverse[np.argsort(-np.abs(inverse))][:3]
+    np.testing.assert_allclose(fm.buckling_loads(model)[:3], wanted, rtol=1e-7)
+    np.testing.assert_allclose(fm.buckling_loads(other)[:3], wanted, rtol=1e-7)
+
+
+def column(beams, load=(-1.0, 0.0), preload=None, bending=1.0, gravity=None, sparse=False, **options):
+    """Cantilever of unit length; with a preload the load is the increment."""
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (i / beams, 0.0))
+    section = fm.Rigidity(EA=1e6, EIy=bending, mass=1.0)
+    for i in range(beams):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, **options)
+    b.fix("n0")
+    b.force(f"n{beams}", load, increment=preload is not None)
+    if preload is not None:
+        b.force(f"n{beams}", preload)
+    if gravity is not None:
+        b.gravity(gravity)
+    return b.build(check=not sparse)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        {},
+        {"released": (2, 3), "load": (-0.5, 0.3)},
+        {"load": (-1.0, 0.1), "preload": (0.3, 1.0), "gravity": (0.0, -0.5)},
+    ],
+    ids=["pressed", "bent, of held elongation", "with a preload"],
+)
+def test_multipliers_by_sparse_factors_are_those_of_dense_matrices(case):
+    # Round-off of a stiffness ratio of 1e6 in the dense path.
+    wanted = fm.buckling_loads(column(10, **case), count=4)
+    np.testing.assert_allclose(
+        fm.buckling_loads(column(10, sparse=True, **case), count=4, sparse=True), wanted, rtol=1e-9
+    )
+
+
+def test_multipliers_of_a_thousand_beams():
+    # Euler: (2 n - 1)^2 pi^2/4; what is left is the axial strain P/EA.
+    found = fm.buckling_loads(column(1000, sparse=True), count=5, sparse=True)
+    np.testing.assert_allclose(found, np.pi**2 / 4 * (2 * np.arange(1, 6) - 1) ** 2, rtol=1e-5)
+
+
+def test_derivative_of_a_multiplier_by_sparse_factors():
+    def second(bending, sparse=True):
+        model = column(4, (-0.5, 0.3), bending=bending, gravity=(0.0, -0.2), sparse=True)
+        if not sparse:
+            dense = column(4, (-0.5, 0.3), gravity=(0.0, -0.2))
+            model = fm.Model(dense.topology, model.parameters, dense.labels)
+        return fm.buckling_loads(model, count=2, sparse=sparse)[1]
+
+    difference = float(second(1.001, False) - second(0.999, False)) / 0.002
+    # The difference's own error at this step, measured with smaller ones.
+    assert float(jax.grad(second)(1.0)) == pytest.approx(difference, rel=1e-7)
+    assert float(jax.jvp(second, (1.0,), (1.0,))[1]) == pytest.approx(difference, rel=1e-7)
+
+
+def test_what_sparse_multipliers_refuse():
+    with pytest.raises(fm.AnalysisError, match="not positive definite"):
+        fm.buckling_loads(column(6, (1.0, 0.0), (-3.0, 0.0), sparse=True), count=2, sparse=True)
+    assert not np.any(np.isfinite(fm.buckling_loads(column(6, (0.0, 0.0), sparse=True), count=2, sparse=True)))
+    with pytest.raises(ValueError, match="`count`"):
+        fm.buckling_loads(column(4, sparse=True), sparse=True)
+    with pytest.raises(fm.ModelError, match="few of many"):
+        fm.buckling_loads(column(4, sparse=True), sparse=True, count=50)
+    with pytest.raises(NotImplementedError, match="incremental loads"):
+        jax.grad(lambda p: fm.buckling_loads(column(4, (-1.0, 0.0), (0.0, p), sparse=True), count=1, sparse=True)[0])(
+            0.1
+        )

@@ -1,0 +1,80 @@
+"""Documents built: equal to what the same calls of the Builder give."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import documents, mechanisms
+
+import flexmb as fm
+from flexmb.workbench.building import build, free_names, numbers_of, positions, structure
+from flexmb.workbench.document import apply
+
+
+def frequency(model):
+    return float(fm.frequencies(model)[0])
+
+
+def test_the_planar_guide_as_a_document_is_that_of_the_builder():
+    built = build(documents.planar_guide())
+    assert (built.problems, built.skipped) == ([], [])
+    actual = frequency(built.model())
+    assert actual == pytest.approx(10.6448474, rel=1e-8)
+    assert actual == pytest.approx(frequency(mechanisms.planar_guide().build()), rel=1e-13)
+
+
+def test_the_spatial_guide_as_a_document_is_that_of_the_builder():
+    built = build(documents.spatial_guide())
+    assert (built.problems, built.skipped) == ([], [])
+    theirs = mechanisms.spatial_guide(extra=(6,)).build()
+    assert frequency(built.model()) == pytest.approx(frequency(theirs), rel=1e-13)
+
+
+def test_derivatives_by_fields_and_by_names_agree_with_differences():
+    document = documents.planar_guide()
+    model = build(document).model()
+    numbers = numbers_of(document)
+    assert numbers["names/t/value"] == numbers["2/thickness"] == 0.5e-3
+
+    def of_fields(numbers):
+        return fm.frequencies(build(document, numbers).model(like=model))[0]
+
+    def of_names(names):
+        return of_fields(numbers_of(document, names))
+
+    slope = jax.jit(jax.grad(of_fields))(numbers)
+    by_name = jax.grad(of_names)({"t": 0.5e-3, "L": 0.1, "d": 0.1})
+    # The frequency goes as t^(3/2), but for the mass of the leaf springs.
+    f = float(of_fields(numbers))
+    assert float(by_name["t"]) * 0.5e-3 / f == pytest.approx(1.5, abs=0.02)
+    assert float(slope["2/thickness"]) == pytest.approx(float(by_name["t"]), rel=1e-12)
+    h = 1e-9
+    up, down = ({**numbers, "2/thickness": jnp.asarray(0.5e-3 + s)} for s in (h, -h))
+    assert float(slope["2/thickness"]) == pytest.approx(float(of_fields(up) - of_fields(down)) / (2 * h), rel=1e-6)
+    assert np.isfinite(list(map(float, slope.values()))).all()
+    assert free_names(document) == ["t", "L", "d"]
+    assert positions(document)["right1"] == [0.1, 0.1]
+
+
+def test_structure_differs_where_the_compiled_function_does_and_not_by_numbers():
+    document = documents.planar_guide()
+    known = structure(document)
+
+    def after(*ops, **options):
+        return structure(apply(document, list(ops))[0], **options)
+
+    assert after({"op": "name", "name": "t", "to": {"value": "0.6e-3"}}) == known
+    assert after({"op": "set", "address": "3/position/0", "to": "0.01"}) == known
+    assert after({"op": "set", "address": "3/position/0", "to": "t"}) != known
+    plain = structure(document, arithmetic=False)
+    assert after({"op": "set", "address": "3/position/0", "to": "t"}, arithmetic=False) == plain
+    for change in (
+        {"op": "set", "address": "5/released", "to": "1 2 3"},
+        {"op": "set", "address": "2/rotary", "to": "true"},
+        {"op": "set", "address": "12/inertia", "to": ["1e-3"]},
+        {"op": "set", "address": "3/position/0", "to": "nothing"},
+        {"op": "delete", "ids": ["14"]},
+        {"op": "rename", "id": "3", "to": "foot"},
+        {"op": "order", "id": "3", "before": None},
+    ):
+        assert after(change, arithmetic=False) != plain, change

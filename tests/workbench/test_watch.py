@@ -1,0 +1,90 @@
+"""Files that another program changes."""
+
+import os
+import time
+
+import pytest
+
+from flexmb.workbench.watch import Watch
+
+pytestmark = pytest.mark.timeout(30)
+
+
+@pytest.fixture
+def told():
+    return []
+
+
+@pytest.fixture
+def watch(told):
+    own = Watch(told.append)
+    yield own
+    own.close()
+
+
+def until(there, seconds=5.0):
+    end = time.monotonic() + seconds
+    while not there() and time.monotonic() < end:
+        time.sleep(0.02)
+    return there()
+
+
+def test_a_change_is_told_once_within_two_seconds(watch, told, tmp_path):
+    path = tmp_path / "guide.dat"
+    path.write_text("one")
+    watch.know(path)
+    time.sleep(1.2)
+    assert not told
+    path.write_text("two")
+    start = time.monotonic()
+    assert until(lambda: told == [path])
+    assert time.monotonic() - start < 2
+    assert watch.differs() == [path]
+    time.sleep(1.2)
+    assert told == [path]
+    # Another change of the same file, of the same length, as an editor writes it: a new file in its place.
+    (tmp_path / "other").write_text("six")
+    os.replace(tmp_path / "other", path)
+    assert until(lambda: told == [path, path])
+    # Back to what was read here: nothing is left to be told.
+    path.write_text("one")
+    time.sleep(1.5)
+    assert told == [path, path]
+    assert watch.differs() == []
+
+
+def test_what_is_written_here_is_known(watch, told, tmp_path):
+    path = tmp_path / "guide.dat"
+    path.write_text("one")
+    watch.know(path)
+    path.write_text("two")
+    watch.know(path)
+    time.sleep(1.5)
+    assert not told
+    # As is a touch, which changes nothing.
+    path.touch()
+    time.sleep(1.5)
+    assert not told
+
+
+def test_a_file_that_is_being_written_is_waited_for(watch, told, tmp_path):
+    path = tmp_path / "guide.dat"
+    path.write_text("")
+    watch.know(path)
+    with path.open("w") as file:
+        for _ in range(12):
+            file.write("part")
+            file.flush()
+            time.sleep(0.2)
+        assert not told
+    assert until(lambda: told == [path])
+
+
+def test_a_file_that_goes_or_comes_is_told(watch, told, tmp_path):
+    here, there = tmp_path / "guide.dat", tmp_path / "guide.toml"
+    here.write_text("one")
+    watch.know(here, there)
+    here.unlink()
+    assert until(lambda: told == [here])
+    there.write_text("new")
+    assert until(lambda: told == [here, there])
