@@ -31,4 +31,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return ["load multipliers:", *numbered([f"{v:.7g}" for v in data["load_multipliers"]])]
 
 
-MODES = (Mode(8, "buckling", _run, _table, increments=True),)
+MODES = (Mode(8, "buckling", _run, _table, increments=True, needs=("loads",)),)

@@ -58,7 +58,7 @@ def table(data: dict[str, Any]) -> list[str]:
         return []
     times = np.asarray(data["time"])
     lines = [f"trajectory from 0 to {times[-1]:.6g} s, {len(times)} output times; at the end:"]
-    lines += [f"  node {node:<8}{row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
+    lines += [f"  node {node:<7} {row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
     for side, key in (("input", "u0"), ("output", "y0")):
         for name, values in zip(data[f"{side}s"][:SHOWN_VALUES], np.asarray(data[key]).T, strict=False):
             lines.append(f"  {side} {name}: {values.min():.6g} to {values.max():.6g}")
@@ -69,6 +69,6 @@ def table(data: dict[str, Any]) -> list[str]:
 
 
 MODES = (
-    Mode(2, "inverse", _run, table),
-    Mode(3, "trajectory-linearisation", functools.partial(_run, matrices=True), table),
+    Mode(2, "inverse", _run, table, needs=("trajectory", "times")),
+    Mode(3, "trajectory-linearisation", functools.partial(_run, matrices=True), table, needs=("trajectory", "times")),
 )

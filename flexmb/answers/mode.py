@@ -92,6 +92,8 @@ class Mode(NamedTuple):
         table: Lines of the terminal, of the answer's keys and values, which are few where it failed.
         increments: Whether incremental loads act.
         structural: Whether the structure alone is asked about: no loads act, and a status is a finding, not a failure.
+        needs: What it is told beside the mechanism, or cannot do without: "times", "trajectory" and "steps" (of a
+            path); "loads", "cause" (of a motion: loads, start values or what is prescribed) and "signals".
     """
 
     number: int
@@ -100,3 +102,4 @@ class Mode(NamedTuple):
     table: Callable[[dict[str, Any]], list[str]]
     increments: bool = False
     structural: bool = False
+    needs: tuple[str, ...] = ()

@@ -231,7 +231,7 @@ def _table(data: dict[str, Any]) -> list[str]:
         return []
     times, energy = np.asarray(data["time"]), {name: np.asarray(e) for name, e in data["energy"].items()}
     lines = [f"motion from 0 to {times[-1]:.6g} s, {len(times)} output times; at the end:"]
-    lines += [f"  node {node:<8}{row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
+    lines += [f"  node {node:<7} {row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
     total = sum(energy.values())
     lines.append("energy [J] at start and end: {:.6g}, {:.6g}".format(*(np.asarray(total)[[0, -1]])))
     for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
@@ -241,6 +241,6 @@ def _table(data: dict[str, Any]) -> list[str]:
 
 
 MODES = (
-    Mode(1, "simulate", _run, _table),
-    Mode(4, "simulate-linearise", functools.partial(_run, linearised=True), _table),
+    Mode(1, "simulate", _run, _table, needs=("cause", "times")),
+    Mode(4, "simulate-linearise", functools.partial(_run, linearised=True), _table, needs=("cause", "times")),
 )

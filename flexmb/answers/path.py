@@ -70,4 +70,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return lines + [f"  {c['kind']:<11} at load factor {c['load_factor']:.10g}" for c in critical]
 
 
-MODES = (Mode(10, "path", _run, _table, increments=True),)
+MODES = (Mode(10, "path", _run, _table, increments=True, needs=("loads", "steps")),)

@@ -34,4 +34,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return lines
 
 
-MODES = (Mode(9, "statespace", _run, _table),)
+MODES = (Mode(9, "statespace", _run, _table, needs=("signals",)),)

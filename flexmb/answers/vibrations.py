@@ -56,6 +56,6 @@ def _table(data: dict[str, Any]) -> list[str]:
 
 
 MODES = (
-    Mode(5, "perturbation", _run, table),
-    Mode(6, "superposition", functools.partial(_run, integrated=True), _table),
+    Mode(5, "perturbation", _run, table, needs=("trajectory", "times")),
+    Mode(6, "superposition", functools.partial(_run, integrated=True), _table, needs=("trajectory", "times")),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -117,13 +118,41 @@ def assemble(builder: Description) -> Model:
         stressed,
         tuple(name for name, *_ in elements if name in warm),
     )
-    # One transfer now: arrays left on the host would be converted again at every call of a compiled function.
-    leaves, structure = jax.tree.flatten((topology, parameters))
+    return Model(*_on_device((topology, parameters)), labels)
+
+
+def with_roles(model: Model, builder: Description) -> Model:
+    """As :func:`assemble`, where nothing has changed since but which coordinates and deformations are free ones.
+
+    Args:
+        model: What was assembled.
+        builder: The same with other DOF and DEPENDENT entries.
+
+    Returns:
+        The model with these roles, and with the start values of the degrees of freedom.
+    """
+    if builder.starts:
+        return assemble(builder)
+    indices = {"node": {}, "element": {}}
+    for kind, entries in (("node", model.labels.x), ("element", model.labels.e)):
+        for i, entry in enumerate(entries):
+            if entry.kind != "norm":
+                indices[kind][entry.of, entry.component] = i
+    x_roles = [role for node in builder.nodes.values() for role in node.roles]
+    e_roles = [role for member in builder.members.values() for role in member.roles]
+    e_roles += [Role.FIXED] * (len(model.labels.e) - len(e_roles))
+    chosen = {kind: [own[of, number] for k, of, number in builder.dofs if k == kind] for kind, own in indices.items()}
+    x, e = _on_device((_indices(x_roles, chosen["node"]), _indices(e_roles, chosen["element"])))
+    return dataclasses.replace(model, topology=dataclasses.replace(model.topology, x=x, e=e))
+
+
+def _on_device(tree: Any) -> Any:
+    """Arrays on the device, in one transfer: those left on the host would be converted again at every call."""
+    leaves, structure = jax.tree.flatten(tree)
     on_host = [i for i, leaf in enumerate(leaves) if is_concrete(leaf)]
     for i, leaf in zip(on_host, jax.device_put([leaves[i] for i in on_host]), strict=True):
         leaves[i] = leaf
-    topology, parameters = jax.tree.unflatten(structure, leaves)
-    return Model(topology, parameters, labels)
+    return jax.tree.unflatten(structure, leaves)
 
 
 def _weights(signals: dict[str, list[NamedSignal]]) -> tuple[Any, Any] | None:

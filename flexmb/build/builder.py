@@ -17,7 +17,7 @@ from ..mechanics.deformation import in_undeformed
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, stack
-from .carry import as_in, next_carried, note
+from .carry import as_in, next_carried, note, note_builder
 from .clamps import with_clamps
 from .description import TURNS, Description, Key, Member, NamedSignal
 from .dofs import check_inputs, complete
@@ -740,6 +740,7 @@ class Builder(Description):
         if check:
             warn_of_idle(self)
             warn_of_plain_beams(self)
+        note_builder(self)
         before = next_carried()
         described = with_clamps(self, before)
         model = assemble(described)

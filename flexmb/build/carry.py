@@ -11,6 +11,7 @@ from ..model.model import Model
 from .description import Description
 
 _RECORD: contextvars.ContextVar[list[Model] | None] = contextvars.ContextVar("record", default=None)
+_BUILDERS: contextvars.ContextVar[list[Description] | None] = contextvars.ContextVar("builders", default=None)
 _REPLAY: contextvars.ContextVar[Iterator[Model] | None] = contextvars.ContextVar("replay", default=None)
 
 
@@ -23,6 +24,24 @@ def recorded() -> Iterator[list[Model]]:
         yield models
     finally:
         _RECORD.reset(token)
+
+
+@contextlib.contextmanager
+def built() -> Iterator[list[Description]]:
+    """Note the builders that build, in order, before they do."""
+    builders: list[Description] = []
+    token = _BUILDERS.set(builders)
+    try:
+        yield builders
+    finally:
+        _BUILDERS.reset(token)
+
+
+def note_builder(builder: Description) -> None:
+    """Note a builder where builders are."""
+    builders = _BUILDERS.get()
+    if builders is not None:
+        builders.append(builder.copy())
 
 
 @contextlib.contextmanager

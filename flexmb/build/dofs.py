@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..checks.mobility import constraints, mobility, motions_of
+from ..checks.mobility import Constraints, constraints, mobility, mobility_of, motions_of
 from ..errors import MechanismError, ModelError
 from ..math.subspace import independent_rows
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
-from .assemble import assemble
+from .assemble import assemble, with_roles
 from .clamps import with_clamps
 from .description import Description
 
@@ -35,24 +35,27 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
     """
     if release == "auto":
         model, builder = _release_all(builder, model)
-    motions, over = motions_of(model)
+    # They depend on numbers, not on roles: those of the model that is completed are the same.
+    found = constraints(model)
+    motions, over = motions_of(model, found)
     if over:
-        raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{mobility(model).report()}")
+        told = mobility_of(model, found).report()
+        raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{told}")
     if model.topology.n_q == 0 and dofs == "auto":
         builder = builder.copy()
         for kind, of, component in builder.starts:
             builder.dof(of, component, kind=kind)
-        started = assemble(builder)
-        first, rest = independent_rows(named_rows(started, motions), len(builder.starts), CANNOT_MOVE)
-        x, e = choose(started, motions @ rest, motions.shape[1] - len(first))
+        started = with_roles(model, builder)
+        first, rest = independent_rows(named_rows(started, motions, found), len(builder.starts), CANNOT_MOVE)
+        x, e = choose(started, motions @ rest, motions.shape[1] - len(first), found)
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
             for i in chosen:
                 builder.dof(entries[i].of, entries[i].component, kind=kind)
-        model = assemble(builder)
-        _check_named(model, motions)
+        model = with_roles(model, builder)
+        _check_named(model, motions, found)
         return model
     model = _with_coefficients(builder, model, motions)
-    _check_named(model, motions)
+    _check_named(model, motions, found)
     return model
 
 
@@ -147,34 +150,37 @@ def _with_coefficients(builder: Description, model: Model, motions: np.ndarray) 
     return assemble(builder)
 
 
-def named_rows(model: Model, motions: np.ndarray) -> np.ndarray:
+def named_rows(model: Model, motions: np.ndarray, found: Constraints | None = None) -> np.ndarray:
     """Change of the named degrees of freedom in each motion, (n_q, f)."""
-    by_deformation = constraints(model).jacobian[np.asarray(model.topology.e.dof)] @ motions
+    by_deformation = (found or constraints(model)).jacobian[np.asarray(model.topology.e.dof)] @ motions
     return np.concatenate([motions[np.asarray(model.topology.x.dof)], by_deformation])
 
 
-def choose(model: Model, motions: np.ndarray, wanted: int) -> tuple[list[int], list[int]]:
+def choose(
+    model: Model, motions: np.ndarray, wanted: int, found: Constraints | None = None
+) -> tuple[list[int], list[int]]:
     """Independent deformations first, then coordinates, as indices of coordinates and of deformations.
 
     Args:
         model: Mechanism; what is DEPENDENT may be chosen.
         motions: Scaled motions to be determined, (n_x, f).
         wanted: How many to choose.
+        found: Constraints of the model, where they are known.
     """
     topology = model.topology
     released = np.asarray(topology.e.dependent)
     # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
-    effects = constraints(model).jacobian[released] @ motions
+    effects = (found or constraints(model)).jacobian[released] @ motions
     first, rest = independent_rows(effects, wanted, INDEPENDENT)
     free = np.asarray(topology.x.dependent)
     second, _ = independent_rows(motions[free] @ rest, wanted - len(first), 0.0)
     return [int(free[i]) for i in sorted(second)], [int(released[i]) for i in sorted(first)]
 
 
-def _check_named(model: Model, motions: np.ndarray) -> None:
+def _check_named(model: Model, motions: np.ndarray, constrained: Constraints) -> None:
     topology = model.topology
     ndof, named = motions.shape[1], topology.n_q
-    rows = list(named_rows(model, motions))
+    rows = list(named_rows(model, motions, constrained))
     names = model.q_labels
     stuck = [name for name, row in zip(names, rows, strict=True) if np.linalg.norm(row) < CANNOT_MOVE]
     if stuck:
@@ -188,7 +194,7 @@ def _check_named(model: Model, motions: np.ndarray) -> None:
             f"NDOF = {ndof}, but {named} degrees of freedom are named: {', '.join(names)}."
             " Name fewer, or release a deformation.",
         )
-    found = mobility(model)
+    found = mobility_of(model, constrained)
     if named < ndof:
         raise MechanismError(
             "underconstrained",

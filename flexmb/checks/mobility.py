@@ -212,13 +212,14 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
             )
 
 
-def motions_of(model: Model) -> tuple[np.ndarray, int]:
+def motions_of(model: Model, found: Constraints | None = None) -> tuple[np.ndarray, int]:
     """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints.
 
     Args:
         model: Mechanism, with concrete numbers.
+        found: Its constraints, where they are known: they do not depend on roles.
     """
-    found, topology = constraints(model), model.topology
+    found, topology = found or constraints(model), model.topology
     held, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
     rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
     motions = np.zeros((topology.n_x, right.shape[1]))
@@ -289,12 +290,22 @@ def mobility(model: Model) -> Mobility:
         THEORY.md 8, eq. (8.1): singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the
         DEPENDENT coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
-    found = constraints(as_model(model, "mobility"))
+    return mobility_of(model, constraints(as_model(model, "mobility")))
+
+
+def mobility_of(model: Model, found: Constraints) -> Mobility:
+    """As :func:`mobility`, of constraints that are known.
+
+    Args:
+        model: Mechanism.
+        found: Its constraints.
+    """
     matrix, held, free = _held_rows(model, found)
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)
     fixed = set(np.asarray(model.topology.e.fixed).tolist())
-    release = _proposals(model, matrix, held, fixed & set(np.flatnonzero(_flexible(model)).tolist()))
+    allowed = fixed & set(np.flatnonzero(_flexible(model)).tolist()) if rank < len(held) else ()
+    release = _proposals(model, matrix, held, allowed) if rank < len(held) else ()
     return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), release, model)
 
 

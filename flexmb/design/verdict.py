@@ -1,7 +1,7 @@
 """Is it good enough: what a mechanism does over its stroke, and what limits that first, on one page."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from ..arguments import numbers as as_numbers
 from ..checks.mobility import mobility
 from ..errors import heard
 from ..model.model import Model, as_determined
+from ..progress import reporting
 from .designs import numbers
 from .evaluate import Build, check_dimensions
 from .judgement import Limit, Verdict, most
@@ -36,6 +37,7 @@ def verdict(
     node: str | None = None,
     steps: int = 4,
     count: int = 3,
+    progress: Callable[[int, int], None] | bool = False,
 ) -> Verdict:
     """Whether a mechanism is good enough over its stroke, what limits it first, and which dimension moves that.
 
@@ -54,6 +56,7 @@ def verdict(
         node: Whose support stiffness and parasitic motion are asked; the driven one unless given.
         steps: Strokes to each side.
         count: How many frequencies.
+        progress: True for a bar, or a function called with the number of strokes looked at and of all.
 
     Returns:
         Verdict with stroke (states,) [m or rad] and curves by name, (states,) [their units].
@@ -81,11 +84,15 @@ def verdict(
     model = as_determined(model, "verdict")
     name, (low, high) = _ends(stroke)
     asked = Asked(model, driven(model, name), node, count)
-    asked.look(0.0, throw=True)
-    for end in (low, high):
-        for s in np.linspace(0, end, steps + 1)[1:].tolist() if end else ():
-            if not asked.look(s):
-                break
+    sides = [np.linspace(0, end, steps + 1)[1:].tolist() for end in (low, high) if end]
+    with reporting(progress, "strokes", 1 + sum(map(len, sides))) as report:
+        asked.look(0.0, throw=True)
+        for side in sides:
+            for s in side:
+                if report is not None:
+                    report(len(asked.values), 1 + sum(map(len, sides)))
+                if not asked.look(s):
+                    break
     asked.say_what_is_missing()
     curves, strokes = asked.curves(), np.array(sorted(asked.values))
     states = (

@@ -1,6 +1,7 @@
 """The picture of an answer of the command line."""
 
 import io
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -38,14 +39,29 @@ def image_of(found: Result, format: str, picture: str = "", stressed: Linearizat
         picture: Name of a function of :mod:`flexmb.plot`, in place of its own.
         stressed: Linearisation whose von Mises stress is drawn beside.
     """
+
+    def draw() -> Any:
+        figure = getattr(plot, picture)(found) if picture else _figure(found)
+        if stressed is not None:
+            _add_stress(figure, stressed)
+        return figure
+
+    return figure_bytes(draw, format)
+
+
+def figure_bytes(draw: Callable[[], Any], format: str) -> bytes:
+    """Content of a file with a figure, the same for the same figure, which is closed again.
+
+    Args:
+        draw: Makes the figure.
+        format: "png", "svg" or "pdf".
+    """
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):
         import matplotlib.pyplot as plt
 
-        figure = getattr(plot, picture)(found) if picture else _figure(found)
-        if stressed is not None:
-            _add_stress(figure, stressed)
+        figure = draw()
         buffer = io.BytesIO()
         figure.savefig(buffer, format=format, dpi=150, metadata=DATES.get(format))
         plt.close(figure)

@@ -14,6 +14,8 @@ from ..errors import clean
 _NUMBER = r"(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])"
 _TOKEN = re.compile(rf"[ \t]*(?:{_NUMBER}|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))")
 
+_PLAIN = re.compile(rf"[ \t]*[-+]?[ \t]*{_NUMBER}[ \t]*")
+
 
 class _Operation(NamedTuple):
     """What a sign does: the higher its rank, the earlier."""
@@ -88,6 +90,11 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
     if waiting:
         raise ValueError("is no arithmetic: a parenthesis is not closed")
     return values[0]
+
+
+def is_number(text: str) -> bool:
+    """Whether a text is a number alone, with a sign or without."""
+    return _PLAIN.fullmatch(text) is not None
 
 
 def names_in(text: str) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
+from ..build.assemble import stack
 from ..build.builder import Builder
 from ..build.clamps import parts_of, with_clamps
 from ..build.description import TURNS, Member
@@ -17,15 +18,16 @@ from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle
-from ..errors import ModelError, clean
+from ..errors import ModelError
 from ..files import write_whole
 from ..model.roles import Role
 from . import outlines, trajectories
 from . import series as series
 from .kinds import KINDS, NOTHING, ElementKind
-from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
+from .lines import DRAWING, MOST, known
 from .read import SpacarModel
 from .signals import keyword_of
+from .written import Line, is_zero, line_of, numbers_of, one_of, text_of, trimmed
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
@@ -53,32 +55,25 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     if not isinstance(builder, Builder):
         raise ModelError(f"write_spacar takes a Builder or what read_spacar returns, not {type(model).__name__}.")
     settings = {} if isinstance(model, Builder) else model.settings
-    text = "\n".join(_Writer(builder, settings).lines()) + "\n"
-    write_whole(path, text.encode())
+    write_whole(path, ("\n".join(map(text_of, lines_of(builder, settings))) + "\n").encode())
 
 
-def _line(keyword: str, *values: Any) -> str:
-    """One line; real numbers with all their digits."""
-    words = [str(v) if isinstance(v, int | str) else repr(float(v)) for v in values]
-    line = " ".join([keyword, *words])
-    for value in values:
-        if not isinstance(value, int | str) and not within(value):
-            raise ModelError(
-                f"'{clean(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
-                f" {LARGEST:g} in size."
-            )
-    return line
+def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[Line | str]:
+    """Lines of the file of a mechanism; those without numbers are texts.
 
+    Args:
+        builder: Mechanism.
+        settings: What is not part of it, as of :class:`SpacarModel`.
+        like: Where numbers of the mechanism are traced the same one with concrete numbers, which has been written:
+            what depends on values is decided by these.
 
-def _numbers(value: Any) -> list[float]:
-    return np.ravel(np.asarray(value, float)).tolist()
-
-
-def _trimmed(values: list[float]) -> list[float]:
-    """Without zeros at the end, but for the first."""
-    while len(values) > 1 and values[-1] == 0:
-        values = values[:-1]
-    return values
+    Raises:
+        ModelError: Something that the format cannot express, by name.
+    """
+    numbers = [n.start for n in builder.nodes.values()], [m.properties for m in builder.members.values()]
+    if like is None and not is_concrete((numbers, builder.loads)):
+        raise ModelError("The model has traced numbers; write it outside of the transformation.")
+    return _Writer(builder, settings, like).lines()
 
 
 def _numbered(names: list[str]) -> dict[str, int]:
@@ -107,11 +102,9 @@ class _Nodes(dict[str, int]):
 class _Writer:
     """Lines of the file, block by block."""
 
-    def __init__(self, builder: Builder, settings: dict[str, Any]):
-        numbers = [n.start for n in builder.nodes.values()], [m.properties for m in builder.members.values()]
-        if not is_concrete((numbers, builder.loads)):
-            raise ModelError("The model has traced numbers; write it outside of the transformation.")
+    def __init__(self, builder: Builder, settings: dict[str, Any], like: Builder | None = None):
         self.builder, self.settings = builder, settings
+        self.concrete = like or builder
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
@@ -119,10 +112,12 @@ class _Writer:
         self.node = _Nodes(_numbered([n for n in builder.nodes if n in named]))
         self.element = _numbered(list(self.shown))
         # Files say what is held; a build finds it where nothing is said.
-        self.clamped = with_clamps(builder, None) if any(kind.warps for kind in self.kinds.values()) else builder
-        self._check()
+        warps = any(kind.warps for kind in self.kinds.values())
+        self.clamped = with_clamps(self.concrete, None) if warps else builder
+        if like is None:
+            self._check()
 
-    def lines(self) -> list[str]:
+    def lines(self) -> list[Line | str]:
         """All lines."""
         signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
         third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
@@ -130,20 +125,21 @@ class _Writer:
         drawn = [outlines.TITLE, *drawn] if drawn else []
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
 
-    def _outlines(self, drawn: list[str]) -> list[str]:
+    def _outlines(self, drawn: list[str]) -> list[Line]:
         """Sizes of cross-sections, but of elements whose lines are kept as they stand."""
         words = [line.split() for line in drawn]
         there = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
-        groups: dict[tuple[str, tuple[float, ...]], list[int]] = {}
+        groups: dict[tuple, tuple[Any, list[int]]] = {}
         for name, m in self.shown.items():
             section, number = m.properties.get("section"), self.element[name]
             found = None if section is None or "EA" not in self.kinds[name].stiffness else outlines.sizes_of(section)
             if found is not None and str(number) not in there:
-                key = found[0], tuple(float(np.asarray(size)) for size in found[1])
-                groups.setdefault(key, []).append(number)
+                sizes = [one_of(size) for size in found[1]]
+                key = (found[0], *(size if known(size) else id(section) for size in sizes))
+                groups.setdefault(key, (sizes, []))[1].append(number)
         lines = []
-        for (kind, sizes), numbers in groups.items():
-            lines += [_line(outlines.PROPS, *numbers), _line(outlines.TYPE, kind), _line(outlines.SIZES, *sizes)]
+        for (kind, *_), (sizes, numbers) in groups.items():
+            lines += [line_of(outlines.PROPS, *numbers), line_of(outlines.TYPE, kind), line_of(outlines.SIZES, *sizes)]
         return lines
 
     def _named(self, name: str, member: Member) -> list[str]:
@@ -172,7 +168,7 @@ class _Writer:
         if member.element.fields:
             return found[0]
         # A rigid beam without length is what the format calls a pinned body.
-        p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
+        p, q = (np.asarray(self.concrete.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
         return found[-1] if len(found) > 1 and np.array_equal(p, q) else found[0]
 
     def _check(self) -> None:
@@ -205,7 +201,7 @@ class _Writer:
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(f"Node '{name}' is in no element, so a SPACAR input file cannot have it.")
-            if node.kind.part == "rotation" and tuple(_numbers(node.start)) != node.kind.start:
+            if node.kind.part == "rotation" and tuple(numbers_of(node.start)) != node.kind.start:
                 raise ModelError(f"Node '{name}' starts turned, which a SPACAR input file cannot express.")
         if "gravity" in self.builder.loads["increment"]:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
@@ -269,7 +265,7 @@ class _Writer:
 
     # -- kinematics -----------------------------------------------------------------------------------------------
 
-    def _kinematics(self) -> list[str]:
+    def _kinematics(self) -> list[Line]:
         lines, clamps = [], []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
@@ -277,16 +273,16 @@ class _Writer:
                 vector = self._across(m)
             nodes = [self.node[n] for n in self._named(name, m)]
             order = [len(m.element.fields[0])] if m.element.fields else []
-            across = [] if vector is None else _numbers(vector)
-            own = [float(m.properties[prop]) for _, prop in self.kinds[name].numbers]
-            lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
+            across = [] if vector is None else numbers_of(vector)
+            own = [one_of(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            lines.append(line_of(keyword, self.element[name], *nodes, *across, *own, *order))
             # Of warping beams FIX says it.
             clamped = None if self.kinds[name].warps else m.properties.get("clamped")
-            clamps += [] if clamped is None else [_line("CLAMP", self.element[name], *map(int, clamped))]
+            clamps += [] if clamped is None else [line_of("CLAMP", self.element[name], *map(int, clamped))]
         lines += clamps
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
-                lines.append(_line("X", self.node[name], *_numbers(node.start)))
+                lines.append(line_of("X", self.node[name], *numbers_of(node.start)))
         for name, node in self.builder.nodes.items():
             if name in self.node or any(role is not Role.DEPENDENT for role in node.roles):
                 roles = self.clamped.nodes[name].roles
@@ -297,10 +293,10 @@ class _Writer:
         # One line each, since their order is that of q.
         for (kind, of), numbers in self._dofs():
             if kind == "node":
-                lines += [_line("DYNX", self.node[of], number) for number in numbers]
+                lines += [line_of("DYNX", self.node[of], number) for number in numbers]
             else:
                 numbers = series.shortened(self.shown[of].element, numbers)
-                lines += [_line("DYNE", self.element[of], number) for number in numbers]
+                lines += [line_of("DYNE", self.element[of], number) for number in numbers]
         return lines
 
     def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
@@ -310,12 +306,12 @@ class _Writer:
 
     def _across(self, m: Member) -> np.ndarray:
         """A local y vector for a beam that needs none here but has one in the format; the one taken without."""
-        own = [self.builder.nodes[n] for n in m.nodes]
+        own = [self.concrete.nodes[n] for n in m.nodes]
         p, q = (np.asarray(node.start, float) for node in own if node.kind.part == "position")
         return np.eye(3)[np.argmin(np.abs(q - p))]
 
     @staticmethod
-    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[str]:
+    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[Line]:
         lines = []
         for role, keyword in keywords.items():
             having = [i for i, r in enumerate(roles, 1) if r is role]
@@ -324,89 +320,92 @@ class _Writer:
                 if element is not None and keyword == "RLSE":
                     having = [n for n in having if n not in element.measured]
                     having = series.shortened(element, series.arranged(element, having))
-                lines += [_line(keyword, number, *([] if whole else having))] if having else []
+                lines += [line_of(keyword, number, *([] if whole else having))] if having else []
         return lines
 
     # -- dynamics -------------------------------------------------------------------------------------------------
 
-    def _dynamics(self) -> list[str]:
+    def _dynamics(self) -> list[Line]:
         lines = [line for name, m in self.shown.items() for line in self._section(name, m)]
         lines += self._lumped() + self._moments()
         for increment, prefix in (("initial", ""), ("increment", "DEL")):
             lines += self._loads(self.builder.loads[increment], prefix)
         return lines + self._settings()
 
-    def _section(self, name: str, m: Member) -> list[str]:
-        kind, number, lines = self.kinds[name], self.element[name], []
+    def _section(self, name: str, m: Member) -> list[Line]:
+        kind, number = self.kinds[name], self.element[name]
+        lines: list[Line] = []
         if "stiffness" in kind.stiffness:
             for keyword, given in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
                 if given is not None:
-                    values = np.broadcast_to(np.ravel(np.asarray(given, float)), (len(kind.stiffness),)).tolist()
-                    lines.append(_line(keyword, number, *_trimmed(values)))
+                    values = numbers_of(given)
+                    values = values * (len(kind.stiffness) if len(values) == 1 else 1)
+                    lines.append(line_of(keyword, number, *trimmed(values)))
             return lines
         section, damping, alpha = (m.properties.get(name) for name in ("section", "damping", "alpha"))
         if kind.sized:
-            lines.append(_line("SECTION", number, *_sizes(m.properties["section"])))
+            lines.append(line_of("SECTION", number, *_sizes(m.properties["section"])))
         elif section is not None:
             s = section.rigidity()
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
-                [0.0 if n == NOTHING else float(np.asarray(getattr(s, n))) for n in names]
-                for names in (kind.stiffness, kind.mass)
+                [0.0 if n == NOTHING else one_of(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
             )
-            lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
-            lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
+            lines += [line_of("ESTIFF", number, *trimmed(stiffness))] if stiffness else []
+            heavy = not all(map(is_zero, mass)) or (mass and not stiffness)
+            lines += [line_of("EM", number, *trimmed(mass))] if heavy else []
         if alpha is not None and not kind.sized and m.element.thermal is not None:
-            lines.append(_line("ALPHA", number, float(np.asarray(alpha))))
+            lines.append(line_of("ALPHA", number, one_of(alpha)))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)
         if damping is not None:
-            values = [float(np.asarray(getattr(damping, n))) for n in kind.damping]
-            lines.append(_line("EDAMP", number, *_trimmed(values)))
+            values = [one_of(getattr(damping, n)) for n in kind.damping]
+            lines.append(line_of("EDAMP", number, *trimmed(values)))
         return lines
 
-    def _lumped(self) -> list[str]:
+    def _lumped(self) -> list[Line]:
         """Masses and rotary inertias; several on one node add up."""
         totals: dict[str, Any] = {}
         for m in self.hidden:
             if m.element in (*_MASS, *_INERTIA):
                 (node,) = m.nodes
                 value = m.properties["mass" if m.element in _MASS else "inertia"]
-                totals[node] = totals.get(node, 0.0) + np.asarray(value, float)
-                if m.element in _MASS and totals[node] < 0:
+                totals[node] = totals.get(node, 0.0) + (np.asarray(value, float) if known(value) else value)
+                if m.element in _MASS and known(totals[node]) and totals[node] < 0:
                     raise ModelError(f"Node '{node}' has a negative mass, which a SPACAR input file does not take.")
-        return [_line("XM", self.node[n], *_numbers(v)) for n, v in totals.items()]
+        return [line_of("XM", self.node[n], *numbers_of(v)) for n, v in totals.items()]
 
-    def _moments(self) -> list[str]:
+    def _moments(self) -> list[Line]:
         """Moments about fixed axes; several on one node add up."""
         totals: dict[tuple[str, str], Any] = {}
         for m in self.hidden:
             if m.element is spatial.moment:
                 key = ("DELXF" if m.properties.get("incremental") else "XF"), m.nodes[0]
-                totals[key] = totals.get(key, 0.0) + np.asarray(m.properties["moment"], float)
-        return [_line(keyword, self.node[n], *_numbers(v)) for (keyword, n), v in totals.items()]
+                totals[key] = totals.get(key, 0.0) + stack(numbers_of(m.properties["moment"]))
+        return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in totals.items()]
 
-    def _loads(self, loads: dict[str, dict], prefix: str) -> list[str]:
+    def _loads(self, loads: dict[str, dict], prefix: str) -> list[Line]:
         lines = []
         for of, values in _rows(loads.get("force", {})).items():
             size = 4 if self.builder.nodes[of[1]].kind is ROTATION3 else 0
-            lines.append(_line(f"{prefix}XF", self.node[of[1]], *_filled(values, size)))
+            lines.append(line_of(f"{prefix}XF", self.node[of[1]], *_filled(values, size)))
         for load, keyword in (("prestress", f"{prefix}ESIG"), ("strain", "EINIT")):
             for of, values in _rows(loads.get(load, {})).items():
-                lines.append(_line(keyword, self.element[of[1]], *_filled(values)))
+                lines.append(line_of(keyword, self.element[of[1]], *_filled(values)))
         for (kind, of, number), value in loads.get("prescribed", {}).items():
             start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
             letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
             if prefix:
-                lines.append(_line(f"DELINP{letter}", at, number, value))
+                lines.append(line_of(f"DELINP{letter}", at, number, value))
             else:
-                lines.append(_line(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
+                lines.append(line_of(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
         for (_, of, _), (first, last, *across) in loads.get("temperature", {}).items():
-            bent, whole = np.any(np.asarray(across)), np.array_equal(first, last)
+            bent = not all(map(is_zero, numbers_of(across)))
+            whole = first is last or (known(first) and known(last) and np.array_equal(first, last))
             values = [first, last, *across] if bent else [first] if whole else [first, last]
-            lines.append(_line(f"{prefix}TEMP", self.element[of], *_numbers(values)))
+            lines.append(line_of(f"{prefix}TEMP", self.element[of], *numbers_of(values)))
         if "gravity" in loads:
-            lines.append(_line("GRAVITY", *loads["gravity"]["all"]))
+            lines.append(line_of("GRAVITY", *loads["gravity"]["all"]))
         return lines
 
     def _rates(self, letter: str, of: int, number: int) -> list[float]:
@@ -414,31 +413,31 @@ class _Writer:
         rates = next((g[3:] for g in given if g[:2] == (of, number)), ())
         return list(rates) if any(rates) else []
 
-    def _settings(self) -> list[str]:
+    def _settings(self) -> list[Line]:
         lines = []
         for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
             if keyword in self.settings:
-                lines.append(_line(keyword, *self.settings[keyword].values()))
+                lines.append(line_of(keyword, *self.settings[keyword].values()))
         for (kind, of, number), (value, velocity) in self.builder.starts.items():
             start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
             letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
-            lines.append(_line(f"STARTD{letter}", at, number, start + value, velocity))
+            lines.append(line_of(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
-            lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
+            lines += [line_of(keyword, self.settings[keyword][0])] if keyword in self.settings else []
         return lines + self._ways()
 
-    def _ways(self) -> list[str]:
+    def _ways(self) -> list[Line]:
         """Where coordinates and deformations go."""
         lines = []
         for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
             for way in self.settings.get(keyword, []):
                 times = way.start, way.end, way.value
-                lines.append(_line(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
+                lines.append(line_of(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
         return lines
 
     # -- inputs and outputs ---------------------------------------------------------------------------------------
 
-    def _signals(self) -> list[str]:
+    def _signals(self) -> list[Line]:
         lines = []
         for side in ("input", "output"):
             for i, own in enumerate(self.builder.signals[side], 1):
@@ -448,19 +447,19 @@ class _Writer:
                 kind, of, number = own.key
                 component = number if own.axis is None else TURNS[own.axis]
                 numbers = self.node if kind == "node" else self.element
-                lines.append(_line(keyword_of(side, kind, own.quantity), i, numbers[of], component))
+                lines.append(line_of(keyword_of(side, kind, own.quantity), i, numbers[of], component))
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
             for own in self.settings.get(keyword, []):
-                lines.append(_line(keyword, own.number, numbers[str(own.of)], own.component))
+                lines.append(line_of(keyword, own.number, numbers[str(own.of)], own.component))
         return lines
 
 
-def _sizes(section: Rectangle) -> list[float]:
+def _sizes(section: Rectangle) -> list[Any]:
     """Numbers of SECTION."""
     material = section.material
     values = (section.width, section.thickness, material.E, material.G, material.rho, material.alpha)
-    return [float(np.asarray(value)) for value in values if value is not None]
+    return [one_of(value) for value in values if value is not None]
 
 
 def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
@@ -471,6 +470,6 @@ def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
     return rows
 
 
-def _filled(values: dict[int, Any], size: int = 0) -> list[float]:
+def _filled(values: dict[int, Any], size: int = 0) -> list[Any]:
     """Values in order, zero where none is given."""
-    return [float(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]
+    return [one_of(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]

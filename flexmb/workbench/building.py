@@ -14,15 +14,20 @@ from ..build.properties import check_record
 from ..elements import planar, spatial
 from ..errors import clean
 from ..model.model import Model
-from ..spacar.arithmetic import names_in, value_of
 from .content import Document
-from .edits import numbers, texts
+from .edits import texts
 from .fields import ENDS_IN_WORDS, Call
 from .references import call_of, part_of, referred
+from .values import evaluated
+from .values import free_names as free_names
+from .values import numbers_of as numbers_of
+from .values import structure as structure
 
 ROOMS = {"planar": planar, "spatial": spatial}
-# What is a number alone, without names and signs between.
-PLAIN = re.compile(r"\s*[-+]?\s*([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*")
+# Kinds of fields that hold a list.
+LISTS = ("vector", "weights", "components", "deformations", "nodes", "sections")
+# How messages of the Builder speak of what stands in fields of a kind.
+SAID = {"deformations": "deformation", "components": "coordinate|deformation", "nodes": "node|joins|length"}
 FLAGS = {"true": True, "false": False}
 
 
@@ -70,103 +75,6 @@ class _Fault(Exception):
         self.address, self.message = address, message
 
 
-# -- numbers -----------------------------------------------------------------------------------------------------
-
-
-def is_plain(text: str) -> bool:
-    """Whether a text is a number alone."""
-    return PLAIN.fullmatch(text) is not None
-
-
-def free_names(document: Document) -> list[str]:
-    """Names whose values are numbers: those that one may slide, or tune by."""
-    return [name for name, own in document.names.items() if is_plain(own["value"])]
-
-
-def numbers_of(document: Document, names: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Values of all numeric fields, by address; of names too, "names/t/value". What has none is left out.
-
-    Args:
-        document: The document.
-        names: Values of free names in place of those in the document, () each, which may be traced.
-    """
-    return _evaluated(document, names)[0]
-
-
-def _evaluated(document: Document, given: Mapping[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, str]]:
-    """Values by address, and what is wrong by address."""
-    values, faults, found = {}, {}, {}
-    for name in document.names:
-        _evaluate_name(document, name, given or {}, values, faults)
-    for name in document.names:
-        for bound in ("low", "high"):
-            address, text = f"names/{name}/{bound}", document.names[name].get(bound)
-            if text is not None and text.strip():
-                try:
-                    found[address] = _value(text, values, document)
-                except ValueError as fault:
-                    faults[address] = str(fault)
-        if name in values:
-            found[f"names/{name}/value"] = values[name]
-    for thing in document.things:
-        for path, text in numbers(thing):
-            address = f"{thing['id']}/{path}"
-            try:
-                found[address] = _value(text, values, document)
-            except ValueError as fault:
-                faults[address] = str(fault)
-    return found, faults
-
-
-def _evaluate_name(document: Document, name: str, given: Mapping[str, Any], values: dict, faults: dict) -> None:
-    """Value of a name, after those of the names in it; without recursion, since a chain of them may be long."""
-    path: dict[str, None] = {name: None}
-    while path:
-        one = next(reversed(path))
-        address, text = f"names/{one}/value", document.names[one]["value"]
-        missing = [n for n in names_in(text) if n in document.names and n not in values]
-        open_ = [n for n in missing if f"names/{n}/value" not in faults]
-        circle = next((n for n in missing if n in path), None)
-        if one in given:
-            values[one] = given[one]
-        elif one in values or address in faults:
-            pass
-        elif circle is not None:
-            members = list(path)
-            told = " → ".join(map(clean, [*members[members.index(circle) :], circle]))
-            faults[address] = f"Name '{clean(one)}' is defined by itself: {told}."
-        elif open_:
-            path[open_[0]] = None
-            continue
-        else:
-            try:
-                values[one] = _value(text, values, document)
-            except ValueError as fault:
-                faults[address] = str(fault)
-        path.popitem()
-
-
-def _value(text: str, values: Mapping[str, Any], document: Document) -> Any:
-    """Value of a text, with a message that is a sentence.
-
-    Raises:
-        ValueError: It has none.
-    """
-    if not text.strip():
-        raise ValueError("A number, a name or arithmetic is missing.")
-    for name in names_in(text):
-        if name in values or name == "pi":
-            continue
-        if name in document.names:
-            raise ValueError(f"'{clean(text)}' needs '{clean(name)}', which has no value.")
-        known = f"names are: {', '.join(map(clean, document.names))}" if document.names else "there are no names yet"
-        raise ValueError(f"'{clean(text)}' asks for '{clean(name)}', but there is no such name; {known}.")
-    try:
-        return value_of(text, values)
-    except ValueError as fault:
-        raise ValueError(f"'{clean(text)}' {fault}.") from None
-
-
 # -- the mechanism -----------------------------------------------------------------------------------------------
 
 
@@ -178,53 +86,14 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
         numbers: Values of numeric fields by address, as :func:`numbers_of` gives them, which may be traced; those
             that are missing are evaluated.
     """
-    found, faults = _evaluated(document)
-    return _Building(document, {**found, **(numbers or {})}, faults, dict(found)).done()
-
-
-def structure(document: Document, *, arithmetic: bool = True) -> str:
-    """What a document builds but for its numbers: equal texts build the same compiled functions of their numbers.
-
-    Degrees of freedom and clamps that the Builder finds depend on numbers too: beside this key stands that of the
-    model, such as its ``q_labels``.
-
-    Args:
-        document: The document.
-        arithmetic: Whether functions of the free names are meant, for which texts such as "2*w" count. Without it
-            those of the numbers of :func:`numbers_of`.
-    """
-    found, _ = _evaluated(document)
-
-    def shown(address: str, text: str) -> str:
-        if address not in found:
-            return f"! {text}"
-        return "#" if is_plain(text) or not arithmetic else text
-
-    parts: list[Any] = [document.dimension]
-    if arithmetic:
-        parts.append([(name, shown(f"names/{name}/value", own["value"])) for name, own in document.names.items()])
-    for thing in document.things:
-        call, id = call_of(thing), thing["id"]
-        own = dict(numbers(thing))
-        whole = {key for key, field in call.fields.items() if field["whole"]} if call else set()
-        entries = []
-        for key, value in sorted(thing["args"].items()):
-            if key in whole:
-                value = found.get(f"{id}/{key}", value)
-            elif isinstance(value, str):
-                value = shown(f"{id}/{key}", value) if key in own else value
-            else:
-                value = [
-                    [one[0], shown(f"{id}/{key}/{k}/1", one[1])]
-                    if f"{key}/{k}/1" in own
-                    else shown(f"{id}/{key}/{k}", one)
-                    if f"{key}/{k}" in own
-                    else one
-                    for k, one in enumerate(value)
-                ]
-            entries.append((key, value))
-        parts.append((id, thing["call"], thing.get("name"), entries))
-    return repr(parts)
+    found, faults = evaluated(document)
+    if numbers is not None:
+        return _Building(document, {**found, **numbers}, faults, found).done()
+    if "built" not in document.kept:
+        document.kept["built"] = _Building(document, dict(found), faults, found).done()
+    built = document.kept["built"]
+    # What is done to the builder by one who asked is not seen by another.
+    return dataclasses.replace(built, builder=built.builder.copy())
 
 
 def positions(document: Document, built: Built | None = None) -> dict[str, list[float]]:
@@ -234,13 +103,13 @@ def positions(document: Document, built: Built | None = None) -> dict[str, list[
         document: The document.
         built: What has become of it, where that is known.
     """
-    found, _ = _evaluated(document)
+    found, _ = evaluated(document)
     places: dict[str, list[float]] = {}
     for thing in document.things:
         if thing["call"] == "node" and thing.get("name"):
             own = [found.get(f"{thing['id']}/position/{k}") for k in range(document.dimension)]
-            if None not in own and len(thing["args"].get("position", ())) == document.dimension:
-                places[thing["name"]] = [float(one) for one in own]
+            if len(thing["args"].get("position", ())) == document.dimension and None not in own:
+                places[thing["name"]] = [float(one) for one in own if one is not None]
     for name, node in (built or build(document)).builder.nodes.items():
         if node.kind.part == "position" and is_concrete(node.start):
             places.setdefault(name, [float(one) for one in node.start])
@@ -347,6 +216,10 @@ class _Building:
 
     def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
         kind = field["kind"]
+        if not isinstance(value, str) and kind not in ("number", *LISTS):
+            raise _Fault(address, f"One {kind} is wanted here, not a list.")
+        if isinstance(value, list) and kind != "weights" and any(not isinstance(one, str) for one in value):
+            raise _Fault(address, "A list of texts is wanted here, not one of lists.")
         if kind == "number":
             return self._number(field, address, value)
         if kind == "vector":
@@ -360,8 +233,11 @@ class _Building:
         if kind == "sections":
             names = [value] if isinstance(value, str) else value
             return [self._record("section", f"{address}/{k}", name) for k, name in enumerate(names)]
-        if not isinstance(value, str):
-            raise _Fault(address, f"One {kind} is wanted here, not a list.")
+        return self._word(field, address, value)
+
+    def _word(self, field: dict[str, Any], address: str, value: str) -> Any:
+        """What one text means: a reference, a choice, a text."""
+        kind = field["kind"]
         if kind in ("section", "material", "damping"):
             return self._record(kind, address, value)
         if kind == "flag":
@@ -453,11 +329,17 @@ class _Building:
         unknown = [address for address, of in self.needs[id].items() if of is None]
         if unknown:
             return f"{id}/{unknown[0]}"
-        said = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
-        if not said:
-            plain = {key: key.rstrip("s") for key in call.fields}
-            said = [key for key, word in plain.items() if re.search(rf"\b{word}", message.lower())]
-            said = [key for key in said if thing["args"].get(key)] or said
+        quoted = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
+        # Names of things say nothing of fields.
+        plain = re.sub(r"'[^']*'", "", message)
+        found = {
+            key: re.search(rf"\b({SAID.get(field['kind'], '$')}|{key.rstrip('s')})", plain, re.IGNORECASE)
+            for key, field in call.fields.items()
+        }
+        places = {key: match.start() for key, match in found.items() if match}
+        words = sorted(places, key=lambda key: places[key])
+        given = thing["args"]
+        said = [key for key in quoted if key in given] or [key for key in words if key in given] or quoted
         return f"{id}/{said[0]}" if said else id
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -223,8 +224,9 @@ def _outline(section: Section) -> _Outline | None:
     if isinstance(section, Rigidity):
         return None if section.outline is None else _outline(section.outline)
     if isinstance(section, Rectangle | HollowRectangle):
-        outer, hollow = (float(section.width), float(section.thickness)), isinstance(section, HollowRectangle)
-        walls = (float(section.wall_y), float(section.wall_z)) if hollow else outer
+        outer = float(section.width), float(section.thickness)
+        hollow = isinstance(section, HollowRectangle)
+        walls = (float(section.wall_y), float(section.wall_z)) if hollow else outer  # pyright: ignore
         return _Outline(outer, (max(outer[0] - 2 * walls[0], 0.0), max(outer[1] - 2 * walls[1], 0.0)), False)
     if isinstance(section, Circle | Tube):
         d = float(section.diameter)
@@ -243,12 +245,11 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
         if section is None or len(line.points) != len(PLACES) or _length(line.points) <= STRAIGHT * extent:
             continue
         length = _length(rest[line.element].points)
-        if section.varies:
-            outlines = [_outline(section.at(place, length)) for place in PLACES.tolist()]
-        else:
-            outlines = [_outline(section)] * len(PLACES)
-        if outlines[0] is None:
+        places = PLACES.tolist() if section.varies else [0.0]
+        known = [own for place in places if (own := _outline(section.at(place, length))) is not None]
+        if len(known) < len(places):
             continue
+        outlines = known if section.varies else known * len(PLACES)
         points = _in_space(line.points)
         tangents = _unit(np.gradient(points, axis=0, edge_order=2))
         if model.labels.dimension == 2:
@@ -277,7 +278,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 def _untwisted(tangents: np.ndarray) -> np.ndarray:
     """Directions across a line that turn with it and not about it, (places, 3)."""
     start, end = np.zeros(3), tangents[0]
-    y = np.asarray(initial_frame(start, end, None))[:, 1]
+    y = np.asarray(initial_frame(jnp.asarray(start), jnp.asarray(end), None))[:, 1]
     found = []
     for t in tangents:
         y = _unit(y - (y @ t) * t)

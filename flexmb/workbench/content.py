@@ -127,6 +127,11 @@ class Document:
         return self.data["things"]
 
     @functools.cached_property
+    def kept(self) -> dict[str, Any]:
+        """What has been computed of the document, such as its values: not to be computed again."""
+        return {}
+
+    @functools.cached_property
     def by_id(self) -> dict[str, dict[str, Any]]:
         """The things by their ids."""
         return {thing["id"]: thing for thing in self.things}

@@ -10,6 +10,8 @@ from .content import EditError as EditError
 from .content import Report as Report
 from .copies import OPERATIONS as COPIES
 from .edits import OPERATIONS as EDITS
+from .explode import OPERATIONS as EXPLODE
+from .mirror import OPERATIONS as MIRROR
 
 
 def apply(document: Document, ops: Any) -> tuple[Document, Report]:
@@ -17,8 +19,8 @@ def apply(document: Document, ops: Any) -> tuple[Document, Report]:
 
     Args:
         document: Not changed.
-        ops: Operations, one after the other, each a dictionary with "op" and what that takes, see :mod:`.edits` and
-            :mod:`.copies`.
+        ops: Operations, one after the other, each a dictionary with "op" and what that takes, see :mod:`.edits`,
+            :mod:`.copies`, :mod:`.mirror` and :mod:`.explode`.
 
     Returns:
         The document after them, and what they did.
@@ -26,7 +28,7 @@ def apply(document: Document, ops: Any) -> tuple[Document, Report]:
     Raises:
         EditError: An operation that there is not, or that cannot be done.
     """
-    known = EDITS | COPIES
+    known = EDITS | COPIES | MIRROR | EXPLODE
     if not isinstance(ops, list | tuple):
         raise EditError("", f"Edits are a list of operations, not {shown(ops)}.")
     ids: list[str] = []

@@ -240,8 +240,8 @@ def _flexible() -> list[str]:
 
 def _offered(room: Any, name: str) -> bool:
     """Whether a document can say an element type: not one that asks for a function, nor a second name of another."""
-    element = getattr(room, name)
-    return name == element.name and not any(
+    element, place = getattr(room, name), room.__name__.rpartition(".")[2]
+    return repr(element).startswith(f"<{place}.{name}:") and not any(
         typing.get_origin(kind) is collections.abc.Callable for kind, _ in _options(element).values()
     )
 
@@ -298,22 +298,22 @@ def _kind_of_record(found: Any) -> str | None:
     """What a class of records, or a function that gives one, makes; None where a document cannot say it."""
     if inspect.isclass(found):
         usual = [(kind, base) for kind, base in _MADE if issubclass(found, base)]
-        given = {f.name: f.type for f in dataclasses.fields(found)} if usual and found is not Section else {}
+        given = {f.name: f.type for f in _entries(found)} if usual and found is not Section else {}
         return usual[0][0] if given and "function" not in given else None
     made = typing.get_type_hints(found).get("return")
     return next((kind for kind, base in _MADE if inspect.isclass(made) and issubclass(made, base)), None)
 
 
-_MADE = (("section", Section), ("material", Material), ("damping", Damping))
+_MADE: tuple[tuple[str, Any], ...] = (("section", Section), ("material", Material), ("damping", Damping))
 
 
 def _of_record(name: str) -> Call:
-    function = getattr(sections, name)
+    function: Any = getattr(sections, name)
     makes = _kind_of_record(function)
     hints, docs = typing.get_type_hints(function), _arguments(function)
     if inspect.isclass(function):
         # The fields of a record, whose first are those of its constructor.
-        given = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in dataclasses.fields(function)}
+        given = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _entries(function)}
     else:
         given = {key: p.default for key, p in inspect.signature(function).parameters.items()}
     fields = [_of_hint(key, hints.get(key), default, docs.get(key, ""), None) for key, default in given.items()]
@@ -321,8 +321,12 @@ def _of_record(name: str) -> Call:
     return _call(name, "record", function, str(group), makes, fields, name=str(makes))
 
 
+def _entries(record: Any) -> tuple[dataclasses.Field, ...]:
+    return dataclasses.fields(record)
+
+
 def _of_constant(name: str) -> Call:
-    made = getattr(materials, name)
+    made: Any = getattr(materials, name)
     told = ", ".join(f"{f.name} {getattr(made, f.name):g}" for f in dataclasses.fields(made) if getattr(made, f.name))
     return _call(f"materials.{name}", "constant", made, "material", "material", [], name=name, doc=told)
 

@@ -5,21 +5,19 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import check_choice, check_whole
-from ..design.objectives import AXES, mass, stiffness
+from ..design.objectives import AXES, mass
 from ..display import counted, measured, short
 from ..errors import AnalysisError, ModelError
-from ..linear.buckling import Buckling, buckling, buckling_loads
+from ..linear.buckling import Buckling, buckling
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization, linearize
-from ..linear.modes import Modes, frequencies, modes, poles
+from ..linear.modes import Modes, modes, poles
 from ..linear.stress import Stress, stress
 from ..mechanics.loads import has_loads
 from ..model.model import Model
-from ..statics.equilibrium import equilibrium
 
 # How many frequencies and load multipliers are told.
 FREQUENCIES, MULTIPLIERS = 6, 3
@@ -234,42 +232,3 @@ class Answers:
             worst = int(np.argmax(used))
             text = f"{used[worst]:.4g} in '{found.names[worst]}'"
             self._add("utilisation", used[worst], "", "stress over strength", text)
-
-
-def function_of(key: str, found: Answers) -> Callable[[Model], Any]:
-    """An answer as a function of models of the same structure, to be differentiated.
-
-    Args:
-        key: Of the answer, such as "frequency 1".
-        found: Answers among which it is.
-
-    Raises:
-        ValueError: There is no such answer, or it cannot be differentiated.
-    """
-    word, _, rest = key.partition(" ")
-    increment, node = found.increment, str(found.wants.support_node)
-    if word == "frequency":
-        return lambda model: frequencies(model, increment=increment)[int(rest) - 1]
-    if word == "multiplier":
-        return lambda model: buckling_loads(model, increment=increment)[int(rest) - 1]
-    if word == "stiffness" and rest:
-        return lambda model: stiffness(linearize(model, increment=increment), node, rest)
-    if key == "mass":
-        return mass
-    if key == "stress":
-        return lambda model: stress(model, increment=increment).maximum
-    if key == "utilisation":
-        return lambda model: jnp.max(stress(model, increment=increment).utilisation)
-    if word == "displacement":
-        of = node if rest else found.values[key]["where"]["node"]
-        places = found.model.labels.known(of)
-        if rest:
-            own = next(i for i in places.tolist() if found.model.labels.x[i].symbol == rest)
-            return lambda model: equilibrium(model, increment=increment).x[own] - model.parameters.reference[own]
-
-        def size(model: Model) -> Any:
-            moved = equilibrium(model, increment=increment).x[places] - model.parameters.reference[places]
-            return jnp.sqrt(jnp.sum(moved**2))
-
-        return size
-    raise ValueError(f"There is no sensitivity of '{key}'.")

@@ -46,7 +46,7 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-GOODBYE = "The workbench has ended."
+GOODBYE = "The workbench has ended. Start flexmb edit again, and this page goes on."
 
 
 class Server:
@@ -91,9 +91,9 @@ class Server:
 
     def start(self) -> None:
         """Begin to answer, in a thread of its own."""
-        self.session.listen(self.tell)
         self._thread.start()
         self._ready.wait()
+        self.session.listen(self.tell)
 
     def close(self) -> None:
         """Tell the pages, end the session, and give the port back; a second call does nothing."""

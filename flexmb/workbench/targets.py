@@ -110,6 +110,12 @@ def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> 
     return found
 
 
+def label_of(given: Sequence[Mapping[str, Any]]) -> str:
+    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
+    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
+    return clean(f"target {', '.join(parts)}")
+
+
 def unit_of(key: str) -> str:
     """Unit of an answer by its key, SI without a prefix."""
     kind, _, which = key.partition(" ")
@@ -160,9 +166,9 @@ def meet(
         node: Node whose support stiffness and displacements are meant.
 
     Returns:
-        "text"; "design" and "values" in the end; "ops" and "label" of the one edit that writes it, empty where nothing
-        changes; "met", whether all is as wanted: where not, the design is the nearest, and the text says what limits
-        it; "stopped"; "assumed", bounds of names that have none.
+        "status", failed where not all is met; "text"; "design" and "values" in the end; "ops" and "label" of the one
+        edit that writes it, empty where nothing changes; "met", whether all is as wanted: where not, the design is the
+        nearest, and the text says what limits it; "stopped"; "assumed", bounds of names that have none.
 
     Raises:
         ValueError: What is wanted, or may change, is none.
@@ -349,7 +355,7 @@ class _Tuning:
                     open_.append(self.keys.index(want.key))
                     right.append(goal - by_key[want.key])
             scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
-            matrix, held = slopes[open_] * scale, np.zeros(len(unit), bool)
+            matrix, held, step = slopes[open_] * scale, np.zeros(len(unit), bool), np.zeros(len(unit))
             weights = np.abs(np.array(right))[:, None] + np.abs(values[open_])[:, None]
             for _ in range(len(unit)):
                 step = np.zeros(len(unit))
@@ -400,6 +406,7 @@ class _Tuning:
         for name, (low, high) in self.assumed.items():
             text += f" '{clean(name)}' has no bounds: {low:.4g} to {high:.4g} were taken."
         return {
+            "status": "done" if met else "stopped" if stopped else "failed",
             "text": text,
             "design": written,
             "values": by_key,

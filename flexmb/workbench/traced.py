@@ -23,7 +23,8 @@ from ..linear.modes import frequencies
 from ..linear.stress import stress
 from ..model.model import Model
 from ..results import RESULTS
-from .building import build, free_names, is_plain, numbers_of, structure
+from ..spacar.arithmetic import is_number
+from .building import build, free_names, numbers_of, structure
 from .document import Document
 from .edits import texts
 
@@ -208,7 +209,7 @@ class Traced:
 
 def plain_of(document: Document) -> list[str]:
     """Addresses of the numeric fields that are numbers alone: they do not depend on names, and vary in a structure."""
-    return [address for address, text in texts(document) if is_plain(text) and not address.startswith("names/")]
+    return [address for address, text in texts(document) if is_number(text) and not address.startswith("names/")]
 
 
 _KEPT: dict[Any, Traced] = {}

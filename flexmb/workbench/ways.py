@@ -13,14 +13,16 @@ import numpy as np
 from ..compilation.compile import jit
 from ..elements.section import Material
 from ..errors import AnalysisError, heard
+from ..linear.linearize import linearize
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..plot.geometry import names_of
 from ..results import RESULTS, check, collected
 from .building import build, free_names, numbers_of, structure
 from .content import Document
-from .live_answers import Answers, function_of
+from .live_answers import Answers
 from .references import call_of
+from .traced import Answer, answer_of
 
 # Two frequencies or multipliers this near to each other, relatively, are repeated: neither has a derivative.
 REPEATED = 1e-6
@@ -123,8 +125,9 @@ class Ways:
 
         def compile_() -> None:
             try:
+                answer = answer_of(key, found.wants.support_node)
                 with heard():
-                    closure: Any = _closure(document, found.model, function_of(key, found), numbers_of(document))
+                    closure: Any = _closure(document, found, answer, numbers_of(document))
             except Exception as fault:  # Told to the pages, whatever it is; nobody else waits for this thread.
                 logging.getLogger("flexmb").debug("%s", key, exc_info=True)
                 closure = fault
@@ -180,16 +183,16 @@ def _kind(document: Document, found: Answers, key: str) -> Any:
     return structure(document, arithmetic=False), key, found.wants.support_node, where, roles, clamps
 
 
-def _closure(document: Document, like: Model, answer: Callable[[Model], Any], numbers: Mapping[str, Any]) -> _Closure:
+def _closure(document: Document, found: Answers, answer: Answer, numbers: Mapping[str, Any]) -> _Closure:
     """Answer and slopes of documents of this structure, compiled; called once, so that it is."""
-    addresses = tuple(numeric_fields(document))
+    like, increment, addresses = found.model, found.increment, tuple(numeric_fields(document))
 
     def parameters(flat: Any) -> Parameters:
         return build(document, dict(zip(addresses, flat, strict=True))).model(like).parameters
 
     def of_parameters(own: Parameters):
         with collected() as codes:
-            value = answer(dataclasses.replace(like, parameters=own))
+            value = answer(linearize(dataclasses.replace(like, parameters=own), increment=increment))
         code: Any = jnp.zeros((), jnp.int32)
         for other in codes:
             code = jnp.where(code == RESULTS.successful, jnp.max(jnp.asarray(other, jnp.int32)), code)

@@ -232,14 +232,21 @@ def test_what_is_not_finite_is_sent_as_null(client, server):
     assert found == {"a": None, "b": 2.0, "c": [1.0, None]}
 
 
+def test_a_page_is_told_the_document_before_any_edit(client):
+    found = client.until(lambda: client.told.get("document"))
+    assert found["document"]["things"] == []
+    assert found["undo"] == found["redo"] == found["problems"] == []
+    assert found["saved"] is True
+
+
 def test_a_new_page_is_told_the_newest_of_everything(server):
     for number in range(3):
-        server.tell({"tell": "count", "revision": number})
+        server.tell({"tell": "pinned", "revision": number})
         server.tell({"tell": "job", "job": str(number), "status": "done"})
     client = Client(server.address)
-    client.until(lambda: "count" in client.told and sum(one["tell"] == "job" for one in client.heard) == 3)
-    assert client.told["count"]["revision"] == 2
-    assert sum(one["tell"] == "count" for one in client.heard) == 1
+    client.until(lambda: "pinned" in client.told and sum(one["tell"] == "job" for one in client.heard) == 3)
+    assert client.told["pinned"]["revision"] == 2
+    assert sum(one["tell"] == "pinned" for one in client.heard) == 1
     client.close()
 
 

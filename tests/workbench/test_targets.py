@@ -40,6 +40,10 @@ def loaded(document, aside="0"):
     return apply(document, [{"op": "add", "thing": force}])[0]
 
 
+def root(function, low, high) -> float:
+    return float(brentq(function, low, high, xtol=1e-16))  # pyright: ignore
+
+
 def want(answer, value, kind="equal"):
     return {"answer": answer, "kind": kind, "value": value}
 
@@ -51,7 +55,7 @@ def frequency(document):
 def test_20_hz_by_the_thickness_is_where_another_root_finder_finds_it():
     document, job = bounded(t=("0.1e-3", "2e-3")), Job()
     found = targets.meet(document, [want("frequency 1", "20 Hz")], ["t"], job)
-    t = brentq(lambda t: fm.frequencies(mechanisms.planar_guide(t).build())[0] - 20, 0.4e-3, 1.2e-3, xtol=1e-16)
+    t = root(lambda t: fm.frequencies(mechanisms.planar_guide(t).build())[0] - 20, 0.4e-3, 1.2e-3)
     assert found["met"]
     assert found["design"]["t"] == pytest.approx(t, rel=1e-10)
     after = targets.applied(document, found)
@@ -87,7 +91,7 @@ def test_the_nearest_design_is_found_and_limits_are_kept():
             ops = [{"op": "name", "name": n, "to": {"value": repr(v)}} for n, v in (("t", t), ("L", length))]
             return frequency(apply(document, ops)[0]) - 20
 
-        return np.hypot(np.log(t / 0.5e-3), np.log(brentq(off, 0.05, 0.15, xtol=1e-12) / 0.1))
+        return np.hypot(np.log(t / 0.5e-3), np.log(root(off, 0.05, 0.15) / 0.1))
 
     best = size(found["design"]["t"])
     # A minimum, to the search's 1e-6.

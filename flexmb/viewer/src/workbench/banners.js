@@ -19,17 +19,17 @@ export function banners(store) {
       const text = reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
       root.append(h("div", { class: "bad", id: "disconnected" }, h("p", {}, text)));
     }
+    const offer = (id, text, take, keep) => {
+      const answer = (verb) => () => store.ask(verb).catch((fault) => toast(fault.message));
+      const both = [button(take, answer("take_disk"), { class: "main" }), button(keep, answer("keep_disk"))];
+      root.append(h("div", { id }, h("p", {}, text), ...(id === "recovered" ? both.reverse() : both)));
+    };
     if (disk?.changed) {
-      const answer = (verb) => () => store.ask(verb).then(() => store.put({ disk: null }), (fault) => toast(fault.message));
-      root.append(
-        h(
-          "div",
-          { id: "file-changed" },
-          h("p", {}, `Another program changed ${disk.name ?? "the file"}. ${disk.summary ?? ""}`),
-          button("Take it", answer("take_disk"), { class: "main" }),
-          button("Keep what is here", answer("keep_disk")),
-        ),
-      );
+      const text = `Another program changed ${disk.name ?? "the file"}. ${disk.summary ?? ""}`;
+      offer("file-changed", text, "Take it", "Keep what is here");
+    } else if (disk?.recovered) {
+      const text = `flexmb was ended before ${disk.name} was saved: ${disk.summary}`;
+      offer("recovered", text, store.state.file ? "Take the file as it is" : "Begin anew", "Go on with it");
     }
   }
   for (const part of ["connected", "disk", "reason"]) store.on(part, update);

@@ -100,6 +100,7 @@ export class Canvas {
   /** The camera moved. */
   see() {
     this.eye.update();
+    this.swing.near(this.eye.scale);
     this.grounded = this.dirty = this.sceneDirty = true;
   }
 
@@ -117,7 +118,7 @@ export class Canvas {
   document() {
     this.stale = false;
     const { state } = this.store;
-    const before = this.plan.nodes.length;
+    const before = this.count ?? 0;
     const other = this.file !== undefined && this.file !== (state.file ?? null);
     if (state.document) {
       this.eye.setDimension(state.document.dimension);
@@ -125,6 +126,7 @@ export class Canvas {
     }
     this.replan();
     const { nodes } = this.plan;
+    this.count = nodes.length;
     // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
     if (nodes.length > 1 && (other || (before === 0 && !this.drawn))) this.fit();
     this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
@@ -196,6 +198,7 @@ export class Canvas {
       problems: new Set((state.problems ?? []).map(({ address }) => String(address ?? "").split("/")[0])),
       shares: this.shares(),
       alive: swing.names && !swing.old ? (name) => swing.names.has(name) : null,
+      displaced: swing.displaced,
       more: (drawing) => this.above(drawing),
     });
   }
@@ -312,6 +315,11 @@ export class Canvas {
     return node?.at ?? mark?.node?.at ?? (line ? middleOf(line) : null);
   }
 
+  nodeOn(point) {
+    const near = 1e-9 + 1e-3 * this.eye.scale;
+    return this.plan.nodes.find(({ at }) => at.every((value, k) => Math.abs(value - point[k]) < near)) ?? null;
+  }
+
   freshName(taken = new Set()) {
     const used = this.names(taken);
     for (const letter of LETTERS) if (!used.has(letter)) return letter;
@@ -381,6 +389,12 @@ export class Canvas {
   // Tools.
 
   choose(tool) {
+    const same = this.tool.call !== undefined && this.tool.kind === tool.kind && this.tool.call === (tool.call ?? tool.kind);
+    if (same) {
+      // Only what the next thing is given has changed: clicks that were made stay.
+      this.tool.args = tool.args ?? {};
+      return;
+    }
     this.tool.cancel();
     this.tool = toolOf(this, tool);
     this.keys.leaving = false;

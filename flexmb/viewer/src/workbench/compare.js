@@ -11,8 +11,8 @@ export function compare(store) {
   root.append(h("div", { class: "acts" }, pin, unpin), text, table);
 
   function update() {
-    const { pinned, answers, values, document: doc } = store.state;
-    const there = Boolean(pinned && (pinned.answers || pinned.names));
+    const { pinned } = store.state;
+    const there = Boolean(pinned?.differences);
     unpin.hidden = !there;
     say(pin, there ? "Pin this one instead" : "Pin this design");
     say(text, there ? "" : "Pin a design, change it, and see here what became of its numbers and answers.");
@@ -20,37 +20,41 @@ export function compare(store) {
     table.hidden = !there;
     root.classList.toggle("stale", isStale(store.state));
     if (!there) return;
-    const number = (one) => (typeof one === "number" ? one : (one?.value ?? (one === undefined ? null : Number(one))));
-    const lines = [];
-    const names = { ...pinned.names };
-    for (const name of Object.keys(doc?.names ?? {})) names[name] ??= null;
-    for (const [name, old] of Object.entries(names)) lines.push([name, number(old ?? undefined), values?.[name] ?? null]);
-    const answered = [];
-    for (const [key, old] of Object.entries(pinned.answers ?? {})) {
-      const now = answers?.values?.[key];
-      answered.push([now?.label ?? old?.label ?? key, number(old), now?.value ?? null, now?.unit ?? old?.unit ?? ""]);
-    }
-    const others = (pinned.differences ?? []).map((one) => (typeof one === "string" ? one : (one.text ?? `${one.address ?? one.what ?? ""}: ${one.before ?? one.old ?? ""} → ${one.after ?? one.new ?? ""}`)));
+    const own = pinned.differences;
+    const answered = (own.answers ?? []).map(({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
+      label, before: old ?? withUnit(before, unit), now: text ?? withUnit(now, unit), percent, same: before === now,
+    }));
+    const changed = [...(own.names ?? []), ...(own.fields ?? [])].map((one) => ({ ...one, same: false }));
+    const others = [
+      ...(own.added ?? []).map((one) => `only in this one: ${one}`),
+      ...(own.removed ?? []).map((one) => `only in the pinned one: ${one}`),
+    ];
     table.replaceChildren(
       h("thead", {}, h("tr", {}, ...["", "pinned", "now", "change"].map((one) => h("th", { scope: "col" }, one)))),
-      h("tbody", {}, ...answered.map(line), ...lines.map(line)),
+      h("tbody", {}, ...answered.map(line)),
+      h("tbody", {}, ...changed.map(line)),
       h("tfoot", {}, ...others.map((one) => h("tr", {}, h("td", { colspan: 4 }, one)))),
     );
   }
-  for (const part of ["pinned", "answers", "values", "document", "connected"]) store.on(part, update);
+  for (const part of ["pinned", "answers", "document", "connected"]) store.on(part, update);
   update();
 }
 
-function line([label, old, now, unit = ""]) {
-  const change = Number.isFinite(old) && Number.isFinite(now) && old !== 0 ? 100 * (now / old - 1) : null;
-  const same = change !== null && Math.abs(change) < 1e-9;
-  const text = change === null ? "–" : same ? "same" : `${change > 0 ? "+" : "−"}${Math.abs(change).toPrecision(3)} %`;
+const withUnit = (value, unit) => (value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim());
+
+/** Without where it is: "3 MPa in 'left' at 1". */
+const short = (text) => String(text ?? "–").replace(/ (of|in) '.*$/s, "");
+
+function line({ label, before, now, percent, same }) {
+  const none = percent === null || percent === undefined;
+  const text = same || percent === 0 ? "same" : none ? "" : `${percent > 0 ? "+" : "−"}${Math.abs(percent).toPrecision(3)} %`;
+  const way = none || !percent ? "" : percent > 0 ? "more" : "less";
   return h(
     "tr",
     {},
-    h("td", {}, unit ? `${label} [${unit}]` : label),
-    h("td", { class: "number" }, shown(old, 5)),
-    h("td", { class: "number" }, shown(now, 5)),
-    h("td", { class: `number ${change === null || same ? "" : change > 0 ? "more" : "less"}` }, text),
+    h("td", {}, label),
+    h("td", { class: "number", title: before ?? "" }, short(before)),
+    h("td", { class: "number", title: now ?? "" }, short(now)),
+    h("td", { class: `number ${way}` }, text),
   );
 }

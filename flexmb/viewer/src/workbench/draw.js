@@ -19,7 +19,7 @@ export class Drawing {
   }
 
   /** `scene` tells whether the live picture is there: what it shows is then drawn thin, as the rest state. */
-  draw({ plan, eye, colours, selection, hovered, problems, shares, alive, names = true, more }) {
+  draw({ plan, eye, colours, selection, hovered, problems, shares, alive, displaced, names = true, more }) {
     const { pen, canvas } = this;
     const { width, height, ratio } = eye.stage;
     if (canvas.width !== Math.round(width * ratio)) canvas.width = Math.round(width * ratio);
@@ -27,7 +27,7 @@ export class Drawing {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
     pen.lineCap = pen.lineJoin = "round";
-    Object.assign(this, { plan, eye, colours, selection, hovered, problems, shares, alive });
+    Object.assign(this, { plan, eye, colours, selection, hovered, problems, shares, alive, displaced });
     this.words = new Words(pen, width, height, fade(colours.back, 0.85));
     this.spots = [];
     this.places = new Map(plan.nodes.map((node) => [node.name, eye.project(node.at)]));
@@ -80,9 +80,10 @@ export class Drawing {
     pen.setLineDash(wrong ? [5, 4] : DASH[line.style] ?? []);
     if (this.alive?.(line.name) && !wrong) {
       // The live picture shows it: here its rest state is seen.
+      if (!this.displaced && points.length > 1) return;
       pen.strokeStyle = fade(colours.ghost, 0.9);
-      pen.lineWidth = 1.2;
-      pen.setLineDash([4, 3]);
+      pen.lineWidth = 1.1;
+      pen.setLineDash([4, 4]);
     }
     if (points.length < 2) {
       this.joint(points[0], colour);

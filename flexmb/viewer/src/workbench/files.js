@@ -69,7 +69,11 @@ export function files(store, canvas) {
       );
       return;
     }
-    toast(`Saved${store.state.file || path ? ` as ${path ?? store.state.file}` : ""}.`);
+    if (reply.over && reply.saved === false) {
+      ask(`${reply.over} is there already`, h("p", {}, "Shall it be written over?"), "Write over it", () => save(path, { ...more, over: true }), { danger: true });
+      return;
+    }
+    toast(`Saved as ${reply.file ?? path ?? store.state.file}.`);
   }
 
   function saveAs() {

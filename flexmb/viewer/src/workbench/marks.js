@@ -146,7 +146,6 @@ function signal(drawing, own, at, { colour, before }) {
   const component = own.components[0] ?? "";
   const vector = axisOf(component);
   const along = vector && seen(drawing, vector);
-  const name = own.name ?? component.replace("phi", "φ");
   pen.lineWidth = 1.6;
   if (!along || !own.node) {
     const turns = eye.planar && component.startsWith("phi");
@@ -159,13 +158,13 @@ function signal(drawing, own, at, { colour, before }) {
   const row = `${own.node.name} ${own.components[0]}`;
   const rows = drawing.rows.get(row) ?? 0;
   drawing.rows.set(row, rows + 1);
-  const aside = 15 + 13 * rows;
+  const aside = 16 + 17 * rows;
   const shift = (by) => [at[0] + by * along[0] - side * aside * along[1], at[1] + by * along[1] + side * aside * along[0]];
   const [from, to] = [shift(10), shift(46)];
   symbols.arrow(pen, from, to, own.call === "dof" ? { both: true, size: 8 } : { open: true, size: 8 });
   const flat = Math.abs(along[0]) > 0.5;
   const left = along[0] < -0.5;
-  const text = own.call === "dof" ? `DOF ${component}` : `${WORDS[own.call]} ${cutTo(name, 12)}`;
+  const text = own.call === "dof" ? `DOF ${component}` : own.name ? cutTo(own.name, 16) : `${WORDS[own.call]} ${component}`;
   words.write(text, to[0] + (left ? -6 : flat ? 6 : 4), to[1] + (flat ? 0 : 7 * Math.sign(along[1])), colour, left ? "right" : "left");
   return shift(28);
 }

@@ -48,6 +48,8 @@ export class Placing {
     this.slots = slotsOf(catalogue, call, kind);
     this.title = catalogue?.[call]?.title ?? call.split(".").pop().replaceAll("_", " ");
     this.given = [];
+    this.waiting = [];
+    this.making = false;
   }
 
   get slot() {
@@ -76,7 +78,7 @@ export class Placing {
 
   press(place, { x, y, reach }) {
     this.start = [x, y];
-    if (!this.busy) this.give(place, x, y, reach);
+    this.give(place, x, y, reach);
   }
 
   /** Two ends may be drawn in one stroke, and a load by pulling. */
@@ -88,12 +90,17 @@ export class Placing {
   release(place, { x, y, reach }) {
     const far = this.start && Math.hypot(x - this.start[0], y - this.start[1]) >= 3 * SLACK;
     this.start = null;
-    if (far && this.stroke && this.slot && !this.busy) this.give(place, x, y, reach);
+    if (far && this.stroke && this.slot) this.give(place, x, y, reach);
     this.stroke = false;
   }
 
   give(place, x, y, reach) {
     const { canvas, slot } = this;
+    if (this.making) {
+      // A quick hand: this click belongs to the next thing.
+      this.waiting.push([place, x, y, reach]);
+      return;
+    }
     if (!slot) {
       this.finish();
       return;
@@ -129,16 +136,23 @@ export class Placing {
   }
 
   async finish() {
-    const { canvas, given } = this;
-    this.busy = true;
+    const { canvas, given, waiting } = this;
+    this.given = [];
+    this.making = true;
     try {
       await this.make(given);
     } catch (problem) {
       canvas.say(problem.message, true);
     }
-    this.given = [];
-    this.busy = false;
+    this.making = false;
     canvas.told();
+    for (const [place, ...rest] of waiting.splice(0)) this.give(this.renewed(place), ...rest);
+  }
+
+  /** A place in empty space, where by now a node may be. */
+  renewed(place) {
+    const node = place.kind === "node" ? null : this.canvas.nodeOn(place.point);
+    return node ? { ...place, kind: "node", node, word: `node ${node.name}` } : place;
   }
 
   /** One step of the history for all that is made. */
@@ -160,14 +174,16 @@ export class Placing {
     const name = this.name(taken);
     if (name) thing.name = name;
     ops.push({ op: "add", thing });
-    await this.send(ops, `add ${title} ${name ?? ""}`.trim(), merge, true);
-    canvas.say(`${title} ${name ?? ""} on ${given.map((own) => own.name).filter(Boolean).join(" and ")}.`);
+    await this.send(ops, `add ${name ?? title}`, merge, true);
+    const ends = given.map((own) => own.name).filter(Boolean).join(" and ");
+    canvas.say(`${name ?? title}${ends ? ` on ${ends}` : ""}.`);
   }
 
   async send(ops, label, merge, last = false) {
     const { store } = this.canvas;
     this.canvas.drawn = true;
-    const { ids } = await store.edit(ops, { label, merge });
+    const { ids, revision } = await store.edit(ops, { label, merge });
+    await this.canvas.reached(revision);
     if (ids?.length) store.select(last ? ids.slice(-1) : ids);
   }
 
@@ -179,7 +195,7 @@ export class Placing {
         label: `split ${place.line.name}`, merge,
       });
       await canvas.reached(revision);
-      const found = canvas.plan.nodes.find(({ at }) => at.every((value, k) => Math.abs(value - place.point[k]) < 1e-9));
+      const found = canvas.nodeOn(place.point);
       if (!found) throw new Error(`Element ${place.line.name} was divided, but its new node is not found.`);
       return found.name;
     }
@@ -212,7 +228,7 @@ export class Placing {
         taken.add(all.stage);
       }
     }
-    if (fields?.some(({ name }) => name === "section") && all.section === undefined && call.endsWith(".beam")) {
+    if (fields?.some(({ name }) => name === "section") && !("section" in args) && call.endsWith(".beam")) {
       const last = own.things.filter((thing) => groupOf(catalogue, thing.call) === "section").at(-1);
       if (last) all.section = last.name;
     }

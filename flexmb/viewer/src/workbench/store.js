@@ -23,6 +23,8 @@ const fresh = () => ({
   jobs: {},
   pinned: null,
   catalogue: null,
+  analyses: null,
+  notes: [],
   version: null,
   selection: [],
   tool: { kind: "select" },
@@ -72,7 +74,8 @@ export class Store {
   connect(address = new URL("socket", location.href.replace(/^http/, "ws")).href) {
     this.connection = new Connection(address, {
       opened: () => this.greet(),
-      closed: (reason) => this.put({ connected: false, reason }),
+      // What the server said when it ended stays; tries that follow have nothing to say.
+      closed: (reason) => this.put({ connected: false, reason: reason || this.state.reason || "" }),
       heard: (message) => this.hear(message),
     });
   }
@@ -215,10 +218,10 @@ export class Store {
     this.connection.send(JSON.stringify({ id, do: "hello", page: this.page, run: this.run }));
   }
 
-  welcomed({ catalogue, version, run }) {
+  welcomed({ catalogue, notes, version, run }) {
     if (this.run !== null && run !== this.run) this.restarted();
     this.run = run;
-    this.put({ connected: true, reason: "", catalogue, version });
+    this.put({ connected: true, reason: "", catalogue, notes, version });
     for (const { verb, text } of this.asked.values()) if (verb !== "hello") this.connection.send(text);
   }
 
@@ -258,6 +261,8 @@ export class Store {
       this.put({ jobs: { ...this.state.jobs, [content.job]: content } });
     } else if (tell === "file") {
       this.put({ disk: content });
+    } else if (tell === "analyses") {
+      this.put(content);
     } else if (tell in this.state) {
       this.put({ [tell]: content });
     }

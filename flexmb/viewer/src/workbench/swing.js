@@ -10,10 +10,14 @@ const PERIOD = 2;
 const DURATION = 6;
 // So long a picture of an older document is taken for current, since a newer one is on its way [ms].
 const PATIENCE = 500;
+// Least width of what is drawn [px], whatever the eye's distance, and the half width over the extent that Sweep keeps to.
+const THIN = 3;
+const LEAST = 0.0015;
 
 export class Swing {
   constructor(stage) {
     this.stage = stage;
+    this.scale = 0;
     this.state = { choice: 0, amplitude: 0.1, position: 0.25 };
     this.speed = 1;
     this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -29,10 +33,21 @@ export class Swing {
       return;
     }
     if (data.kind === "modes") alike(data, this.data);
-    const { sweep: before } = this;
     this.data = data;
     this.motion = new Motion(data);
-    this.sweep = new Sweep(data, box([data.base, data.nodes.base]).extent);
+    this.extent = box([data.base, data.nodes.base]).extent;
+    this.names = new Set(data.parts.map(({ name }) => name));
+    this.visible = data.parts.map(() => true);
+    // Where nothing is displaced, the rest state is what is seen.
+    this.displaced = data.states.some((value, i) => Math.abs(value - (data.kind === "modes" ? 0 : data.base[i % data.base.length])) > 1e-6 * this.extent);
+    this.lay();
+  }
+
+  /** A mesh for the scene as it is seen from now on. */
+  lay() {
+    const { sweep: before, data } = this;
+    this.laid = this.scale;
+    this.sweep = new Sweep(data, Math.max(this.extent, (0.5 * THIN * this.scale) / LEAST));
     if (before) {
       this.sweep.mesh.material.dispose();
       this.sweep.mesh.material = before.mesh.material;
@@ -40,11 +55,15 @@ export class Swing {
       this.stage.scene.remove(before.mesh);
     }
     this.stage.scene.add(this.sweep.mesh);
-    this.names = new Set(data.parts.map(({ name }) => name));
-    this.visible = data.parts.map(() => true);
     this.sweep.show(this.visible);
     this.move();
     this.paint();
+  }
+
+  /** The eye came nearer or went away: `scale` in metres for a pixel. */
+  near(scale) {
+    this.scale = scale;
+    if (this.data && (scale > 1.4 * this.laid || scale < this.laid / 1.4)) this.lay();
   }
 
   remove() {

@@ -1,5 +1,5 @@
 /** Targets: answers that shall have a value, and names that may change to give it. */
-import { byId, button, choices, h, keep, say } from "./dom.js";
+import { byId, button, choices, h, keep, say, set } from "./dom.js";
 
 import { isNumber } from "./model.js";
 import { progress } from "./jobs.js";
@@ -37,10 +37,10 @@ export function target(store) {
     kind.addEventListener("change", () => (want.kind = kind.value));
     value.addEventListener("input", () => {
       want.value = value.value;
-      const bad = !isNumber(want.value);
-      say(note, bad ? "A number is wanted here." : "");
+      const bad = !want.value.trim();
+      say(note, bad ? "A number is wanted here, such as 20, 300 MPa or 2*f." : "");
       note.hidden = !bad;
-      value.setAttribute("aria-invalid", String(bad));
+      set(value, "aria-invalid", bad ? "true" : null);
     });
     value.addEventListener("keydown", (event) => event.key === "Enter" && find());
     const drop = button("×", () => ((wants = wants.filter((one) => one !== want)), update()), { class: "plain", "aria-label": "Remove this target" });

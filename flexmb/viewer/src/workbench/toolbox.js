@@ -21,9 +21,9 @@ const PLAIN = [
   { kind: "measure", text: "Measure", key: "M", icon: "measure" },
 ];
 // Letters that the drawing takes for tools.
-const LETTERS = { beam: "B", rigid_beam: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
+const LETTERS = { beam: "B", rigid_body: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
 // What most mechanisms are made of stands first.
-const FIRST = ["beam", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
+const FIRST = ["beam", "rigid_body", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
 
 /** What the tool of a call is for a document: elements are drawn from node to node, all else is placed. */
 function toolOf(store, call, args = {}) {
@@ -90,17 +90,19 @@ export function toolbox(store, { open }) {
       ({ group, text }) => h("details", { open: !["signal", "node"].includes(group), "data-group": group }, h("summary", {}, text), h("div")),
       (details, { own }) => {
         if (searched) details.open = true;
-        keep(details.lastChild, own, ({ call }) => call, toolButton);
+        // Of two that are called the same, the element is the one that few ask for.
+        for (const one of own) one.twin = one.call.includes(".") && own.some((other) => other !== one && other.title === one.title);
+        keep(details.lastChild, searched ? own : own.filter(({ twin }) => !twin), ({ call }) => call, toolButton);
       },
     );
     none.hidden = filled.length > 0;
     press();
   }
 
-  function toolButton({ call, group, doc }) {
+  function toolButton({ call, group, doc, twin }) {
     const made = button("", () => take({ call }), { class: "tool", "data-call": call, title: doc ?? "" });
-    const letter = LETTERS[call.split(".").at(-1)];
-    made.append(icon(call, group), h("span", {}, title(store, call)));
+    const letter = twin ? null : LETTERS[call.split(".").at(-1)];
+    made.append(icon(call, group), h("span", {}, `${title(store, call)}${twin ? " (element)" : ""}`));
     if (letter) made.append(h("kbd", { "aria-hidden": "true" }, letter));
     return made;
   }
@@ -114,14 +116,7 @@ export function toolbox(store, { open }) {
   }
 
   store.on("catalogue", list);
-  store.on("tool", () => {
-    const { tool } = store.state;
-    press();
-    // A tool that was taken by its letter gets what those of this box get.
-    if (tool.call && !Object.keys(tool.args ?? {}).length && entry(store, tool.call) && tool !== known) take({ call: tool.call });
-    known = store.state.tool;
-  });
-  let known = null;
+  store.on("tool", press);
   let dimension = null;
   store.on("document", () => {
     if (store.state.document.dimension === dimension) return;

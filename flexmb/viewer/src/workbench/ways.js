@@ -52,10 +52,10 @@ export function ways(store) {
 
   function told(want, ready, own, all) {
     if (!want.sensitivity_of) return "Choose an answer to see which numbers move it, and which way.";
-    if (own?.message) return own.message;
-    if (!ready) return "Computing …";
+    if (!ready || own.status === "computing") return "Computing …";
+    if (own.message) return own.message;
     if (!all.length) return kind.value === "by_name" ? "No name moves it. Look at every number, or give names." : "Nothing moves it.";
-    return "How much the answer changes where a number grows by 1 %.";
+    return [...(own.words ?? []), "How much the answer changes where a number grows by 1 %."].join(" ");
   }
 
   function fill(row, { key, slope, share }, most) {

@@ -1,0 +1,201 @@
+"""The formulas by which numbers were computed from names, read off a trace of the function that computes them."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax
+import jax.core
+import numpy as np
+from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+
+# How strongly operations bind: what is below its operand's stands in parentheses.
+_SUM, _PRODUCT, _SIGN, _POWER, _ATOM = 1, 2, 3, 4, 5
+_SIGNS = {"add": ("+", _SUM), "sub": ("-", _SUM), "mul": ("*", _PRODUCT), "div": ("/", _PRODUCT)}
+# Operations that only move numbers about: done on the places of formulas in a table, instead of on numbers.
+_MOVES = (
+    "broadcast_in_dim stack concatenate reshape squeeze slice dynamic_slice gather transpose rev expand_dims pad"
+    " select_n copy copy_p convert_element_type stop_gradient scatter dynamic_update_slice device_put split"
+).split()
+_CALLS = ("jaxpr", "call_jaxpr", "fun_jaxpr")
+
+
+class Formula(NamedTuple):
+    """Text of a number.
+
+    Attributes:
+        text: Arithmetic of numbers and names; None where it follows from names in another way.
+        rank: How strongly its last operation binds.
+    """
+
+    text: str | None
+    rank: int = _ATOM
+
+
+LOST = Formula(None)
+
+
+def text_of(value: float) -> str:
+    """A short text that reads back to the same number, with an exponent of thousands where that is shorter.
+
+    Args:
+        value: Finite, () real.
+    """
+    value = float(value)
+    if value == math.pi:
+        return "pi"
+    if value == 0:
+        return "0"
+    plain = repr(value).removesuffix(".0")
+    figures = next((n for n in range(17) if float(f"{value:.{n}e}") == value), 17)
+    mantissa, _, power = f"{abs(value):.{figures}e}".partition("e")
+    shift = int(power) % 3
+    digits = mantissa.replace(".", "").ljust(shift + 1, "0")
+    rest = digits[shift + 1 :].rstrip("0")
+    thousands = f"{'-' * (value < 0)}{digits[: shift + 1]}{'.' * bool(rest)}{rest}e{int(power) - shift}"
+    if float(thousands) != value or ("e" not in plain and len(plain) <= len(thousands) + 1):
+        return plain
+    return thousands
+
+
+def formulas(
+    function: Callable[[dict[str, Any]], list[Any]], names: Mapping[str, float]
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """How what a function returns follows from its arguments: arithmetic that repeats it, operation by operation.
+
+    Args:
+        function: Takes numbers by name, traced, and returns numbers and arrays.
+        names: Names and their values.
+
+    Returns:
+        For each number or array an array of the same shape of :class:`Formula`, as objects; and the values.
+    """
+    program = jax.make_jaxpr(lambda numbers: function(numbers))({name: float(value) for name, value in names.items()})
+    reader = _Reader()
+    # A dictionary is flattened in the order of its keys.
+    ordered = sorted(names)
+    given = [np.asarray(reader.place(Formula(name)), float) for name in ordered]
+    texts = [reader.texts(value) for value in reader.run(program.jaxpr, program.consts, given)]
+    values = jax.core.eval_jaxpr(program.jaxpr, program.consts, *(float(names[name]) for name in ordered))
+    return texts, [np.asarray(value) for value in values]
+
+
+class _Known(NamedTuple):
+    """Numbers that follow from no name."""
+
+    value: Any
+
+
+class _Reader:
+    """One reading: a table of formulas, and arrays of places in it in place of numbers."""
+
+    def __init__(self):
+        self.table: list[Formula] = [LOST]
+        self.places: dict[Formula, int] = {LOST: 0}
+
+    def place(self, formula: Formula) -> int:
+        if formula not in self.places:
+            self.places[formula] = len(self.table)
+            self.table.append(formula)
+        return self.places[formula]
+
+    def placed(self, value: Any) -> np.ndarray:
+        """Places of the formulas of an array, also of one that is known."""
+        if not isinstance(value, _Known):
+            return value
+        array = np.asarray(value.value, float)
+        flat = [self.place(_constant(one)) for one in array.ravel().tolist()]
+        return np.array(flat, float).reshape(array.shape)
+
+    def texts(self, value: Any) -> np.ndarray:
+        places = self.placed(value)
+        found = np.empty(places.shape, object)
+        for at in np.ndindex(places.shape):
+            found[at] = self.table[int(places[at])]
+        return found
+
+    def run(self, jaxpr: Jaxpr, constants: Any, given: list[Any]) -> list[Any]:
+        values: dict[Any, Any] = dict(zip(jaxpr.constvars, map(_Known, constants), strict=True))
+        values |= zip(jaxpr.invars, given, strict=True)
+
+        def of(atom):
+            return _Known(atom.val) if isinstance(atom, Literal) else values[atom]
+
+        for equation in jaxpr.eqns:
+            results = self.results(equation, [of(atom) for atom in equation.invars])
+            values |= zip(equation.outvars, results, strict=True)
+        return [of(atom) for atom in jaxpr.outvars]
+
+    def results(self, equation: Any, given: list[Any]) -> list[Any]:
+        """What one operation gives."""
+        kind = equation.primitive.name
+        inner = next((equation.params[name] for name in _CALLS if name in equation.params), None)
+        if isinstance(inner, ClosedJaxpr):
+            return self.run(inner.jaxpr, inner.consts, given)
+        if all(isinstance(value, _Known) for value in given):
+            found = equation.primitive.bind(*(value.value for value in given), **equation.params)
+            return [_Known(one) for one in (found if equation.primitive.multiple_results else [found])]
+        if kind in _MOVES:
+            return self.moved(equation, given)
+        if (how := _arithmetic(kind, equation.params)) is not None:
+            places = np.broadcast_arrays(*(self.placed(value) for value in given))
+            flat = [
+                self.place(how(*(self.table[int(p)] for p in own)))
+                for own in zip(*(p.ravel() for p in places), strict=True)
+            ]
+            return [np.array(flat, float).reshape(places[0].shape)]
+        return [np.zeros(out.aval.shape) for out in equation.outvars]
+
+    def moved(self, equation: Any, given: list[Any]) -> list[Any]:
+        """Numbers moved about: their places are. Whole numbers and flags say where to."""
+        if any(out.aval.dtype.kind != "f" for out in equation.outvars):
+            return [np.zeros(out.aval.shape) for out in equation.outvars]
+        moved = []
+        for atom, value in zip(equation.invars, given, strict=True):
+            where = atom.aval.dtype.kind != "f"
+            if where and not isinstance(value, _Known):
+                return [np.zeros(out.aval.shape) for out in equation.outvars]
+            moved.append(value.value if where else self.placed(value))
+        found = equation.primitive.bind(*moved, **equation.params)
+        return [np.asarray(one) for one in (found if equation.primitive.multiple_results else [found])]
+
+
+def _constant(value: float) -> Formula:
+    if not math.isfinite(value):
+        return LOST
+    text = text_of(value)
+    return Formula(text, _SIGN if text.startswith("-") else _ATOM)
+
+
+def _arithmetic(kind: str, parameters: dict[str, Any]) -> Callable[..., Formula] | None:
+    """The operation on formulas that repeats one on numbers, if arithmetic has it."""
+    if kind in _SIGNS:
+        sign, rank = _SIGNS[kind]
+        return lambda a, b: _joined(a, sign, b, rank)
+    if kind == "neg":
+        return lambda a: LOST if a.text is None else Formula(f"-{_inside(a, _POWER)}", _SIGN)
+    powers = {"square": 2, "sqrt": 0.5, "rsqrt": -0.5, "integer_pow": parameters.get("y")}
+    if kind in powers:
+        return lambda a: _joined(a, "**", _constant(float(powers[kind])), _POWER)
+    if kind == "pow":
+        return lambda a, b: _joined(a, "**", b, _POWER)
+    return None
+
+
+def _joined(a: Formula, sign: str, b: Formula, rank: int) -> Formula:
+    if a.text is None or b.text is None:
+        return LOST
+    # What changes no bit of a finite number.
+    if sign == "*" and "0" in (a.text, b.text):
+        return Formula("0")
+    if (sign == "+" and a.text == "0") or (sign == "*" and a.text == "1"):
+        return b
+    if (sign in "+-" and b.text == "0") or (sign in ("*", "/", "**") and b.text == "1"):
+        return a
+    # What is done first, at the same rank, stands to the left.
+    left = _inside(a, rank + 1 if sign == "**" else rank)
+    return Formula(f"{left}{sign}{_inside(b, rank + 1)}", rank)
+
+
+def _inside(a: Formula, least: int) -> str:
+    return a.text if a.rank >= least else f"({a.text})"  # type: ignore[return-value]

@@ -1,0 +1,171 @@
+"""All analyses of a document at a click: the modes of the command line, the stroke, and an answer over a dimension."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from .. import plot
+from ..answers.answers import Answer, answer, modes
+from ..answers.mode import Mode
+from ..answers.tables import table
+from ..errors import ModelError, clean, heard
+from ..linear.stress import Stress, stress, without_shape
+from ..model.model import Model
+from ..plot.answer import figure_bytes, image
+from ..viewer.page import page_data
+from ..viewer.view import view
+from .asked import PICTURES, Analysis, Asked
+from .building import build
+from .document import Document
+from .led import trajectory
+from .more_analyses import OWN
+from .options import FIELDS, checked, missing
+from .targets import Watched
+
+# Lines of a table that a page shows.
+MOST_LINES = 60
+
+
+def analyses() -> dict[str, Analysis]:
+    """All analyses by name: those of the command line by their names there, and those of this file."""
+    found = {mode.name: _of_mode(mode) for mode in modes().values()}
+    return found | OWN
+
+
+def offered(document: Document) -> dict[str, dict[str, Any]]:
+    """What a page offers: of each analysis its title, doc, fields, and what is missing in the document, in words.
+
+    Args:
+        document: The document.
+    """
+    found = {}
+    for name, own in analyses().items():
+        fields = [field for need in own.needs for field in FIELDS.get(need, lambda _: [])(document)]
+        lacks = next((text for need in own.needs if (text := missing(need, document))), None)
+        found[name] = {"title": own.title, "doc": own.doc, "fields": fields, "missing": lacks}
+    return found
+
+
+def _of_mode(mode: Mode) -> Analysis:
+    function = inspect.unwrap(getattr(mode.run, "func", mode.run))
+    said = (sys.modules[function.__module__].__doc__ or "").partition(":")[2].strip()
+    needs = (*mode.needs, *(("frequencies",) if "signals" in mode.needs else ()))
+    title = mode.name.replace("-", " ").capitalize() + (" and Bode plot" if "signals" in mode.needs else "")
+    return Analysis(
+        f"{title} (mode {mode.number})", said[:1].upper() + said[1:], needs, lambda asked: _run(mode, asked)
+    )
+
+
+def run(document: Document, name: str, options: Mapping[str, Any], job: Watched) -> dict[str, Any]:
+    """Run an analysis.
+
+    Args:
+        document: The document.
+        name: Of the analysis.
+        options: Texts by the names of its fields; arithmetic of the document's names too.
+        job: Told how far it is, and asked whether to stop: a motion and a path then end with what they have.
+
+    Returns:
+        "status" ("done" or "failed"), "title", "text", "rows", and where there are any "picture" (SVG) and "view" (data
+        of a page that plays it).
+
+    Raises:
+        ValueError: There is no such analysis or option, or an option that is none.
+        ModelError: The document builds no mechanism, or lacks what the analysis needs.
+    """
+    known = offered(document)
+    if name not in known:
+        raise ValueError(f"There is no analysis '{clean(name)}'. There are: {', '.join(known)}.")
+    own = known[name]
+    if own["missing"]:
+        raise ModelError(own["missing"])
+    built = build(document)
+    if built.problems:
+        raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
+    asked = Asked(document, built.builder, checked(own, options, document), job)
+    job.tell(title=own["title"], text="compiling")
+    return {"title": own["title"], **analyses()[name].run(asked)}
+
+
+def _run(mode: Mode, asked: Asked) -> dict[str, Any]:
+    """A mode of the command line."""
+    options, settings, most = asked.options, {}, asked.options.get("max_steps", 200)
+    if "times" in mode.needs:
+        settings |= {"TIMESTEP": {"end": options["end"], "steps": options["steps"]}}
+        settings |= {"ERROR": {"relative": options["rtol"]}}
+    if "trajectory" in mode.needs:
+        settings |= trajectory(asked)
+    watch = asked.watch("states") if "steps" in mode.needs else asked.watch("parts of the time")
+    if "steps" in mode.needs:
+        watch = _load_factor(watch)
+    found = answer(
+        asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch, dofs="auto"
+    )
+    lines = table(found.data).splitlines()[1:]
+    more = [f"… and {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
+    told: dict[str, Any] = {
+        "status": "failed" if found.exit_status else "done",
+        "text": "\n".join([*lines[:MOST_LINES], *more]),
+        "rows": _rows(found.found),
+    }
+    if found.model is None or (found.exit_status and found.found is None and found.lin is None):
+        return told
+    asked.job.tell(text="drawing")
+    with PICTURES, heard():
+        told["picture"] = _picture(found, options).decode()
+    states = found.shown.states() if hasattr(found.shown, "states") else None
+    with heard():
+        told["view"] = _viewed(found.shown, found.found if states is not None and states.along is not None else None)
+    return told
+
+
+def _load_factor(report: Callable[..., None]) -> Callable[..., None]:
+    """A path is done at the load factor 1, wherever it went before."""
+    return lambda states, load: report(max(float(load), 0.0), 1.0)
+
+
+def _rows(found: Any) -> list[list[str]]:
+    return [] if found is None else [[name, text] for name, text in found.summary().rows.items()]
+
+
+def _picture(found: Answer, options: Mapping[str, Any]) -> bytes:
+    low, high = options.get("low"), options.get("high")
+    if found.picture != "bode" or (low is None and high is None):
+        return image(found, "svg")
+    low = (high or 1.0) / 1e4 if low is None else low
+    high = low * 1e4 if high is None else high
+    if not 0 < low < high:
+        raise ValueError(f"Frequencies go from a lower to a higher one, above zero, not from {low:g} to {high:g} Hz.")
+    return figure_bytes(lambda: plot.bode(found.lin, hertz=np.geomspace(low, high, 400)), "svg")
+
+
+def _viewed(shown: Any, result: Any) -> dict[str, Any]:
+    """Data of the page, states of a path or a motion coloured by stress where all elements have a shape."""
+    own = _stresses(result) if result is not None else None
+    return page_data(view(shown, own) if own else view(shown))
+
+
+def _stresses(result: Any) -> list[Stress] | None:
+    """Stress in each state of a path or a motion."""
+    model: Model = result.model
+    if not any(map(any, model.labels.stressed)) or without_shape(model):
+        return None
+    try:
+        every = stress(model, at=result)
+    except (ModelError, TypeError, ValueError):
+        return None
+    return [_one_of(every, i) for i in range(every.von_mises.shape[0])]
+
+
+def _one_of(every: Stress, i: int) -> Stress:
+    """One state of several; strengths are the same in all."""
+    resultants = dataclasses.replace(every.resultants, values=every.resultants.values[i])
+    across = None if every.across is None else every.across[i]
+    parts = {name: getattr(every, name)[i] for name in ("sigma_x", "tau", "von_mises")}
+    return dataclasses.replace(every, **parts, across=across, resultants=resultants)

@@ -1,0 +1,225 @@
+"""A Builder, a file that was read, or a function that builds as a document of the workbench."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import jax.errors
+
+from ..arguments import shown
+from ..build.builder import Builder
+from ..build.carry import built, carried, recorded
+from ..build.description import Description
+from ..compilation.formulas import formulas, text_of
+from ..errors import ModelError, clean
+from ..model.model import Model
+from ..spacar.read import SpacarModel
+from . import fields
+from .calls_of import Calls, Place
+from .content import FORMAT, Document
+from .from_model import builder_of
+from .merged import merged
+
+# What a function raises that needs to know the numbers which it is given.
+NOT_FOLLOWED = (jax.errors.JAXTypeError, jax.errors.JAXIndexError, TypeError, ValueError, ModelError)
+
+
+def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: str = "") -> tuple[Document, list[str]]:
+    """A mechanism as a document that builds the same.
+
+    Args:
+        source: A Builder, what ``read_spacar`` returned, a Model, or a function that returns one of these. Of a
+            function, its arguments become names, and every number that it makes of them by arithmetic becomes that
+            arithmetic; what it makes of them otherwise is taken as it is, and told.
+        names: Of a function its arguments by name: numbers, or (value, lowest, highest). What is no float, such as how
+            many there are of something, is handed over as it is and is no name.
+        title: Of the document.
+
+    Returns:
+        The document, and what it cannot hold, a text each.
+
+    Raises:
+        TypeError: It is none of these.
+        ModelError: The Builder is empty.
+    """
+    if not callable(source) or isinstance(source, Builder):
+        if names:
+            raise TypeError("Names belong to a function that builds a mechanism of them, as edit(function, t=1e-3).")
+        things = Calls(_builder_in(source))
+        left_out = things.left_out + _settings_of(source) + _names_of(source)
+        return _document(things, list(map(text_of, things.numbers)), {}, title or _title(source)), left_out
+    own = {name: _named(name, value) for name, value in (names or {}).items()}
+    floats = {name: float(value[0]) for name, value in own.items() if value is not None}
+    rest = {name: value for name, value in (names or {}).items() if own[name] is None}
+    with recorded() as models, built() as builders:
+        returned = source(**floats, **rest)
+    # A model is no more than its numbers: the builder that it came from knows what was named and what was found.
+    at = next((i for i, model in enumerate(models) if model is returned and len(builders) == len(models)), None)
+    known = Calls(_builder_in(returned) if at is None else builders[at])
+    left_out = known.left_out + _settings_of(returned)
+    for name, value in rest.items():
+        left_out.append(
+            f"argument {name} = {clean(shown(value))} stays as it is: names are numbers with a decimal point"
+        )
+    texts, told = _texts(known, *_traced(source, floats, rest, models, at), ", ".join(floats))
+    return _document(known, texts, own, title or _title(source)), left_out + told
+
+
+def _texts(known: Calls, traced: list[str | None] | None, why: str, names: str) -> tuple[list[str], list[str]]:
+    """Texts of all numbers, and what does not follow from names by arithmetic."""
+    texts = list(map(text_of, known.numbers))
+    if traced is None or len(traced) != len(texts):
+        return texts, [f"how numbers follow from {names}: {why or 'what is built depends on their values'}"] * bool(
+            names
+        )
+    lost = [i for i, text in enumerate(traced) if text is None]
+    told = [f"how {what} follows from {names}: it is more than + - * / **" for what in _places(known, lost)]
+    return [own if text is None else text for own, text in zip(texts, traced, strict=True)], told
+
+
+def _named(name: str, value: Any) -> tuple[Any, ...] | None:
+    """Value and bounds of a name; None of what is no number that could be another."""
+    if isinstance(value, float):
+        return (value,)
+    if isinstance(value, tuple | list) and len(value) == 3 and all(isinstance(one, int | float) for one in value):
+        return tuple(value)
+    return None
+
+
+def _traced(
+    function: Callable[..., Any], floats: dict[str, float], rest: dict[str, Any], models: list[Model], which: int | None
+) -> tuple[list[str | None] | None, str]:
+    """Texts of the numbers that a function makes of names; None, and why, where it cannot be followed."""
+    if not floats:
+        return None, ""
+
+    def numbers(given: dict[str, Any]) -> list[Any]:
+        with carried(models), built() as builders:
+            returned = function(**given, **rest)
+        return Calls(_builder_in(returned) if which is None else builders[which]).numbers
+
+    try:
+        found, _ = formulas(numbers, floats)
+    except NOT_FOLLOWED as fault:
+        first = (str(fault).strip().splitlines() or [""])[0]
+        return None, f"the function needs to know their values ({type(fault).__name__}: {clean(first[:200])})"
+    return [one.item().text for one in found], ""
+
+
+def _builder_in(source: Any) -> Description:
+    if isinstance(source, SpacarModel):
+        return merged(source.builder)
+    if isinstance(source, Description):
+        return source
+    if isinstance(source, Model):
+        return builder_of(source)
+    raise TypeError(
+        f"A Builder is wanted, what read_spacar returns, a Model, or a function that returns one, not {shown(source)}."
+    )
+
+
+def _settings_of(source: Any) -> list[str]:
+    """What a file says beside the mechanism."""
+    if not isinstance(source, SpacarModel):
+        return []
+    own = [name for name in source.settings if not name.startswith(("INPUT", "STARTD"))]
+    return [f"{clean(name)} of {clean(source.name)}: it belongs to an analysis or a drawing" for name in own]
+
+
+def _names_of(source: Any) -> list[str]:
+    """Names in the braces of a file, which was read with numbers in their place."""
+    if not isinstance(source, SpacarModel) or not source.parameters:
+        return []
+    names = clean(", ".join(source.parameters))
+    return [f"names {names} of {clean(source.name)}, in whose place are numbers: open the file itself to keep them"]
+
+
+def _title(source: Any) -> str:
+    name = source.name.removesuffix(".dat") if isinstance(source, SpacarModel) else getattr(source, "__name__", "")
+    return name if name.isprintable() and name and not name.startswith("<") else "mechanism"
+
+
+def _document(calls: Calls, texts: list[str], names: Mapping[str, tuple[Any, ...] | None], title: str) -> Document:
+    """The document of calls whose numbers have texts."""
+    things = _once([_shortened({**thing, "args": _filled(thing["args"], texts)}) for thing in calls.things])
+    bounds = {
+        name: dict(zip(("value", "low", "high"), map(text_of, own), strict=False))
+        for name, own in names.items()
+        if own is not None
+    }
+    return Document.from_data(
+        {
+            "format": FORMAT,
+            "title": title,
+            "dimension": calls.b.dimension or 2,
+            "names": bounds,
+            "things": [{"id": str(i), **thing} for i, thing in enumerate(things, 1)],
+        }
+    )
+
+
+def _once(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Things in which each section, material and damping is said once, and numbered if there are several."""
+    kept: list[dict[str, Any]] = []
+    seen: dict[str, str] = {}
+    called: dict[tuple[str, str], str] = {}
+    count: dict[str, int] = {}
+    known = fields.calls()
+    for thing in things:
+        own = known[thing["call"]]
+        args = {
+            key: called.get((str(own.fields[key]["kind"]), value), value) if isinstance(value, str) else value
+            for key, value in thing["args"].items()
+        }
+        if own.kind in ("record", "constant"):
+            content = repr((thing["call"], args))
+            again = content in seen
+            if not again:
+                prefix = str(own.entry["name"])
+                count[prefix] = count.get(prefix, 0) + 1
+                seen[content] = prefix if count[prefix] == 1 else f"{prefix} {count[prefix]}"
+            called[str(own.makes), thing["name"]] = seen[content]
+            if again:
+                continue
+            thing = {**thing, "name": seen[content]}
+        kept.append({**thing, "args": args})
+    return kept
+
+
+def _filled(value: Any, texts: list[str]) -> Any:
+    """An argument with texts in place of numbers."""
+    if isinstance(value, Place):
+        return texts[value]
+    if isinstance(value, list):
+        return [_filled(one, texts) for one in value]
+    return {key: _filled(one, texts) for key, one in value.items()} if isinstance(value, dict) else value
+
+
+def _shortened(thing: dict[str, Any]) -> dict[str, Any]:
+    """One temperature for both ends that have the same, no gradient where there is none."""
+    if thing["call"] != "temperature":
+        return thing
+    args = dict(thing["args"])
+    args["change"] = list(dict.fromkeys(args["change"]))
+    if all(one == "0" for one in args["gradient"]):
+        del args["gradient"]
+    return {**thing, "args": args}
+
+
+def _places(calls: Calls, lost: list[int]) -> list[str]:
+    """Where numbers stand, in words, each once."""
+    wanted = set(lost)
+
+    def has(value: Any) -> bool:
+        if isinstance(value, Place):
+            return value in wanted
+        return isinstance(value, list) and any(map(has, value))
+
+    found = [
+        f"{argument} of {thing['call']} '{clean(thing.get('name') or thing['args'].get('node', ''))}'"
+        for thing in calls.things
+        for argument, value in thing["args"].items()
+        if has(value)
+    ]
+    return list(dict.fromkeys(found))

@@ -1,0 +1,113 @@
+"""The mirror image of one element: which of its numbers and of its deformations have the other sign."""
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from ..build.description import Member
+
+# Of the strain fields of a beam in series: elongation, and in space twist, bending about y and z, shear along y and z.
+FIELDS = {2: (1, -1), 3: (1, -1, -1, 1, 1, -1)}
+# Initial curvature of a beam in series: twist, about y, about z.
+CURVATURE = {2: (-1,), 3: (-1, -1, 1)}
+# Two values agree to this, of the largest of them.
+ALIKE = 1e-9
+
+
+def scalars_of(member: Member) -> dict[str, np.ndarray]:
+    """Numbers of an element's geometry that may change their sign: those of its deformation but for directions."""
+    own = member.element.of_deformation(member.properties)
+    return {
+        key: np.asarray(value, float)
+        for key, value in own.items()
+        if value is not None and key != "y" and not key.startswith("axis") and key not in ("section", "clamped")
+    }
+
+
+def image_of(
+    member: Member, references: list[np.ndarray], kinds: list[Any], axis: int, y_turns: bool
+) -> tuple[dict[str, Any], np.ndarray] | None:
+    """Signs of an element's numbers and of its deformations in its mirror image; None where it has none.
+
+    Those of beams in series are known. Of the others the deformation function is asked, at a few states and at their
+    images: what agrees but for signs is the image.
+    """
+    element, d = member.element, kinds[0].dimension
+    if element.fields:
+        signs = np.ones(len(member.roles))
+        flips = np.array(FIELDS[d])
+        if d == 3:
+            # Of the closure, displacements and tilts; of warping the twist rates.
+            closure = np.array([1, 1, -1, -1, -1, 1])
+            if y_turns:
+                flips, closure = np.array([1, -1, 1, -1, -1, 1]), np.array([1, -1, 1, -1, 1, -1])
+            signs[: element.fields[0][0] - 1] = np.resize([*closure, -1, -1], element.fields[0][0] - 1)
+        else:
+            signs[:3] = (1, -1, -1)
+        for sign, numbers in zip(flips, element.fields, strict=False):
+            signs[np.array(numbers) - 1] = sign
+        curved = CURVATURE[d] if not y_turns else (-1, 1, -1)
+        return {"curvature": np.array(curved if d == 3 else curved[0])}, signs
+    properties, scalars = element.of_deformation(member.properties), scalars_of(member)
+    fixed = {key: value for key, value in properties.items() if key not in scalars}
+    turned = {
+        key: _turned(np.asarray(v, float), axis, y_turns and key == "y") if _is_direction(key, v) else v
+        for key, v in fixed.items()
+    }
+    if d == 3 and "y" in properties and properties["y"] is None:
+        ends = [r for r, kind in zip(references, kinds, strict=True) if kind.part == "position"]
+        default = np.eye(3)[np.argmin(np.abs(ends[1] - ends[0]))] if len(ends) > 1 else None
+        turned["y"] = None if default is None else _turned(default, axis, y_turns)
+    random = np.random.default_rng(7)
+    states = [[r + 0.05 * random.normal(size=r.shape) for r in references] for _ in range(3)]
+    ours = [_deformation(element, state, references, properties) for state in states]
+    images = [[_coordinates(x, k, axis) for x, k in zip(s, kinds, strict=True)] for s in [*states, references]]
+    sizes = {key: value.shape for key, value in scalars.items()}
+    count = sum(int(np.prod(size)) for size in sizes.values())
+    for signs in sorted(itertools.product((1, -1), repeat=count), key=lambda s: -sum(s)):
+        rest, flips = list(signs), {}
+        for key, size in sizes.items():
+            n = int(np.prod(size))
+            flips[key], rest = np.reshape(rest[:n], size), rest[n:]
+        own = turned | {key: value * flips[key] for key, value in scalars.items()}
+        theirs = [_deformation(element, image, images[-1], own) for image in images[:-1]]
+        found = _signs_between(np.array(ours), np.array(theirs))
+        if found is not None:
+            return flips, found
+    return None
+
+
+def _is_direction(key: str, value: Any) -> bool:
+    return value is not None and (key == "y" or key.startswith("axis"))
+
+
+def _turned(vector: np.ndarray, axis: int, turns: bool) -> np.ndarray:
+    image = np.where(np.arange(len(vector)) == axis, -vector, vector)
+    return -image if turns else image
+
+
+def _coordinates(x: np.ndarray, kind: Any, axis: int) -> np.ndarray:
+    """Coordinates of the image of a node, in the plane through the origin."""
+    if kind.part == "position":
+        return np.where(np.arange(kind.size) == axis, -x, x)
+    if kind.part == "rotation" and kind.dimension == 3:
+        return np.append(x[:1], np.where(np.arange(3) == axis, x[1:], -x[1:]))
+    return -x
+
+
+def _deformation(element: Any, state: list, references: list, properties: dict) -> np.ndarray:
+    near = {"near": np.zeros(64)} if element.tracks_angle else {}
+    options = {key: value for key, value in element.alone().options.items()}
+    return np.asarray(
+        element.deformation(*state, ref=element.reference(references), **near, **options, **properties), float
+    )
+
+
+def _signs_between(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:
+    """By which sign deformations at states differ from those at their images; None where that is not all."""
+    if ours.shape[1] == 0:
+        return np.ones(0)
+    size = np.max(np.abs(ours))
+    signs = np.where(np.sum(ours * theirs, axis=0) < 0, -1.0, 1.0)
+    return signs if np.max(np.abs(theirs - signs * ours)) <= 1e-9 * size else None
