@@ -1,5 +1,5 @@
 /** The answers beside the drawing: degrees of freedom, advice, and numbers with the way they went over the last edits. */
-import { byId, button, h, keep, say, set, shown } from "./dom.js";
+import { button, byId, h, keep, say, set, shown, watch } from "./dom.js";
 import { toast } from "./dialogs.js";
 import { redraw, sparkline } from "./icons.js";
 
@@ -109,14 +109,13 @@ export function answers(store, { open }) {
     set(number, "value", value ?? "");
     say(number.firstChild, short);
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
-    const pinned = store.state.pinned?.answers?.find((one) => one.key === key)?.before;
+    const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
     const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
     say(number.lastChild, change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`);
   }
 
   store.on("count", counts);
-  store.on("count", update);
-  for (const part of ["answers", "document", "connected", "pinned"]) store.on(part, update);
+  watch(store, ["answers", "count", "document", "connected", "pinned"], update);
   store.on("document", support.update);
   counts();
   update();

@@ -103,6 +103,7 @@ function scalar(store, field, own) {
 }
 
 function placeholder(field) {
+  if (field.hint) return field.hint;
   if (filled(field.default)) return String(field.default);
   return field.optional ? "–" : "";
 }
@@ -124,7 +125,7 @@ function vector(store, field, own) {
         get: () => texts()[k] ?? "",
         send: (text, visit) => own.sendPart(field.name, k, text, whole(k, text), visit),
         problem: () => own.problem(field.name, k),
-        rest: { "aria-label": label, placeholder: list(field.default)[k] ?? "" },
+        rest: { "aria-label": label, placeholder: list(field.default)[k] ?? field.hint ?? "" },
       });
     });
     body.replaceChildren(
@@ -272,21 +273,24 @@ function chips(store, field, own) {
   function update() {
     own_.update();
     const on = list(own_.text());
+    const all = on[0] === "all";
     keep(
       row_,
       offered(),
       (one) => one,
       (one) => button(one, () => flip(one), { "aria-label": `${words(field.name)}: ${one}` }),
-      (child, one) => child.setAttribute("aria-pressed", String(on.includes(one) || on[0] === "all")),
+      (child, one) => child.setAttribute("aria-pressed", String(on.includes(one) || all)),
     );
     note.tell(own_.fault());
   }
   function flip(one) {
     const all = offered();
     const text = single ? [] : list(own_.text());
-    const now = text[0] === "all" ? all : text;
+    const now = text[0] === "all" ? all : text.filter((other) => all.includes(other));
     const then = now.includes(one) ? now.filter((other) => other !== one) : all.filter((other) => other === one || now.includes(other));
-    own.send(field.name, then.join(" "))?.catch?.(() => {});
+    // An empty text means what is usual, which is not: none.
+    const none = field.kind === "deformations" ? "none" : "";
+    own.send(field.name, then.join(" ") || none)?.catch?.(() => {});
   }
   update();
   return { element, update };

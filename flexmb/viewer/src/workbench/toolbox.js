@@ -1,6 +1,6 @@
 /** What can be added: tools in groups, with a search; and the fields of the tool that is in hand. */
 import { byId, button, h, keep, say } from "./dom.js";
-import { form, ofObject } from "./forms.js";
+import { form } from "./forms.js";
 import { icon } from "./icons.js";
 import { addSection } from "./sections.js";
 import { entry, fieldsOf, fits, namesOf, title } from "./model.js";
@@ -90,9 +90,9 @@ export function toolbox(store, { open }) {
       ({ group, text }) => h("details", { open: !["signal", "node"].includes(group), "data-group": group }, h("summary", {}, text), h("div")),
       (details, { own }) => {
         if (searched) details.open = true;
-        // Of two that are called the same, one is a method of a node, the other an element.
-        for (const one of own) one.twin = own.some((other) => other !== one && other.title === one.title);
-        keep(details.lastChild, own, ({ call }) => call, toolButton);
+        // Of two that are called the same, the element is the one that few ask for.
+        for (const one of own) one.twin = one.call.includes(".") && own.some((other) => other !== one && other.title === one.title);
+        keep(details.lastChild, searched ? own : own.filter(({ twin }) => !twin), ({ call }) => call, toolButton);
       },
     );
     none.hidden = filled.length > 0;
@@ -101,8 +101,8 @@ export function toolbox(store, { open }) {
 
   function toolButton({ call, group, doc, twin }) {
     const made = button("", () => take({ call }), { class: "tool", "data-call": call, title: doc ?? "" });
-    const letter = LETTERS[call.split(".").at(-1)];
-    made.append(icon(call, group), h("span", {}, `${title(store, call)}${twin && call.includes(".") ? " (element)" : ""}`));
+    const letter = twin ? null : LETTERS[call.split(".").at(-1)];
+    made.append(icon(call, group), h("span", {}, `${title(store, call)}${twin ? " (element)" : ""}`));
     if (letter) made.append(h("kbd", { "aria-hidden": "true" }, letter));
     return made;
   }
@@ -165,6 +165,13 @@ export function toolForm(store) {
   head.append(h("span", { class: "spring" }), done);
   const doc = h("p", { class: "soft" });
   say(doc, own?.doc ?? "");
-  const made = form(store, fields, ofObject({ ...tool.args }, (args) => store.setTool({ ...store.state.tool, args: { ...args } })));
+  const send = (name, to) => store.setTool({ ...store.state.tool, args: { ...store.state.tool.args, [name]: to } });
+  const drawn = fields.map((field) => (own?.group === "block" && ["length", "along"].includes(field.name) ? { ...field, hint: "as drawn" } : field));
+  const made = form(store, drawn, {
+    get: (name) => store.state.tool.args?.[name],
+    send,
+    sendPart: (name, k, text, whole) => send(name, whole),
+    problem: () => null,
+  });
   return { element: h("div", {}, head, doc, made.element), update: made.update };
 }
