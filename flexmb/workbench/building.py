@@ -233,7 +233,7 @@ class _Building:
         if kind == "sections":
             names = [value] if isinstance(value, str) else value
             return [self._record("section", f"{address}/{k}", name) for k, name in enumerate(names)]
-        return self._word(field, address, value)
+        return self._word(field, address, str(value))
 
     def _word(self, field: dict[str, Any], address: str, value: str) -> Any:
         """What one text means: a reference, a choice, a text."""

@@ -145,7 +145,7 @@ class Document:
         """The thing with an id.
 
         Args:
-            id: Its id.
+            id: Its id, a text.
 
         Raises:
             EditError: There is none.
@@ -156,11 +156,11 @@ class Document:
         return found
 
     def with_things(self, things: list[dict[str, Any]], **more: Any) -> Document:
-        """The document with other things, and other parts of it by name.
+        """The document with other things.
 
         Args:
-            things: All of them.
-            more: Other parts: title, names and so on.
+            things: In order.
+            more: Other parts of the document, by name.
         """
         return Document({**self.data, **more, "things": things})
 
