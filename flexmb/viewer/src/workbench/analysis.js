@@ -1,5 +1,5 @@
 /** All analyses at a click, with their options, pictures, progress and stop. */
-import { byId, button, choices, h, say } from "./dom.js";
+import { button, byId, choices, h, say, watch } from "./dom.js";
 import { form, ofObject } from "./forms.js";
 import { progress } from "./jobs.js";
 import { toast } from "./dialogs.js";
@@ -46,6 +46,6 @@ export function analysis(store, canvas) {
     const runs = Object.values(store.state.jobs).filter(({ kind }) => kind !== "target").reverse();
     progress(store, jobs, runs, (job) => canvas?.playView?.(job.view));
   }
-  for (const part of ["analyses", "jobs", "document"]) store.on(part, update);
+  watch(store, ["analyses", "jobs", "document"], update, root);
   update();
 }

@@ -1,5 +1,5 @@
 /** The answers beside the drawing: degrees of freedom, advice, and numbers with the way they went over the last edits. */
-import { byId, button, h, keep, say, set, shown } from "./dom.js";
+import { button, byId, h, keep, say, set, shown, watch } from "./dom.js";
 import { toast } from "./dialogs.js";
 import { redraw, sparkline } from "./icons.js";
 
@@ -115,8 +115,7 @@ export function answers(store, { open }) {
   }
 
   store.on("count", counts);
-  store.on("count", update);
-  for (const part of ["answers", "document", "connected", "pinned"]) store.on(part, update);
+  watch(store, ["answers", "count", "document", "connected", "pinned"], update);
   store.on("document", support.update);
   counts();
   update();

@@ -1,5 +1,5 @@
 /** The empty page helps one begin. */
-import { byId, button, h } from "./dom.js";
+import { button, byId, h, watch } from "./dom.js";
 import { icon } from "./icons.js";
 import { entry, fits, title } from "./model.js";
 import { takeTool } from "./toolbox.js";
@@ -9,6 +9,7 @@ const HINTS = {
   node: "Click where a node shall be; it snaps to the grid and to the axes of other nodes. Esc ends.",
   measure: "Click two points to see their distance. Esc ends.",
   element: "Click the first node, then the next ones; empty ground makes a new node. Esc ends.",
+  block: "Click where its base is, then where it shall reach; its numbers stand in Properties. Esc ends.",
   place: "Click the node or element it belongs to. Esc ends.",
 };
 
@@ -17,7 +18,8 @@ export function hint(store) {
   const update = () => {
     const { tool } = store.state;
     const name = tool.call ? `${title(store, tool.call)}: ` : "";
-    line.textContent = name + (HINTS[tool.kind] ?? "");
+    const kind = tool.call?.startsWith("blocks.") ? "block" : tool.kind;
+    line.textContent = name + (HINTS[kind] ?? "");
     line.title = line.textContent;
   };
   store.on("tool", update);
@@ -80,6 +82,6 @@ export function begin(store, { files }) {
     if (store.state.tool.kind === "select") closed = false;
     update();
   });
-  for (const part of ["document", "catalogue"]) store.on(part, update);
+  watch(store, ["document", "catalogue"], update);
   update();
 }

@@ -1,5 +1,5 @@
 /** A pinned design beside the present one. */
-import { byId, button, h, say, shown } from "./dom.js";
+import { button, byId, h, say, shown, watch } from "./dom.js";
 import { isStale } from "./answers.js";
 
 export function compare(store) {
@@ -36,18 +36,25 @@ export function compare(store) {
       h("tfoot", {}, ...others.map((one) => h("tr", {}, h("td", { colspan: 4 }, one)))),
     );
   }
-  for (const part of ["pinned", "answers", "document", "connected"]) store.on(part, update);
+  watch(store, ["pinned", "answers", "document", "connected"], update, root);
   update();
 }
 
 const withUnit = (value, unit) => (value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim());
+
+/** Percent with as many digits as matter. */
+function signed(percent) {
+  const size = Math.abs(percent);
+  const text = size.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : 2);
+  return Number(text) ? `${percent > 0 ? "+" : "−"}${text} %` : "≈ same";
+}
 
 /** Without where it is: "3 MPa in 'left' at 1". */
 const short = (text) => String(text ?? "–").replace(/ (of|in) '.*$/s, "");
 
 function line({ label, before, now, percent, same }) {
   const none = percent === null || percent === undefined;
-  const text = same || percent === 0 ? "same" : none ? "" : `${percent > 0 ? "+" : "−"}${Math.abs(percent).toPrecision(3)} %`;
+  const text = same || percent === 0 ? "same" : none ? "" : signed(percent);
   const way = none || !percent ? "" : percent > 0 ? "more" : "less";
   return h(
     "tr",

@@ -75,8 +75,25 @@ export function choices(select, offered, chosen) {
   if (select.value !== chosen) select.value = chosen;
 }
 
+/**
+ * Call a function once after any of some parts of the state changed; what a panel shows that is not seen waits until it is.
+ */
+export function watch(store, parts, update, panel = null) {
+  let stale = false;
+  store.on("*", (_, changed) => {
+    if (!parts.some((part) => changed.has(part))) return;
+    stale = Boolean(panel?.hidden);
+    if (!stale) update();
+  });
+  panel?.addEventListener("opened", () => {
+    if (!stale) return;
+    stale = false;
+    update();
+  });
+}
+
 /** Tabs: one panel of a row is seen; arrows go from one to the next. */
-export function tabs(row, opened = () => {}) {
+export function tabs(row) {
   const all = [...row.querySelectorAll("[role=tab]")];
   const open = (tab, focus = false) => {
     for (const other of all) {
@@ -86,7 +103,7 @@ export function tabs(row, opened = () => {}) {
       byId(other.getAttribute("aria-controls")).hidden = !on;
     }
     if (focus) tab.focus();
-    opened(tab.getAttribute("aria-controls"));
+    byId(tab.getAttribute("aria-controls")).dispatchEvent(new Event("opened"));
   };
   all.forEach((tab, i) => {
     tab.addEventListener("click", () => open(tab));

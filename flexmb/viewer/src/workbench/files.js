@@ -1,5 +1,5 @@
 /** Files: new, open, save, export; what comes back from the server is handed to the browser. */
-import { byId, button, h, say, set } from "./dom.js";
+import { button, byId, h, say, set, watch } from "./dom.js";
 import { ask, plainly, toast } from "./dialogs.js";
 
 const EXPORTS = [
@@ -137,7 +137,7 @@ export function files(store, canvas) {
     document.title = `${saved ? "" : "● "}${own?.title || name || "flexmb"}`;
     set(byId("save"), "title", `Save ${file ?? "…"} (Ctrl+S)`);
   }
-  for (const part of ["document", "file", "saved"]) store.on(part, update);
+  watch(store, ["document", "file", "saved"], update);
   return { open, save: saveNow, saveAs };
 }
 

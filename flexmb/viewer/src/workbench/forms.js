@@ -103,6 +103,7 @@ function scalar(store, field, own) {
 }
 
 function placeholder(field) {
+  if (field.hint) return field.hint;
   if (filled(field.default)) return String(field.default);
   return field.optional ? "–" : "";
 }
@@ -124,7 +125,7 @@ function vector(store, field, own) {
         get: () => texts()[k] ?? "",
         send: (text, visit) => own.sendPart(field.name, k, text, whole(k, text), visit),
         problem: () => own.problem(field.name, k),
-        rest: { "aria-label": label, placeholder: list(field.default)[k] ?? "" },
+        rest: { "aria-label": label, placeholder: list(field.default)[k] ?? field.hint ?? "" },
       });
     });
     body.replaceChildren(

@@ -1,6 +1,6 @@
 /** Properties of what is selected, of the tool in hand, or of the whole. */
 import { box, remark } from "./box.js";
-import { byId, button, h, keep, say } from "./dom.js";
+import { button, byId, h, keep, say, watch } from "./dom.js";
 import { form, ofThing } from "./forms.js";
 import { icon } from "./icons.js";
 import { fieldsOf, group, problemAt, spoken, thing, things, title } from "./model.js";
@@ -30,7 +30,7 @@ export function inspector(store, dialogs) {
       root.replaceChildren(made.element);
     } else made.update();
   }
-  for (const part of ["document", "selection", "tool", "catalogue", "positions", "ways"]) store.on(part, update);
+  watch(store, ["document", "selection", "tool", "catalogue", "positions", "ways"], update);
   update();
 }
 

@@ -17,20 +17,21 @@ function card(store, { job, kind }, play) {
   const image = h("img", { alt: `Plot of ${kind}`, hidden: true, tabindex: 0 });
   const larger = () => {
     const content = h("img", { src: image.src, alt: image.alt });
-    const own = ask(kind, content, "", null, { wide: true });
+    const own = ask(image.alt.replace("Plot: ", ""), content, "", null, { wide: true });
     own.querySelector(".buttons").prepend(button("Save the picture", () => h("a", { href: image.src, download: `${kind}.${image.dataset.ending}` }).click()));
   };
   image.addEventListener("click", larger);
   image.addEventListener("keydown", (event) => event.key === "Enter" && larger());
-  return h("section", { class: "job", "aria-label": kind, "data-job": job }, h("div", { class: "head" }, h("h2"), h("span", { class: "soft" }), shows, stop), bar, h("pre"), h("div"), image);
+  return h("section", { class: "job", "aria-label": kind, "data-job": job }, h("div", { class: "head" }, h("h2"), h("span", { class: "soft" }), shows, stop), bar, image, h("pre"), h("div", { class: "rows" }));
 }
 
 const STATES = { running: "running …", done: "done", failed: "failed", stopped: "stopped" };
 
 function fill(own, { kind, title, status, fraction, text, design, picture, view, rows }) {
-  const [head, bar, told, table, image] = own.children;
+  const [head, bar, image, told, table] = own.children;
   const [name, state, shows, stop] = head.children;
-  say(name, title ?? kind);
+  say(name, title ?? (kind === "target" ? "Target" : kind));
+  image.alt = `Plot: ${name.textContent}`;
   say(state, STATES[status] ?? status);
   own.dataset.status = status;
   stop.hidden = status !== "running";

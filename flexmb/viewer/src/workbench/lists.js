@@ -1,5 +1,5 @@
 /** Lists of what there is: everything, and sections with their materials. */
-import { byId, button, h, say } from "./dom.js";
+import { button, byId, h, say, watch } from "./dom.js";
 import { icon } from "./icons.js";
 import { fits, group, spoken, summary, thing, things, title } from "./model.js";
 import { addSection } from "./sections.js";
@@ -114,7 +114,7 @@ export function everything(store, dialogs, { open }) {
     none.hidden = things(store).length > 0;
   };
   search.addEventListener("input", update);
-  for (const part of ["document", "catalogue", "problems"]) store.on(part, update);
+  watch(store, ["document", "catalogue", "problems"], update, root);
 }
 
 /** Sections and materials, with what can be added. */
@@ -149,6 +149,6 @@ export function sections(store, dialogs, { open }) {
   };
   store.on("catalogue", () => fillers.forEach((fill) => fill()));
   store.on("selection", chosen);
-  for (const part of ["document", "catalogue", "problems"]) store.on(part, update);
+  watch(store, ["document", "catalogue", "problems"], update, root);
   chosen();
 }

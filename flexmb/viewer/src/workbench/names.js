@@ -1,6 +1,6 @@
 /** Names: numbers that fields share, each a slider, or arithmetic of others. */
 import { box, remark } from "./box.js";
-import { byId, button, h, keep, newId, say, set, shown } from "./dom.js";
+import { button, byId, h, keep, newId, say, set, shown, watch } from "./dom.js";
 import { evaluate, isNumber, problemAt } from "./model.js";
 
 const STEPS = 1000;
@@ -51,7 +51,7 @@ export function names(store) {
     for (const name of made.keys()) if (!Object.hasOwn(own, name)) made.delete(name);
     keep(known, all, (name) => name, (name) => h("option", { value: name }));
   }
-  for (const part of ["document", "values", "ways", "problems"]) store.on(part, update);
+  watch(store, ["document", "values", "ways", "problems"], update);
   if (store.state.document) update();
 }
 

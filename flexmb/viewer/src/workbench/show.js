@@ -1,5 +1,5 @@
 /** What the drawing shows: which mode, how much of it, coloured by what. */
-import { byId, choices, h, set } from "./dom.js";
+import { byId, choices, h, set, watch } from "./dom.js";
 import { icon } from "./icons.js";
 
 export function show(store, canvas) {
@@ -65,7 +65,7 @@ export function show(store, canvas) {
     colour.value = want.colour ?? "";
     look.hidden = own?.dimension !== 3;
   }
-  for (const part of ["answers", "want", "document"]) store.on(part, update);
+  watch(store, ["answers", "want", "document"], update);
   playIcon();
   update();
 }

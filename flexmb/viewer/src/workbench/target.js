@@ -1,5 +1,5 @@
 /** Targets: answers that shall have a value, and names that may change to give it. */
-import { byId, button, choices, h, keep, say, set } from "./dom.js";
+import { button, byId, choices, h, keep, say, set, watch } from "./dom.js";
 
 import { isNumber } from "./model.js";
 import { progress } from "./jobs.js";
@@ -8,7 +8,6 @@ export function target(store) {
   const root = byId("target");
   let wants = [];
   let number = 0;
-  let job = null;
   const unticked = new Set();
   const rows = h("div");
   const ticks = h("div", { class: "ticks", role: "group", "aria-label": "Names that may change" });
@@ -52,7 +51,7 @@ export function target(store) {
     const free = Object.keys(freeNames()).filter((name) => !unticked.has(name));
     const own = wants.map(({ answer, kind, value }) => ({ answer, kind, value: value.trim() }));
     store.ask("target", { wants: own, free }).then(
-      (reply) => ((job = reply.job), update()),
+      update,
       (problem) => {
         say(fault, problem.message);
         fault.hidden = false;
@@ -76,11 +75,10 @@ export function target(store) {
       return h("label", { title: name }, tick, h("span", {}, name));
     });
     go.disabled = !free.length || !wants.length;
-    const own = job && store.state.jobs[job];
-    progress(store, running, own ? [own] : []);
+    progress(store, running, Object.values(store.state.jobs).filter(({ kind }) => kind === "target").slice(-1));
     return undefined;
   }
-  for (const part of ["document", "answers", "jobs"]) store.on(part, update);
+  watch(store, ["document", "answers", "jobs"], update, root);
   update();
 }
 

@@ -1,6 +1,6 @@
 /** What can be added: tools in groups, with a search; and the fields of the tool that is in hand. */
 import { byId, button, h, keep, say } from "./dom.js";
-import { form, ofObject } from "./forms.js";
+import { form } from "./forms.js";
 import { icon } from "./icons.js";
 import { addSection } from "./sections.js";
 import { entry, fieldsOf, fits, namesOf, title } from "./model.js";
@@ -165,6 +165,13 @@ export function toolForm(store) {
   head.append(h("span", { class: "spring" }), done);
   const doc = h("p", { class: "soft" });
   say(doc, own?.doc ?? "");
-  const made = form(store, fields, ofObject({ ...tool.args }, (args) => store.setTool({ ...store.state.tool, args: { ...args } })));
+  const send = (name, to) => store.setTool({ ...store.state.tool, args: { ...store.state.tool.args, [name]: to } });
+  const drawn = fields.map((field) => (own?.group === "block" && ["length", "along"].includes(field.name) ? { ...field, hint: "as drawn" } : field));
+  const made = form(store, drawn, {
+    get: (name) => store.state.tool.args?.[name],
+    send,
+    sendPart: (name, k, text, whole) => send(name, whole),
+    problem: () => null,
+  });
   return { element: h("div", {}, head, doc, made.element), update: made.update };
 }

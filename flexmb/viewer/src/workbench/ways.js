@@ -1,5 +1,5 @@
 /** Which way to go: how much a chosen answer changes with every number and every name. */
-import { byId, choices, h, keep, say, set, shown } from "./dom.js";
+import { byId, choices, h, keep, say, set, shown, watch } from "./dom.js";
 import { spoken, thing, words } from "./model.js";
 
 // Numbers that are shown at most.
@@ -73,7 +73,7 @@ export function ways(store) {
     number.title = `slope ${slope}`;
   }
   kind.addEventListener("change", () => (kind.dataset.asked = "yes"));
-  for (const part of ["ways", "answers", "want", "document"]) store.on(part, update);
+  watch(store, ["ways", "answers", "want", "document"], update, root);
   update();
 }
 
