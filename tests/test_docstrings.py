@@ -28,7 +28,7 @@ METHODS = {
 WITHOUT_EQUATION = {"save_motion", "enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
 WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model"}
 # Pictures show what has been computed.
-WITHOUT_EQUATION |= {*PLOTS, "view"}
+WITHOUT_EQUATION |= {*PLOTS, "view", "edit"}
 
 
 def section(text: str, title: str) -> str:
