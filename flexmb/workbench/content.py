@@ -145,7 +145,7 @@ class Document:
         """The thing with an id.
 
         Args:
-            id: Of the thing.
+            id: Its id, a text.
 
         Raises:
             EditError: There is none.
@@ -156,11 +156,11 @@ class Document:
         return found
 
     def with_things(self, things: list[dict[str, Any]], **more: Any) -> Document:
-        """The document with other things, and other parts of it.
+        """The document with other things.
 
         Args:
-            things: In place of those here.
-            more: Other parts of the data by name.
+            things: In order.
+            more: Other parts of the document, by name.
         """
         return Document({**self.data, **more, "things": things})
 

@@ -183,7 +183,7 @@ export class Keys {
     const nodes = state.tool.kind === "select" ? nodesOf(canvas, state.selection) : [];
     const one = nodes.length === 1 && canvas.thing(nodes[0]);
     if (one) {
-      canvas.edit([{ op: "set", address: `${one.id}/position`, to: found.texts }], `move ${one.name}`);
+      canvas.edit([{ op: "set", address: `${one.id}/position`, to: found.texts }], `Move ${one.name}`);
       canvas.say(`${one.name} at ${canvas.words(found.point)}.`);
     } else if (state.tool.kind !== "select") {
       canvas.clickAt(found.point, found.texts);
@@ -196,7 +196,7 @@ const UNITS = { m: 1, mm: 1e-3, um: 1e-6, "µm": 1e-6 };
 /** A typed place: {point, texts}, or {problem}. Millimetres where "mm" stands behind a number. */
 export function coordinates(text, from, planar, values, at = from) {
   const relative = text.trim().startsWith("@");
-  const body = text.trim().replace(/^@/, "");
+  const body = text.trim().replace(/^@\s*/, "");
   const polar = body.split("<");
   const parts = (polar.length === 2 ? polar : body.split(/[,;]\s*|\s+(?=[-+]?[\d.])/)).map((part) => numberIn(part.trim(), values));
   const wanted = planar ? 2 : 3;
