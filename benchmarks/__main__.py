@@ -27,6 +27,7 @@ SCRIPTS = (
     "batch",
     "large_deflection",
     "viewer",
+    "workbench",
     "along",
     "swing",
     "motion",

@@ -304,7 +304,8 @@ def mobility_of(model: Model, found: Constraints) -> Mobility:
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)
     fixed = set(np.asarray(model.topology.e.fixed).tolist())
-    release = _proposals(model, matrix, held, fixed & set(np.flatnonzero(_flexible(model)).tolist()))
+    allowed = fixed & set(np.flatnonzero(_flexible(model)).tolist()) if rank < len(held) else ()
+    release = _proposals(model, matrix, held, allowed) if rank < len(held) else ()
     return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), release, model)
 
 

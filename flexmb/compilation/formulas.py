@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import jax
+import jax.core
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
@@ -57,21 +58,26 @@ def text_of(value: float) -> str:
     return thousands
 
 
-def formulas(function: Callable[[dict[str, Any]], list[Any]], names: Mapping[str, float]) -> list[np.ndarray]:
+def formulas(
+    function: Callable[[dict[str, Any]], list[Any]], names: Mapping[str, float]
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """How what a function returns follows from its arguments: arithmetic that repeats it, operation by operation.
 
     Args:
         function: Takes numbers by name, traced, and returns numbers and arrays.
-        names: Names and values like theirs.
+        names: Names and their values.
 
     Returns:
-        For each number or array an array of the same shape of :class:`Formula`, as objects.
+        For each number or array an array of the same shape of :class:`Formula`, as objects; and the values.
     """
     program = jax.make_jaxpr(lambda numbers: function(numbers))({name: float(value) for name, value in names.items()})
     reader = _Reader()
     # A dictionary is flattened in the order of its keys.
-    given = [np.asarray(reader.place(Formula(name)), float) for name in sorted(names)]
-    return [reader.texts(value) for value in reader.run(program.jaxpr, program.consts, given)]
+    ordered = sorted(names)
+    given = [np.asarray(reader.place(Formula(name)), float) for name in ordered]
+    texts = [reader.texts(value) for value in reader.run(program.jaxpr, program.consts, given)]
+    values = jax.core.eval_jaxpr(program.jaxpr, program.consts, *(float(names[name]) for name in ordered))
+    return texts, [np.asarray(value) for value in values]
 
 
 class _Known(NamedTuple):
@@ -179,7 +185,9 @@ def _arithmetic(kind: str, parameters: dict[str, Any]) -> Callable[..., Formula]
 def _joined(a: Formula, sign: str, b: Formula, rank: int) -> Formula:
     if a.text is None or b.text is None:
         return LOST
-    # What changes no bit.
+    # What changes no bit of a finite number.
+    if sign == "*" and "0" in (a.text, b.text):
+        return Formula("0")
     if (sign == "+" and a.text == "0") or (sign == "*" and a.text == "1"):
         return b
     if (sign in "+-" and b.text == "0") or (sign in ("*", "/", "**") and b.text == "1"):

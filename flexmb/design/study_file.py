@@ -48,6 +48,35 @@ def read_study(path: str | os.PathLike) -> Study:
     return _Reader(Path(path)).study()
 
 
+def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, ...]], list[str]]:
+    """What a study says of its parameters; its functions are neither looked for nor called.
+
+    Args:
+        path: Of a TOML file.
+
+    Returns:
+        The model as the study names it; value, or value and bounds, of each parameter, and of a choice the first; and
+        the Python functions that the study names.
+
+    Raises:
+        StudyError: The file is wrong, with file and key.
+        OSError: It cannot be read.
+    """
+    reader = _Reader(Path(path))
+    model = reader.text("model", reader.data.get("model", ""))
+    given = {} if not isinstance(reader.data.get("parameters", {}), dict) else reader.parameters()
+    found = {name: tuple(own[key] for key in ("value", "lower", "upper") if key in own) for name, own in given.items()}
+    choices = reader.data.get("choices", {})
+    for name, values in choices.items() if isinstance(choices, dict) else ():
+        first = values[0] if isinstance(values, list) and values else None
+        if isinstance(first, int | float) and not isinstance(first, bool):
+            found.setdefault(name, (float(first),))
+    answers = reader.data.get("answers", {})
+    named = [model, *(answers.values() if isinstance(answers, dict) else ())]
+    functions = [one for one in named if isinstance(one, str) and ":" in one and not one.endswith(".dat")]
+    return model, found, functions
+
+
 class _Reader:
     """One file, and what its keys mean."""
 

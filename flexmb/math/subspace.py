@@ -6,6 +6,9 @@ from ..compilation.threads import one_thread
 
 # Singular values below this share of the largest count as zero: the predecessor's choice, square root of round-off.
 RANK_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
+# Rows are projected for so many directions at once, or as soon as their squares are below this share of what they were:
+# differences have lost so many digits then.
+TOGETHER, REFRESHED = 32, 1e-6
 
 
 @one_thread()
@@ -35,17 +38,31 @@ def independent_rows(candidates: np.ndarray, wanted: int, threshold: float) -> t
         Indices of the chosen rows, and the projector (n, n) onto what they do not span.
     """
     rest = np.array(candidates, float)
-    projector = np.eye(rest.shape[1])
+    count = min(wanted, *rest.shape)
+    directions = np.zeros((max(count, 0), rest.shape[1]))
     chosen: list[int] = []
-    while len(chosen) < wanted and rest.shape[0]:
-        sizes = np.linalg.norm(rest, axis=1)
+    # What chosen directions take out is taken out of all rows for several at once; in between, of their sizes alone.
+    first, squares = 0, np.sum(rest**2, axis=1)
+    before = np.max(squares, initial=0.0)
+    while len(chosen) < count:
+        largest = np.max(squares)
+        if first < len(chosen) and (largest < REFRESHED * before or len(chosen) - first == TOGETHER):
+            own = directions[first : len(chosen)]
+            rest -= (rest @ own.T) @ own
+            rest[chosen] = 0.0
+            first, squares = len(chosen), np.sum(rest**2, axis=1)
+            before = largest = np.max(squares)
         # Among equals the first: a rounding difference must not decide.
-        best = int(np.argmax(sizes > (1 - 1e-6) * sizes.max()))
-        if sizes[best] <= threshold:
+        best = int(np.argmax(squares > (1 - 1e-6) ** 2 * largest))
+        own = directions[first : len(chosen)]
+        direction = rest[best] - (rest[best] @ own.T) @ own
+        size = np.linalg.norm(direction)
+        if size <= threshold:
             break
+        directions[len(chosen)] = direction = direction / size
         chosen.append(best)
-        direction = rest[best] / sizes[best]
-        rest = rest - np.outer(rest @ direction, direction)
-        rest[chosen] = 0.0
-        projector = projector - np.outer(projector @ direction, direction)
+        squares = np.maximum(squares - (rest @ direction) ** 2, 0.0)
+        squares[chosen] = 0.0
+    taken = directions[: len(chosen)]
+    projector = np.eye(rest.shape[1]) - taken.T @ taken
     return chosen, projector

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import os
 import re
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
+from ..build.assemble import stack
 from ..build.builder import Builder
 from ..build.clamps import parts_of, with_clamps
 from ..build.description import TURNS, Member
@@ -23,7 +25,7 @@ from ..model.roles import Role
 from . import outlines, trajectories
 from . import series as series
 from .kinds import KINDS, NOTHING, ElementKind
-from .lines import DRAWING, LARGEST, MOST, SMALLEST, within
+from .lines import DRAWING, LARGEST, MOST, SMALLEST, known, within
 from .read import SpacarModel
 from .signals import keyword_of
 
@@ -53,30 +55,83 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     if not isinstance(builder, Builder):
         raise ModelError(f"write_spacar takes a Builder or what read_spacar returns, not {type(model).__name__}.")
     settings = {} if isinstance(model, Builder) else model.settings
-    text = "\n".join(_Writer(builder, settings).lines()) + "\n"
-    write_whole(path, text.encode())
+    write_whole(path, ("\n".join(map(text_of, lines_of(builder, settings))) + "\n").encode())
 
 
-def _line(keyword: str, *values: Any) -> str:
-    """One line; real numbers with all their digits."""
-    words = [str(v) if isinstance(v, int | str) else repr(float(v)) for v in values]
-    line = " ".join([keyword, *words])
-    for value in values:
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """One line of a file.
+
+    Attributes:
+        keyword: Its keyword.
+        values: Words and whole numbers as they stand there, and real numbers, which may be traced.
+    """
+
+    keyword: str
+    values: tuple[Any, ...]
+
+
+def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[Line | str]:
+    """Lines of the file of a mechanism; those without numbers are texts.
+
+    Args:
+        builder: Mechanism.
+        settings: What is not part of it, as of :class:`SpacarModel`.
+        like: Where numbers of the mechanism are traced the same one with concrete numbers, which has been written:
+            what depends on values is decided by these.
+
+    Raises:
+        ModelError: Something that the format cannot express, by name.
+    """
+    numbers = [n.start for n in builder.nodes.values()], [m.properties for m in builder.members.values()]
+    if like is None and not is_concrete((numbers, builder.loads)):
+        raise ModelError("The model has traced numbers; write it outside of the transformation.")
+    return _Writer(builder, settings, like).lines()
+
+
+def text_of(line: Line | str) -> str:
+    """One line as text; real numbers with all their digits.
+
+    Raises:
+        ModelError: A number that is too small or too large for the format.
+    """
+    if isinstance(line, str):
+        return line
+    text = " ".join([line.keyword, *(str(v) if isinstance(v, int | str) else repr(float(v)) for v in line.values)])
+    for value in line.values:
         if not isinstance(value, int | str) and not within(value):
             raise ModelError(
-                f"'{clean(line)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
+                f"'{clean(text)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
                 f" {LARGEST:g} in size."
             )
-    return line
+    return text
 
 
-def _numbers(value: Any) -> list[float]:
-    return np.ravel(np.asarray(value, float)).tolist()
+def _line(keyword: str, *values: Any) -> Line:
+    return Line(keyword, values)
 
 
-def _trimmed(values: list[float]) -> list[float]:
+def _numbers(value: Any) -> list[Any]:
+    """Numbers of one, of an array or of a sequence, which may be traced."""
+    if is_concrete(value):
+        return np.ravel(np.asarray(value, float)).tolist()
+    if isinstance(value, list | tuple):
+        return [one for entry in value for one in _numbers(entry)]
+    return [value] if np.ndim(value) == 0 else [value[i] for i in range(len(value))]
+
+
+def _one(value: Any) -> Any:
+    """A number as it is written."""
+    return float(np.asarray(value)) if known(value) else value
+
+
+def _is_zero(value: Any) -> bool:
+    return known(value) and value == 0
+
+
+def _trimmed(values: list[Any]) -> list[Any]:
     """Without zeros at the end, but for the first."""
-    while len(values) > 1 and values[-1] == 0:
+    while len(values) > 1 and _is_zero(values[-1]):
         values = values[:-1]
     return values
 
@@ -107,11 +162,9 @@ class _Nodes(dict[str, int]):
 class _Writer:
     """Lines of the file, block by block."""
 
-    def __init__(self, builder: Builder, settings: dict[str, Any]):
-        numbers = [n.start for n in builder.nodes.values()], [m.properties for m in builder.members.values()]
-        if not is_concrete((numbers, builder.loads)):
-            raise ModelError("The model has traced numbers; write it outside of the transformation.")
+    def __init__(self, builder: Builder, settings: dict[str, Any], like: Builder | None = None):
         self.builder, self.settings = builder, settings
+        self.concrete = like or builder
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
@@ -119,10 +172,12 @@ class _Writer:
         self.node = _Nodes(_numbered([n for n in builder.nodes if n in named]))
         self.element = _numbered(list(self.shown))
         # Files say what is held; a build finds it where nothing is said.
-        self.clamped = with_clamps(builder, None) if any(kind.warps for kind in self.kinds.values()) else builder
-        self._check()
+        warps = any(kind.warps for kind in self.kinds.values())
+        self.clamped = with_clamps(self.concrete, None) if warps else builder
+        if like is None:
+            self._check()
 
-    def lines(self) -> list[str]:
+    def lines(self) -> list[Line | str]:
         """All lines."""
         signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
         third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
@@ -130,19 +185,20 @@ class _Writer:
         drawn = [outlines.TITLE, *drawn] if drawn else []
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
 
-    def _outlines(self, drawn: list[str]) -> list[str]:
+    def _outlines(self, drawn: list[str]) -> list[Line]:
         """Sizes of cross-sections, but of elements whose lines are kept as they stand."""
         words = [line.split() for line in drawn]
         there = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
-        groups: dict[tuple[str, tuple[float, ...]], list[int]] = {}
+        groups: dict[tuple, tuple[Any, list[int]]] = {}
         for name, m in self.shown.items():
             section, number = m.properties.get("section"), self.element[name]
             found = None if section is None or "EA" not in self.kinds[name].stiffness else outlines.sizes_of(section)
             if found is not None and str(number) not in there:
-                key = found[0], tuple(float(np.asarray(size)) for size in found[1])
-                groups.setdefault(key, []).append(number)
+                sizes = [_one(size) for size in found[1]]
+                key = (found[0], *(size if known(size) else id(section) for size in sizes))
+                groups.setdefault(key, (sizes, []))[1].append(number)
         lines = []
-        for (kind, sizes), numbers in groups.items():
+        for (kind, *_), (sizes, numbers) in groups.items():
             lines += [_line(outlines.PROPS, *numbers), _line(outlines.TYPE, kind), _line(outlines.SIZES, *sizes)]
         return lines
 
@@ -172,7 +228,7 @@ class _Writer:
         if member.element.fields:
             return found[0]
         # A rigid beam without length is what the format calls a pinned body.
-        p, q = (np.asarray(self.builder.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
+        p, q = (np.asarray(self.concrete.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
         return found[-1] if len(found) > 1 and np.array_equal(p, q) else found[0]
 
     def _check(self) -> None:
@@ -269,7 +325,7 @@ class _Writer:
 
     # -- kinematics -----------------------------------------------------------------------------------------------
 
-    def _kinematics(self) -> list[str]:
+    def _kinematics(self) -> list[Line]:
         lines, clamps = [], []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
@@ -278,7 +334,7 @@ class _Writer:
             nodes = [self.node[n] for n in self._named(name, m)]
             order = [len(m.element.fields[0])] if m.element.fields else []
             across = [] if vector is None else _numbers(vector)
-            own = [float(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            own = [_one(m.properties[prop]) for _, prop in self.kinds[name].numbers]
             lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
             # Of warping beams FIX says it.
             clamped = None if self.kinds[name].warps else m.properties.get("clamped")
@@ -310,12 +366,12 @@ class _Writer:
 
     def _across(self, m: Member) -> np.ndarray:
         """A local y vector for a beam that needs none here but has one in the format; the one taken without."""
-        own = [self.builder.nodes[n] for n in m.nodes]
+        own = [self.concrete.nodes[n] for n in m.nodes]
         p, q = (np.asarray(node.start, float) for node in own if node.kind.part == "position")
         return np.eye(3)[np.argmin(np.abs(q - p))]
 
     @staticmethod
-    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[str]:
+    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[Line]:
         lines = []
         for role, keyword in keywords.items():
             having = [i for i, r in enumerate(roles, 1) if r is role]
@@ -329,19 +385,21 @@ class _Writer:
 
     # -- dynamics -------------------------------------------------------------------------------------------------
 
-    def _dynamics(self) -> list[str]:
+    def _dynamics(self) -> list[Line]:
         lines = [line for name, m in self.shown.items() for line in self._section(name, m)]
         lines += self._lumped() + self._moments()
         for increment, prefix in (("initial", ""), ("increment", "DEL")):
             lines += self._loads(self.builder.loads[increment], prefix)
         return lines + self._settings()
 
-    def _section(self, name: str, m: Member) -> list[str]:
-        kind, number, lines = self.kinds[name], self.element[name], []
+    def _section(self, name: str, m: Member) -> list[Line]:
+        kind, number = self.kinds[name], self.element[name]
+        lines: list[Line] = []
         if "stiffness" in kind.stiffness:
             for keyword, given in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
                 if given is not None:
-                    values = np.broadcast_to(np.ravel(np.asarray(given, float)), (len(kind.stiffness),)).tolist()
+                    values = _numbers(given)
+                    values = values * (len(kind.stiffness) if len(values) == 1 else 1)
                     lines.append(_line(keyword, number, *_trimmed(values)))
             return lines
         section, damping, alpha = (m.properties.get(name) for name in ("section", "damping", "alpha"))
@@ -351,42 +409,42 @@ class _Writer:
             s = section.rigidity()
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
-                [0.0 if n == NOTHING else float(np.asarray(getattr(s, n))) for n in names]
-                for names in (kind.stiffness, kind.mass)
+                [0.0 if n == NOTHING else _one(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
             )
             lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
-            lines += [_line("EM", number, *_trimmed(mass))] if any(mass) or (mass and not stiffness) else []
+            heavy = not all(map(_is_zero, mass)) or (mass and not stiffness)
+            lines += [_line("EM", number, *_trimmed(mass))] if heavy else []
         if alpha is not None and not kind.sized and m.element.thermal is not None:
-            lines.append(_line("ALPHA", number, float(np.asarray(alpha))))
+            lines.append(_line("ALPHA", number, _one(alpha)))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)
         if damping is not None:
-            values = [float(np.asarray(getattr(damping, n))) for n in kind.damping]
+            values = [_one(getattr(damping, n)) for n in kind.damping]
             lines.append(_line("EDAMP", number, *_trimmed(values)))
         return lines
 
-    def _lumped(self) -> list[str]:
+    def _lumped(self) -> list[Line]:
         """Masses and rotary inertias; several on one node add up."""
         totals: dict[str, Any] = {}
         for m in self.hidden:
             if m.element in (*_MASS, *_INERTIA):
                 (node,) = m.nodes
                 value = m.properties["mass" if m.element in _MASS else "inertia"]
-                totals[node] = totals.get(node, 0.0) + np.asarray(value, float)
-                if m.element in _MASS and totals[node] < 0:
+                totals[node] = totals.get(node, 0.0) + (np.asarray(value, float) if known(value) else value)
+                if m.element in _MASS and known(totals[node]) and totals[node] < 0:
                     raise ModelError(f"Node '{node}' has a negative mass, which a SPACAR input file does not take.")
         return [_line("XM", self.node[n], *_numbers(v)) for n, v in totals.items()]
 
-    def _moments(self) -> list[str]:
+    def _moments(self) -> list[Line]:
         """Moments about fixed axes; several on one node add up."""
         totals: dict[tuple[str, str], Any] = {}
         for m in self.hidden:
             if m.element is spatial.moment:
                 key = ("DELXF" if m.properties.get("incremental") else "XF"), m.nodes[0]
-                totals[key] = totals.get(key, 0.0) + np.asarray(m.properties["moment"], float)
+                totals[key] = totals.get(key, 0.0) + stack(_numbers(m.properties["moment"]))
         return [_line(keyword, self.node[n], *_numbers(v)) for (keyword, n), v in totals.items()]
 
-    def _loads(self, loads: dict[str, dict], prefix: str) -> list[str]:
+    def _loads(self, loads: dict[str, dict], prefix: str) -> list[Line]:
         lines = []
         for of, values in _rows(loads.get("force", {})).items():
             size = 4 if self.builder.nodes[of[1]].kind is ROTATION3 else 0
@@ -402,7 +460,8 @@ class _Writer:
             else:
                 lines.append(_line(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
         for (_, of, _), (first, last, *across) in loads.get("temperature", {}).items():
-            bent, whole = np.any(np.asarray(across)), np.array_equal(first, last)
+            bent = not all(map(_is_zero, _numbers(across)))
+            whole = first is last or (known(first) and known(last) and np.array_equal(first, last))
             values = [first, last, *across] if bent else [first] if whole else [first, last]
             lines.append(_line(f"{prefix}TEMP", self.element[of], *_numbers(values)))
         if "gravity" in loads:
@@ -414,7 +473,7 @@ class _Writer:
         rates = next((g[3:] for g in given if g[:2] == (of, number)), ())
         return list(rates) if any(rates) else []
 
-    def _settings(self) -> list[str]:
+    def _settings(self) -> list[Line]:
         lines = []
         for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
             if keyword in self.settings:
@@ -427,7 +486,7 @@ class _Writer:
             lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
         return lines + self._ways()
 
-    def _ways(self) -> list[str]:
+    def _ways(self) -> list[Line]:
         """Where coordinates and deformations go."""
         lines = []
         for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
@@ -438,7 +497,7 @@ class _Writer:
 
     # -- inputs and outputs ---------------------------------------------------------------------------------------
 
-    def _signals(self) -> list[str]:
+    def _signals(self) -> list[Line]:
         lines = []
         for side in ("input", "output"):
             for i, own in enumerate(self.builder.signals[side], 1):
@@ -456,11 +515,11 @@ class _Writer:
         return lines
 
 
-def _sizes(section: Rectangle) -> list[float]:
+def _sizes(section: Rectangle) -> list[Any]:
     """Numbers of SECTION."""
     material = section.material
     values = (section.width, section.thickness, material.E, material.G, material.rho, material.alpha)
-    return [float(np.asarray(value)) for value in values if value is not None]
+    return [_one(value) for value in values if value is not None]
 
 
 def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
@@ -471,6 +530,6 @@ def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
     return rows
 
 
-def _filled(values: dict[int, Any], size: int = 0) -> list[float]:
+def _filled(values: dict[int, Any], size: int = 0) -> list[Any]:
     """Values in order, zero where none is given."""
-    return [float(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]
+    return [_one(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..errors import clean
 from .document import Document, EditError
-from .filing import opened, study_of
+from .filing import opened
 from .history import History, recover
 from .places import Place, left_place, new_place, place_of
 from .session import Session
@@ -44,13 +44,12 @@ def session_of_file(path: Path) -> Session:
         raise TakenError(path, place.address())
     if (history := _recovered(place)) is not None:
         session = Session(history, place=place)
-        session.recovered = True
-        own = Path(history.file) if history.file else path
-        session.watch.know(own, study_of(own))
+        session.file.recovered = True
+        session.file.know()
         return session
     found = opened(path)
     session = Session(History(found.document, place.journal, file=str(path)), place=place, notes=found.notes)
-    session.watch.know(*found.files)
+    session.file.know()
     return session
 
 
@@ -64,7 +63,7 @@ def session_of_new(document: Document | None = None, notes: list[str] | None = N
     while document is None and (place := left_place()) is not None:
         if (history := _recovered(place)) is not None:
             session = Session(history, place=place)
-            session.recovered = True
+            session.file.recovered = True
             return session
         place.leave()
     place = new_place()

@@ -79,7 +79,7 @@ def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> 
         # Without a writable cache folder the program is slower and otherwise the same.
         pass
     session = _session(path, refuse)
-    known = session.place.known() if session.place is not None else {}
+    known = session.file.place.known() if session.file.place is not None else {}
     from .server import Server
 
     # Where the last one was, so that a page which is still open finds this one.
@@ -91,7 +91,7 @@ def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> 
                 continue
             session.close()
             refuse(f"flexmb edit: port {tried} is taken: {fault.strerror or fault}; --port 0 takes any that is free.")
-        session.answers_at(server.port, server.token)
+        session.file.answers_at(server.port, server.token)
         return server
     raise AssertionError
 

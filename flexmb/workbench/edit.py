@@ -52,7 +52,7 @@ def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **nam
     except BaseException:
         session.close()
         raise
-    session.answers_at(server.port, server.token)
+    session.file.answers_at(server.port, server.token)
     server.start()
     if browser or (browser is None and not notebook):
         threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()

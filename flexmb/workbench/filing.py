@@ -11,6 +11,8 @@ import zipfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..errors import clean
 from ..files import write_whole
 from .document import Document
@@ -24,17 +26,17 @@ class Opened(NamedTuple):
     Attributes:
         document: The document.
         notes: What is to be said about it.
-        files: From which it was read; a change of one is a change of it.
     """
 
     document: Document
     notes: list[str]
-    files: list[Path]
 
 
-def study_of(path: Path) -> Path:
-    """The study beside an input file, which has its names and their bounds."""
-    return path.with_suffix(".toml")
+def files_of(path: Path | None) -> list[Path]:
+    """Files that a document was read from: beside an input file stands the study with its names and their bounds."""
+    if path is None:
+        return []
+    return [path, path.with_suffix(".toml")] if path.suffix == ".dat" else [path]
 
 
 def opened(path: Path) -> Opened:
@@ -48,12 +50,12 @@ def opened(path: Path) -> Opened:
         ValueError: It holds no such thing, or ends otherwise.
     """
     if path.suffix == ".json":
-        return Opened(_of_json(path.read_bytes(), path.name), [], [path])
+        return Opened(_of_json(path.read_bytes(), path.name), [])
     if path.suffix == ".dat":
         from .dat_file import open_dat
 
         document, notes = open_dat(path)
-        return Opened(document, list(notes), [path, study_of(path)])
+        return Opened(document, list(notes))
     raise ValueError(f"The workbench opens {' and '.join(OPENED)}, not '{clean(path.name)}'.")
 
 
@@ -71,8 +73,7 @@ def received(name: str, text: str) -> Opened:
         plain = re.sub(r"[^\w.-]", "_", Path(name).name)[-80:] or "mechanism"
         path = Path(folder) / plain
         path.write_text(text, encoding="utf-8")
-        found = opened(path)
-    return Opened(found.document, found.notes, [])
+        return opened(path)
 
 
 def lost_in(document: Document, path: Path) -> list[str]:
@@ -84,14 +85,15 @@ def lost_in(document: Document, path: Path) -> list[str]:
     return list(cannot_hold(document))
 
 
-def write(document: Document, path: Path) -> list[Path]:
-    """Write a document; the files that now hold it.
+def write(document: Document, path: Path) -> list[str]:
+    """Write a document; what is to be said about it.
 
     Args:
         document: What.
         path: Ends in .dat, .py or .json.
 
     Raises:
+        ModelError: An input file has no words for it.
         OSError: It cannot be written.
         ValueError: It ends otherwise.
     """
@@ -104,11 +106,10 @@ def write(document: Document, path: Path) -> list[Path]:
     elif path.suffix == ".dat":
         from .dat_file import save_dat
 
-        save_dat(document, path)
-        return [path, study_of(path)]
+        return list(save_dat(document, path))
     else:
         raise ValueError(f"The workbench saves {', '.join(SAVED)}, not '{clean(path.name)}'.")
-    return [path]
+    return []
 
 
 def exported(document: Document, kind: str, name: str, deformed: bool = False) -> dict[str, Any]:
@@ -130,14 +131,15 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.{kind}"
             lost = lost_in(document, path)
-            files = [own for own in write(document, path) if own.exists()]
+            notes = write(document, path)
+            files = [own for own in files_of(path) if own.exists()]
             if len(files) == 1:
-                return {"name": path.name, "text": path.read_text(encoding="utf-8"), "left_out": lost}
+                return {"name": path.name, "text": path.read_text(encoding="utf-8"), "left_out": lost, "notes": notes}
             buffer = io.BytesIO()
             with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
                 for own in files:
                     archive.write(own, own.name)
-        return {"name": f"{name}.zip", **_bytes(buffer.getvalue()), "left_out": lost}
+        return {"name": f"{name}.zip", **_bytes(buffer.getvalue()), "left_out": lost, "notes": notes}
     from .building import build
 
     if kind not in ("html", "step", "dxf"):
@@ -150,7 +152,7 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
     from ..statics.equilibrium import equilibrium
     from .cad import dxf, step
 
-    x = equilibrium(model).x if deformed else None
+    x = np.asarray(equilibrium(model).x) if deformed else None
     found = step(model, x, name) if kind == "step" else dxf(model, x)
     return {"name": f"{name}.{kind}", **_bytes(found.content), "notes": [*notes, *found.notes]}
 
@@ -177,3 +179,25 @@ def _of_json(content: bytes, name: str) -> Document:
     except (ValueError, RecursionError) as fault:
         raise ValueError(f"'{clean(name)}' is no JSON: {fault}.") from None
     return Document.from_data(data)
+
+
+def difference(own: Document, other: Document) -> str:
+    """In what a document differs from another, in a few words; "" where it builds the same.
+
+    Args:
+        own: The document here.
+        other: The other.
+    """
+    names = [name for name in {**own.names, **other.names} if own.names.get(name) != other.names.get(name)]
+
+    def plain(document: Document) -> list[str]:
+        return sorted(repr((one["call"], one.get("name"), sorted(one["args"].items()))) for one in document.things)
+
+    here, there = plain(own), plain(other)
+    apart = max(len([one for one in here if one not in there]), len([one for one in there if one not in here]))
+    parts = [f"{apart} {'thing' if apart == 1 else 'things'}"] if apart else []
+    if names:
+        shown = ", ".join(map(clean, names[:5]))
+        parts.append(f"the {'name' if len(names) == 1 else 'names'} {shown}{' and more' if len(names) > 5 else ''}")
+    verb = "differs" if len(names) + apart == 1 else "differ"
+    return f"{' and '.join(parts)} {verb} from what is here." if parts else ""

@@ -100,7 +100,7 @@ def _traced(
         return Calls(_builder_in(returned) if which is None else builders[which]).numbers
 
     try:
-        found = formulas(numbers, floats)
+        found, _ = formulas(numbers, floats)
     except NOT_FOLLOWED as fault:
         first = (str(fault).strip().splitlines() or [""])[0]
         return None, f"the function needs to know their values ({type(fault).__name__}: {clean(first[:200])})"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import itertools
 import json
 import os
@@ -198,16 +199,30 @@ class History:
             self.part()
 
     def _open(self, path: Path, mode: str) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._file = open(path, mode, encoding="utf-8")
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        # For the eyes of its user alone.
+        self._file = open(path, f"{mode}b", buffering=0, opener=lambda name, flags: os.open(name, flags, 0o600))
         _lock(self._file)
 
     def _write(self, line: dict[str, Any]) -> None:
         """A line of the journal, on the disk before anything else is done."""
-        if self._file is not None:
-            self._file.write(json.dumps(line, ensure_ascii=False) + "\n")
-            self._file.flush()
+        if self._file is None:
+            return
+        content = json.dumps(line, ensure_ascii=False).encode() + b"\n"
+        end = self._file.tell()
+        try:
+            if self._file.write(content) < len(content):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             os.fsync(self._file.fileno())
+        except OSError as fault:
+            # Half a line would hide those that follow it.
+            with contextlib.suppress(OSError):
+                self._file.truncate(end)
+                self._file.seek(end)
+            message = (
+                f"Nothing is changed: the journal '{self._file.name}' cannot be written: {fault.strerror or fault}."
+            )
+            raise EditError("", message) from None
 
 
 def recover(path: str | os.PathLike) -> History:

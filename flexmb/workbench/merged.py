@@ -1,13 +1,15 @@
-"""Nodes of a SPACAR input file as one thinks of them: a position with its rotation, instead of two numbers."""
+"""Nodes and elements of a SPACAR input file as one thinks of them: named, and rotations belong to positions."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..build.description import Description, NamedSignal
+from ..build.builder import Builder
+from ..build.description import NamedSignal
 
 
-def merged(builder: Description) -> Description:
+def merged(builder: Builder) -> Builder:
     """A builder whose rotations are those of the positions that they stand beside in all their elements.
 
     A file numbers positions and rotations by themselves. What stands beside one position alone becomes its rotation,
@@ -25,31 +27,67 @@ def merged(builder: Description) -> Description:
                 position = node
             elif part in ("rotation", "warping") and position is not None:
                 beside.setdefault(node, set()).add(position)
-    renamed: dict[str, str] = {}
+    new: dict[str, str] = {}
     for node, positions in beside.items():
         own = builder.nodes[node]
-        usual = tuple(np.asarray(own.start, float)) == tuple(own.kind.start) if own.kind.part == "rotation" else True
+        usual = tuple(np.asarray(own.start, float)) == tuple(own.kind.start)
         name = f"{next(iter(positions))}.{own.kind.part}"
-        if len(positions) == 1 and usual and name not in builder.nodes and name not in renamed.values():
-            renamed[node] = name
-    return _renamed(builder, renamed)
+        # An element that warps looks for the warping of its node by that of the rotation.
+        if len(positions) == 1 and usual and name not in builder.nodes and name not in new.values():
+            new[node] = name
+    return _renamed(builder, lambda node: new.get(node, node), lambda element: element)
 
 
-def _renamed(builder: Description, renamed: dict[str, str]) -> Description:
-    def of(node: str) -> str:
-        return renamed.get(node, node)
+def called(builder: Builder, legend: dict[str, dict[str, str]]) -> Builder:
+    """A builder of a file whose numbers have the names that its comments tell.
 
+    Args:
+        builder: Not changed.
+        legend: Names of each "node", "element", "input" and "output", by number.
+    """
+    nodes = _fitting(legend.get("node", {}), list(builder.nodes))
+    elements = _fitting(legend.get("element", {}), list(builder.members))
+
+    def of_node(node: str) -> str:
+        if node in nodes:
+            return nodes[node]
+        owner, _, part = node.rpartition(".")
+        if part == "warping" and owner in nodes:
+            return f"{nodes[owner].removesuffix('.rotation')}.{part}"
+        return f"{elements[owner]}.{part}" if part == "internal" and owner in elements else node
+
+    twin = _renamed(builder, of_node, lambda element: elements.get(element, element))
+    for side in ("input", "output"):
+        given = legend.get(side, {})
+        names = [given.get(str(i), signal.name) for i, signal in enumerate(twin.signals[side], 1)]
+        if len(set(names)) == len(names):
+            twin.signals[side] = [s._replace(name=name) for s, name in zip(twin.signals[side], names, strict=True)]
+    return twin
+
+
+def _fitting(names: dict[str, str], there: list[str]) -> dict[str, str]:
+    """Names of what is there, if no two are called alike."""
+    own = {number: name for number, name in names.items() if number in there and name.isprintable()}
+    after = [own.get(name, name) for name in there]
+    return own if len(set(after)) == len(after) else {}
+
+
+def _renamed(builder: Builder, of_node: Callable[[str], str], of_element: Callable[[str], str]) -> Builder:
     def key(entry: Any) -> Any:
-        return ("node", of(entry[1]), entry[2]) if isinstance(entry, tuple) and entry[0] == "node" else entry
+        if not isinstance(entry, tuple):
+            return entry
+        kind, of, number = entry
+        return kind, of_node(of) if kind == "node" else of_element(of), number
 
     def signal(own: NamedSignal) -> NamedSignal:
         return own._replace(key=key(own.key), parts=tuple(map(signal, own.parts)))
 
     twin = builder.copy()
-    twin.nodes = {of(name): node for name, node in twin.nodes.items()}
+    twin.nodes = {of_node(name): node for name, node in twin.nodes.items()}
+    twin.members = {of_element(name): member for name, member in twin.members.items()}
     for member in twin.members.values():
-        member.nodes = tuple(map(of, member.nodes))
-    twin._clamped = set(map(of, twin._clamped))
+        member.nodes = tuple(map(of_node, member.nodes))
+    twin._clamped = set(map(of_node, twin._clamped))
     twin.dofs = list(map(key, twin.dofs))
     twin.starts = {key(entry): value for entry, value in twin.starts.items()}
     twin.loads = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import secrets
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,14 +15,15 @@ from .building import Built, build, numbers_of, positions
 from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
-from .filing import Opened, exported, lost_in, opened, received, write
+from .filing import exported, lost_in
 from .history import History
 from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
-from .places import Place, place_of
-from .targets import label_of, meet, number_like
-from .watch import Watch
+from .open_file import OpenFile
+from .places import Place
+from .preview import Shown
+from .targets import label_of, meet
 
 # How long a design that is pinned waits for its answers [s].
 LONGEST_WAIT = 5.0
@@ -53,8 +53,7 @@ class Session:
         run: Name of this session: another one after the program was started again.
         history: The document, and the way to it.
         notes: What is to be said about how it began.
-        place: Where its journal stands, and how it is found; None without a journal.
-        recovered: Whether what is here came back from a journal, and nobody has said yet that it shall stay.
+        file: Where it is saved, and where its journal stands.
         live: What is computed of the newest document.
         jobs: Long work.
     """
@@ -69,16 +68,15 @@ class Session:
         """
         self.run = secrets.token_hex(8)
         self.history = history or History()
-        self.place = place
         self.notes = notes or []
-        self.recovered = False
         self.wants = Wants()
         self.jobs = Jobs(self.tell)
-        self.watch = Watch(self._disk_changed)
         self._lock = threading.RLock()
+        self.file = OpenFile(self.history, place, self.tell, self._lock)
+        self.file.settled = self._tell_changes
         self._listeners: list[Callable[[dict[str, Any]], None]] = []
         self._built: tuple[Document, Built] | None = None
-        self._answers_at: tuple[int, str] | None = None
+        self._agreed: set[str] = set()
         self._is_closed = False
         self._answers: dict[str, Any] = {}
         self._pinned: Pinned | None = None
@@ -92,11 +90,7 @@ class Session:
         self._listeners.append(listener)
         with self._lock:
             self._tell_changes()
-            if self.recovered:
-                name = Path(self.history.file).name if self.history.file else "the new mechanism"
-                count = len(self.history.undo_labels)
-                summary = f"{count} {'step' if count == 1 else 'steps'} that nobody saved came back."
-                self.tell({"tell": "file", "changed": False, "recovered": True, "name": name, "summary": summary})
+            self.file.begin()
 
     def tell(self, message: dict[str, Any]) -> None:
         """Tell all pages, from any thread."""
@@ -155,12 +149,6 @@ class Session:
             raise ModelError("\n".join(problem["message"] for problem in built.problems))
         return built.builder
 
-    def answers_at(self, port: int, token: str) -> None:
-        """Say where pages find this session, now and after it was started again."""
-        self._answers_at = port, token
-        if self.place is not None:
-            self.place.take(port, token)
-
     def close(self, *, keep: bool | None = None) -> None:
         """End what is running; a second call does nothing.
 
@@ -170,14 +158,9 @@ class Session:
         if self._is_closed:
             return
         self._is_closed = True
-        self.watch.close()
         self.jobs.close()
         self.live.stop()
-        with self._lock:
-            keep = not self.history.is_saved if keep is None else keep
-            self.history.close(keep=keep)
-            if self.place is not None and not keep and self.history.file is None:
-                self.place.leave()
+        self.file.close(keep)
 
     # Verbs.
 
@@ -197,11 +180,11 @@ class Session:
 
     def do_undo(self, key: str | None = None) -> Any:
         """Go back one step."""
-        return self._changed(self.history.undo(key))
+        return self._stepped(self.history.undo(key))
 
     def do_redo(self, key: str | None = None) -> Any:
         """Go forward again."""
-        return self._changed(self.history.redo(key))
+        return self._stepped(self.history.redo(key))
 
     def do_part(self) -> None:
         """End a step: what follows is another one, whatever its merge key."""
@@ -266,84 +249,62 @@ class Session:
         self, path: str | None = None, text: str | None = None, name: str | None = None, key: str | None = None
     ) -> Any:
         """Put the document of a file, or of a text that a page has, in the place of this one; a step as any other."""
-        if (path is None) == (text is None) or (text is None) != (name is None):
-            raise Refused("open: give a path, or a text and its name.")
-        if path is not None:
-            file = Path(path).expanduser().absolute()
-            found = opened(file)
+        if path is not None and text is None and name is None:
+            notes = self.file.open(Path(path).expanduser().absolute(), key)
+        elif path is None and isinstance(text, str) and isinstance(name, str):
+            notes = self.file.receive(name, text, key)
         else:
-            file = None
-            found = received(str(name), str(text))
-        self._take(found, file, f"Open {clean(file.name if file else name)}", key)
-        return self._changed(None, notes=found.notes)
+            raise Refused("open: give a path, or a text and its name.")
+        return self._changed(None, notes=notes)
 
     def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
         """Write the file; what would be lost or written over is said first, and nothing is written then.
 
         Args:
             path: Where; that of the document's file unless given.
-            anyway: Whether what the file cannot hold may be left out.
+            anyway: Whether what the file cannot hold may be left out; it is asked for once.
             over: Whether another file may be written over.
         """
-        given = path or self.history.file
-        if not given:
+        own = self.file.path
+        file = Path(path).expanduser().absolute() if path else own
+        if file is None:
             raise Refused("save: this mechanism has no file yet: give a path.")
-        file, own = Path(given).expanduser().absolute(), self.history.file
-        is_own = own is not None and file == Path(own)
-        if lost := [] if anyway else lost_in(self.history.document, file):
+        lost = lost_in(self.history.document, file)
+        if not anyway and not self._agreed.issuperset(lost):
             return {"saved": False, "cannot_hold": lost}
-        if is_own and (changed := self.watch.differs()):
-            self._disk_changed(changed[0])
-            raise Refused(f"'{clean(file.name)}' was changed by another program: say which is to stay, and save again.")
-        if not is_own and not over and file.exists():
+        if file != own and not over and file.exists():
             return {"saved": False, "over": file.name}
-        self.save(file)
-        return {"saved": True, "file": str(file)}
+        notes = self.save(file)
+        self._agreed.update(lost)
+        return {"saved": True, "file": str(file), "notes": notes}
 
     def do_export(self, kind: str, deformed: bool = False) -> Callable[[], dict[str, Any]]:
         """Content of a file of another kind."""
-        document, file = self.history.document, self.history.file
-        name = Path(file).stem if file else "".join(c if c.isalnum() else "_" for c in document.data["title"])[:60]
+        document, file = self.history.document, self.file.path
+        name = file.stem if file else "".join(c if c.isalnum() else "_" for c in document.data["title"])[:60]
         return lambda: exported(document, kind, name or "mechanism", deformed)
 
     def do_keep_disk(self) -> None:
         """Keep what is here; the next save writes over what another program has written."""
-        if not self.recovered:
-            self.history.saved = None
-        self.watch.know(*self.watch.files)
-        self._disk_settled()
+        self.file.keep()
         self._tell_changes()
 
     def do_take_disk(self, key: str | None = None) -> Any:
         """Take what the file holds now, or begin anew where there is no file; a step as any other."""
-        file = self.history.file
-        found = Opened(Document.empty(self.history.document.dimension), [], []) if file is None else opened(Path(file))
-        label = "Begin anew" if file is None else f"Take {clean(Path(file).name)} from the disk"
-        self._take(found, None if file is None else Path(file), label, key)
-        self._disk_settled()
-        return self._changed(None, notes=found.notes)
+        return self._changed(None, notes=self.file.take(key))
 
     # What they share.
 
-    def save(self, file: Path) -> None:
-        """Write the document to a file, which it belongs to from then on, unless that cannot be opened again.
+    def save(self, file: Path) -> list[str]:
+        """Write the document to a file, see :meth:`.open_file.OpenFile.save`.
 
         Args:
             file: Ends in .dat, .json or .py.
-
-        Raises:
-            OSError: It cannot be written.
-            ValueError: It ends otherwise.
         """
         with self._lock:
-            files = write(self.history.document, file)
-            if file.suffix == ".py":
-                return
-            self.history.mark_saved(str(file))
-            self.watch.know(*files)
-            self._move_to(file)
-            self._disk_settled()
+            notes = self.file.save(file)
             self._tell_changes()
+        return notes
 
     def _reply(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
         own = {"label": found} if found is None or isinstance(found, str) else found._asdict()
@@ -352,6 +313,10 @@ class Session:
     def _changed(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
         self._tell_changes()
         return self._reply(found, **more)
+
+    def _stepped(self, label: str | None) -> dict[str, Any]:
+        self.file.follow()
+        return self._changed(label)
 
     def _tell_changes(self) -> None:
         history = self.history
@@ -383,10 +348,8 @@ class Session:
 
     def _tell_offered(self) -> None:
         """Which analyses there are for the document of now, after all else, since they take much of the package."""
-        try:
-            from .analyses import offered
-        except ModuleNotFoundError:
-            return
+        from .analyses import offered
+
         if (found := offered(self.history.document)) != self._offered:
             self._offered = found
             self.tell({"tell": "analyses", "analyses": found})
@@ -396,89 +359,3 @@ class Session:
         document = self.history.document
         if pinned is not None and known.get("of_revision") == self.history.revision:
             self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})
-
-    def _take(self, found: Opened, file: Path | None, label: str, key: str | None) -> None:
-        self.history.replace(found.document, label, None if file is None else str(file), key)
-        self.watch.know(*found.files)
-        if file is not None:
-            self._move_to(file)
-
-    def _move_to(self, file: Path) -> None:
-        """Take the journal to the place of another file, so that it is found with that."""
-        place = place_of(file)
-        if self.place is None or place == self.place or place.is_taken():
-            return
-        old, self.place = self.place, place
-        self.history.move_journal(place.journal)
-        old.leave()
-        if self._answers_at is not None:
-            place.take(*self._answers_at)
-
-    def _disk_changed(self, path: Path) -> None:
-        """Offer what another program has written."""
-        with self._lock:
-            file = self.history.file
-            if file is None:
-                return
-            try:
-                summary = _difference(self.history.document, opened(Path(file)).document)
-            except (OSError, ValueError) as fault:
-                summary = f"It cannot be opened as it is now: {fault}"
-            if summary:
-                self.tell({"tell": "file", "changed": True, "name": path.name, "summary": summary})
-                return
-            self.watch.know(*self.watch.files)
-            self.history.mark_saved(file)
-            self._tell_changes()
-
-    def _disk_settled(self) -> None:
-        self.recovered = False
-        self.tell({"tell": "file", "changed": False})
-
-
-class Shown:
-    """A job whose designs become the document as they come.
-
-    Args:
-        job: Told all of it.
-        document: That the names are in.
-        write: Edits the document, by operations.
-    """
-
-    def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
-        self._job, self._document, self._write = job, document, write
-        self._last = 0.0
-
-    @property
-    def stopped(self) -> bool:
-        """Whether it is to end."""
-        return self._job.stopped
-
-    def tell(self, **changes: Any) -> None:
-        """Take how far it is."""
-        self._job.tell(**changes)
-        now = time.monotonic()
-        if not changes.get("design") or now - self._last < PACE or self.stopped:
-            return
-        self._last = now
-        own = self._document.names
-        texts = {name: number_like(own[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
-        ops = [{"op": "name", "name": name, "to": {**own[name], "value": text}} for name, text in texts.items()]
-        self._write(ops)
-
-
-def _difference(own: Document, other: Document) -> str:
-    """In what a document differs from another, in a few words; "" where it builds the same."""
-    names = [name for name in {**own.names, **other.names} if own.names.get(name) != other.names.get(name)]
-
-    def plain(document: Document) -> list[str]:
-        return sorted(repr((one["call"], one.get("name"), sorted(one["args"].items()))) for one in document.things)
-
-    here, there = plain(own), plain(other)
-    apart = max(len([one for one in here if one not in there]), len([one for one in there if one not in here]))
-    parts = [f"{apart} {'thing' if apart == 1 else 'things'}"] if apart else []
-    if names:
-        shown = ", ".join(map(clean, names[:5]))
-        parts.append(f"the {'name' if len(names) == 1 else 'names'} {shown}{' and more' if len(names) > 5 else ''}")
-    verb = "differs" if len(names) + apart == 1 else "differ"
-    return f"{' and '.join(parts)} {verb} from what is here." if parts else ""

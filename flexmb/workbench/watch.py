@@ -22,6 +22,7 @@ class Watch:
     def __init__(self, changed: Callable[[Path], None]):
         self._changed = changed
         self._known: dict[Path, str | None] = {}
+        self._watched: tuple[Path, ...] = ()
         self._seen: dict[Path, tuple[int, int] | None] = {}
         self._read: dict[Path, tuple[int, int] | None] = {}
         self._told: dict[Path, str | None] = {}
@@ -32,21 +33,25 @@ class Watch:
     def know(self, *paths: Path) -> None:
         """Watch these files and no others, and take what they hold now as known."""
         with self._lock:
-            self._known = {path: content_of(path) for path in paths}
+            for path in paths:
+                self._known.pop(path, None)
+        self.look(*paths)
+
+    def look(self, *paths: Path) -> None:
+        """Watch these files and no others; those that were known once as they were then."""
+        with self._lock:
+            for path in paths:
+                if path not in self._known:
+                    self._known[path] = content_of(path)
+            self._watched = paths
             self._seen, self._read, self._told = {}, {}, {}
         if not self._thread.is_alive() and not self._ended.is_set() and paths:
             self._thread.start()
 
-    @property
-    def files(self) -> list[Path]:
-        """The files that are watched."""
-        with self._lock:
-            return list(self._known)
-
     def differs(self) -> list[Path]:
         """Files that hold something else than what is known."""
         with self._lock:
-            known = dict(self._known)
+            known = {path: self._known[path] for path in self._watched}
         return [path for path, content in known.items() if content_of(path) != content]
 
     def close(self) -> None:
@@ -58,7 +63,7 @@ class Watch:
     def _run(self) -> None:
         while not self._ended.wait(PERIOD):
             with self._lock:
-                paths = list(self._known)
+                paths = self._watched
             for path in paths:
                 if self._is_new(path):
                     self._changed(path)
@@ -73,7 +78,7 @@ class Watch:
             return False
         content = content_of(path)
         with self._lock:
-            if path not in self._known:
+            if path not in self._watched:
                 return False
             last = self._told.get(path, self._known[path])
             self._read[path], self._told[path] = look, content

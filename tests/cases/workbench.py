@@ -33,6 +33,26 @@ FLAGS = (
 )
 
 
+def thing(call: str, name: str | None = None, **args: Any) -> dict[str, Any]:
+    """The operation that adds a thing."""
+    own = {"call": call, "args": args} | ({} if name is None else {"name": name})
+    return {"op": "add", "thing": own}
+
+
+def cantilever() -> list[dict[str, Any]]:
+    """Operations of a leaf spring of 100 x 20 x t mm with a mass of 0.1 kg at its end."""
+    return [
+        {"op": "name", "name": "t", "to": {"value": "0.5e-3", "low": "0.1e-3", "high": "2e-3"}},
+        thing("Material", "steel", E="210e9", G="80e9", rho="0"),
+        thing("Rectangle", "leaf", width="0.02", thickness="t", material="steel"),
+        thing("node", "A", position=["0", "0"]),
+        thing("node", "B", position=["0.1", "0"]),
+        thing("planar.beam", "spring", nodes=["A", "B"], section="leaf"),
+        thing("fix", node="A", components=""),
+        thing("mass", node="B", mass="0.1"),
+    ]
+
+
 class Process:
     """``flexmb edit`` in a process of its own.
 
@@ -140,7 +160,7 @@ def browsing(folder: Path) -> Iterator[Any]:
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
+    options.binary_location = str(BROWSER)
     for flag in (*FLAGS, f"--user-data-dir={folder}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})

@@ -13,7 +13,7 @@ NUMBERS = {"t": 0.5e-3, "w": 0.018, "n": 3.25}
 
 def texts(function) -> list:
     said = np.vectorize(lambda one: one.text, otypes=[object])
-    return [said(found).tolist() for found in formulas(function, NUMBERS)]
+    return [said(found).tolist() for found in formulas(function, NUMBERS)[0]]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from cases import documents
 
 import flexmb as fm
 from flexmb.workbench.building import build
-from flexmb.workbench.document import Document, apply
+from flexmb.workbench.document import Document, EditError, apply
 
 
 def mirrored(document, axis, at="0.03"):
@@ -32,7 +32,9 @@ def skew_arm_in_the_plane() -> Document:
             ("planar.hinge", "joint", {"nodes": ["C", "rocker"], "stiffness": "0.7"}),
             ("inertia", None, {"node": "rocker", "inertia": ["1e-5"]}),
             ("body", None, {"node": "C", "mass": "0.05", "center": ["0.01", "0.02"], "inertia": ["2e-5"]}),
-            ("fix", None, {"node": "A"}),
+            ("prescribe", None, {"of": "A", "component": "x", "value": "2e-3"}),
+            ("prescribe", None, {"of": "A", "component": "2", "value": "1e-3"}),
+            ("prescribe", None, {"of": "A", "component": "phi", "value": "0.05"}),
             ("force", None, {"node": "C", "force": ["3", "1"]}),
             ("force", None, {"node": "B", "force": ["-1", "2"], "follower": "true"}),
             ("moment", None, {"node": "C", "moment": ["0.2"]}),
@@ -79,7 +81,10 @@ def skew_arm_in_space() -> Document:
                 {"node": "C", "mass": "0.05", "center": ["0.01", "0.02", "-0.01"]}
                 | {"inertia": ["3e-5", "1e-6", "2e-6", "4e-5", "3e-6", "5e-5"]},
             ),
-            ("fix", None, {"node": "A"}),
+            ("prescribe", None, {"of": "A", "component": "x", "value": "2e-3"}),
+            ("prescribe", None, {"of": "A", "component": "y", "value": "1e-3"}),
+            ("prescribe", None, {"of": "A", "component": "3", "value": "-1e-3"}),
+            ("prescribe", None, {"of": "A", "component": "rotation", "value": "0.05", "axis": ["1", "2", "-1"]}),
             ("force", None, {"node": "C", "force": ["3", "1", "2"]}),
             ("force", None, {"node": "B", "force": ["-1", "2", "3"], "follower": "true"}),
             ("moment", None, {"node": "C", "moment": ["0.2", "0.1", "0.3"]}),
@@ -180,3 +185,32 @@ def test_a_mirrored_block_in_the_plane_has_the_same_frequencies(name):
 def test_a_mirrored_block_in_space_has_the_same_frequencies(name, more, axis):
     document = with_block(3, name, **more)
     assert frequencies(mirrored(document, axis)) == pytest.approx(frequencies(document), rel=1e-7)
+
+
+def test_a_block_whose_leaves_change_places_is_exploded_first_where_they_are_named():
+    document = with_block(2, "cross_pivot")
+    ids = [thing["id"] for thing in document.things]
+    named = {"call": "prestress", "args": {"element": "block leaf 1", "values": ["0", "0", "0", "1"]}}
+    document, _ = apply(document, [{"op": "add", "thing": named}])
+    assert build(document).problems == []
+    op = {"op": "mirror", "ids": ids, "axis": "x", "at": "0"}
+    with pytest.raises(EditError, match="explode it first"):
+        apply(document, [op])
+    parts, _ = apply(document, [{"op": "explode", "id": "5"}])
+    there = mirrored(parts, "x")
+    assert build(there).problems == []
+    assert frequencies(there) == pytest.approx(frequencies(parts), rel=1e-7)
+
+
+def test_what_has_no_mirror_image_is_told():
+    document = documents.drawn(
+        3,
+        {},
+        [
+            ("node", "A", {"position": ["0", "0", "0"]}),
+            ("body", None, {"node": "A", "step": "part.step", "material": ""}),
+        ],
+    )
+    with pytest.raises(EditError, match="STEP file") as fault:
+        mirrored(document, "x")
+    assert fault.value.address == "2/step"

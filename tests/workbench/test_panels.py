@@ -37,7 +37,7 @@ GUIDE = [
     add("node", "D", position=["L", "0"]),
     add("planar.beam", "left", nodes=["A", "B"], section="leaf"),
     add("planar.beam", "right", nodes=["D", "C"], section="leaf"),
-    add("planar.rigid_beam", "bar", nodes=["B", "C"]),
+    add("planar.rigid_body", "bar", nodes=["B", "C"]),
     add("fix", node="A"),
     add("fix", node="D"),
     add("mass", node="B", mass=str(MASS)),
@@ -53,7 +53,7 @@ def frequencies(thickness, length=LENGTH):
     leaf = fm.Rectangle(width=WIDTH, thickness=thickness, material=fm.Material(E=210e9, G=80e9, rho=7850))
     b.add(planar.beam, "A", "B", name="left", section=leaf)
     b.add(planar.beam, "D", "C", name="right", section=leaf)
-    b.add(planar.rigid_beam, "B", "C", name="bar")
+    b.add(planar.rigid_body, "B", "C", name="bar")
     b.fix("A")
     b.fix("D")
     b.mass("B", MASS)
@@ -233,3 +233,197 @@ def _control(letter):
     from selenium.webdriver.common.keys import Keys
 
     return Keys.CONTROL + letter + Keys.NULL
+
+
+SPATIAL = [
+    {"op": "dimension", "to": 3},
+    add("Material", "steel", E="210e9", G="80e9", rho="7850"),
+    add("Rectangle", "leaf", width="18e-3", thickness="0.5e-3", material="steel"),
+    *(
+        add("node", f"{side} {end}", position=["0", y, z])
+        for side, y in (("left", "0"), ("right", "0.05"))
+        for end, z in (("foot", "0"), ("top", "0.1"))
+    ),
+    *(
+        add(
+            "spatial.beam",
+            side,
+            nodes=[f"{side} foot", f"{side} top"],
+            section="leaf",
+            y=["1", "0", "0"],
+            released="2 3 4",
+        )
+        for side in ("left", "right")
+    ),
+    add("spatial.rigid_body", "bar", nodes=["left top", "right top"]),
+    add("fix", node="left foot"),
+    add("fix", node="right foot"),
+    add("mass", node="left top", mass="0.1"),
+    add("mass", node="right top", mass="0.1"),
+]
+
+
+def test_a_button_of_the_advice_makes_a_spatial_guide_exactly_constrained(page):
+    edit(page, *SPATIAL)
+    until(page, "s.state.count?.status === 'overconstrained'")
+    until(page, "document.getElementById('dof').textContent.includes('over')")
+    assert ask(page, "document.getElementById('dof').dataset.state") == "over"
+    until(page, "document.querySelector('[data-advice]')").click()
+    until(page, "s.state.count.status === 'ok' && s.state.count.over === 0 && s.state.count.under === 0")
+    until(page, "document.getElementById('dof').dataset.state === 'good'")
+    # As the mechanics say: five degrees of freedom of ten released deformations, nothing over.
+    b = _spatial(ask(page, "s.state.document.things"))
+    assert fm.mobility(b.build(check=False)).overconstraints == 0
+    assert answered(page)["frequency 1"] > 0
+    page.find_element("id", "undo").click()
+    until(page, "s.state.count.status === 'overconstrained'")
+
+
+def _spatial(things):
+    b = fm.Builder()
+    leaf = fm.Rectangle(width=18e-3, thickness=0.5e-3, material=fm.Material(E=210e9, G=80e9, rho=7850))
+    for one in things:
+        own, call = one["args"], one["call"]
+        if call == "node":
+            b.node(one["name"], [float(text) for text in own["position"]])
+        elif call == "spatial.beam":
+            released = [int(number) for number in own["released"].split()]
+            b.add(fm.spatial.beam, *own["nodes"], name=one["name"], section=leaf, y=(1, 0, 0), released=released)
+        elif call == "spatial.rigid_body":
+            b.add(fm.spatial.rigid_body, *own["nodes"], name=one["name"])
+        elif call == "fix":
+            b.fix(own["node"])
+    return b
+
+
+def dialog(page):
+    """The dialog that is open."""
+    return until(page, "document.querySelector('dialog[open]')")
+
+
+def closed(page):
+    until(page, "!document.querySelector('dialog[open]')")
+
+
+@pytest.mark.parametrize("ending", ["json", "dat"])
+def test_a_file_that_was_saved_opens_as_the_same_mechanism(page, folder, ending):
+    edit(page, *GUIDE)
+    shown = answered(page)
+    page.find_element("id", "file-more").click()
+    page.find_element("id", "save-as").click()
+    box = dialog(page).find_element("css selector", "input")
+    write(box, f"guide.{ending}")
+    dialog(page).find_element("css selector", "[type=submit]").click()
+    until(page, "s.state.saved && s.state.file")
+    closed(page)
+    assert (folder / f"guide.{ending}").exists()
+    edit(page, *clearing(page))
+    page.find_element("id", "open").click()
+    write(dialog(page).find_element("css selector", "input[type=text]"), f"guide.{ending}")
+    dialog(page).find_element("css selector", "[type=submit]").click()
+    until(page, "s.state.document.things.length > 5")
+    again = answered(page)
+    for key in ("frequency 1", "frequency 2", "mass"):
+        assert again[key] == pytest.approx(shown[key], rel=1e-12)
+    assert set(ask(page, "s.state.document.names")) == {"t", "L"}
+    if document := page.find_elements("css selector", "dialog[open] .buttons button"):
+        document[0].click()
+
+
+def test_a_script_that_was_saved_builds_the_same_mechanism(page, folder):
+    edit(page, *GUIDE)
+    shown = answered(page)
+    assert wait_for(page, "s.ask('save', {path: 'guide.py'})")["saved"]
+    space = {"__name__": "guide"}
+    exec((folder / "guide.py").read_text(), space)
+    makers = [own for key, own in space.items() if callable(own) and getattr(own, "__module__", "") == "guide"]
+    built = next(found for found in (maker() for maker in makers) if isinstance(found, fm.Builder | fm.Model))
+    model = built.build() if isinstance(built, fm.Builder) else built
+    np.testing.assert_allclose(np.asarray(fm.frequencies(model))[0], shown["frequency 1"], rtol=1e-12)
+
+
+def test_dialogs_copy_mirror_split_and_join(page):
+    edit(page, *GUIDE)
+    count = "s.state.document.things.length"
+    before = ask(page, count)
+    select(page, "left")
+    for act, steps in (("Copy …", 3), ("Mirror …", 3), ("Split …", 2)):
+        page.find_element("xpath", f"//*[@id='inspector']//button[.='{act}']").click()
+        if act == "Mirror …":
+            write(dialog(page).find_element("css selector", "input"), "-L")
+        dialog(page).find_element("css selector", "[type=submit]").click()
+        closed(page)
+        until(page, f"{count} > {before}")
+        assert ask(page, count) == before + steps, act
+        page.find_element("id", "undo").click()
+        until(page, f"{count} === {before}")
+        select(page, "left")
+    # What is wrong with an answer is told in the dialog, which stays.
+    page.find_element("xpath", "//*[@id='inspector']//button[.='Repeat …']").click()
+    write(dialog(page).find_elements("css selector", "input")[-1], "0")
+    dialog(page).find_element("css selector", "[type=submit]").click()
+    until(page, "document.querySelector('dialog[open] .problem[role=alert]')?.textContent")
+    dialog(page).find_element("xpath", ".//button[.='Cancel']").click()
+    closed(page)
+
+
+def test_the_keyboard_alone_reaches_everything(page):
+    from selenium.webdriver.common.keys import Keys
+
+    edit(page, *GUIDE)
+    answered(page)
+    body = page.find_element("css selector", "body")
+    page.execute_script("document.activeElement.blur(); document.getElementById('title').focus()")
+    seen, describe = (
+        [],
+        "[document.activeElement.tagName, document.activeElement.id, document.activeElement.closest('[id]')?.id]",
+    )
+    for _ in range(150):
+        seen.append(tuple(ask(page, describe)))
+        page.switch_to.active_element.send_keys(*([Keys.ESCAPE] if seen[-1][1] == "scene" else []), Keys.TAB)
+        if seen.count(seen[-1]) > 3 and seen[-1][1]:
+            break
+    places = {place for _, _, place in seen} | {own for _, own, _ in seen}
+    wanted = set("title open save undo dof theme help tab-tools tools scene show-what play tab-inspector split".split())
+    wanted |= {"tab-answers", "answer-rows", "support-node"}
+    assert wanted <= places, wanted - places
+    # Every control is called something.
+    nodes = page.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+    roles = {"button", "slider", "checkbox", "combobox", "searchbox", "textbox", "tab", "listbox", "application"}
+    controls = [node for node in nodes if node.get("role", {}).get("value") in roles and not node["ignored"]]
+    unnamed = [node["role"]["value"] for node in controls if not node["name"]["value"]]
+    assert len(controls) > 40
+    assert not unnamed
+    body.send_keys(Keys.F1)
+    assert "Ctrl+Z" in dialog(page).text
+    dialog(page).find_element("xpath", ".//button[.='Close']").send_keys(Keys.ESCAPE)
+    closed(page)
+
+
+def test_typing_keeps_its_place_while_others_edit(page):
+    edit(page, *GUIDE)
+    select(page, "leaf")
+    box = field(page, "width")
+    write(box, "0.01")
+    # Somebody else changes another field meanwhile; neither focus nor text nor caret goes away.
+    material = ask(page, "s.state.document.things.find((t) => t.name === 'steel').id")
+    wait_for(page, f"s.edit([{{op: 'set', address: '{material}/rho', to: '8000'}}], {{label: 'x'}})")
+    box.send_keys("9")
+    until(page, "s.state.document.things.find((t) => t.name === 'leaf').args.width === '0.019'")
+    assert ask(page, "document.activeElement.value") == "0.019"
+
+
+def test_two_pages_show_the_same(page, workbench):
+    edit(page, *GUIDE)
+    first = page.current_window_handle
+    page.switch_to.new_window("tab")
+    try:
+        page.get(workbench.address)
+        until(page, "window.workbench && s.state.document?.things.length")
+        edit(page, name("t", "0.4e-3", "0.2e-3", "1e-3"))
+    finally:
+        page.close()
+        page.switch_to.window(first)
+    until(page, "s.state.document.names.t.value === '0.4e-3'")
+    tab(page, "names")
+    until(page, "document.querySelector('[aria-label=\"Value of t\"]').value === '0.4e-3'")

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from cases.workbench import cantilever, thing
 
 import flexmb as fm
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
@@ -14,25 +15,6 @@ from flexmb.workbench.session import Refused, Session
 
 pytestmark = pytest.mark.timeout(120)
 LENGTH, DEPTH, THICKNESS, MASS = 0.1, 0.02, 0.5e-3, 0.1
-
-
-def thing(call, name=None, **args):
-    own = {"call": call, "args": args} | ({} if name is None else {"name": name})
-    return {"op": "add", "thing": own}
-
-
-def cantilever():
-    """A leaf spring with a mass at its end, whose thickness is a name."""
-    return [
-        {"op": "name", "name": "t", "to": {"value": "0.5e-3", "low": "0.1e-3", "high": "2e-3"}},
-        thing("Material", "steel", E="210e9", G="80e9", rho="0"),
-        thing("Rectangle", "leaf", width="0.02", thickness="t", material="steel"),
-        thing("node", "A", position=["0", "0"]),
-        thing("node", "B", position=["0.1", "0"]),
-        thing("planar.beam", "spring", nodes=["A", "B"], section="leaf"),
-        thing("fix", node="A", components=""),
-        thing("mass", node="B", mass="0.1"),
-    ]
 
 
 @pytest.fixture(autouse=True)
@@ -234,7 +216,7 @@ def test_a_killed_process_comes_back_with_its_file(opened, tmp_path):
 def test_a_broken_journal_is_put_aside(opened, tmp_path):
     session, _ = opened(session_of_new())
     session.ask("edit", {"ops": cantilever()})
-    journal = session.place.journal
+    journal = session.file.place.journal
     killed(session)
     journal.write_bytes(b"nothing of that kind")
     _, told = opened(session_of_new())
@@ -245,7 +227,7 @@ def test_a_broken_journal_is_put_aside(opened, tmp_path):
 def test_half_a_line_of_a_journal_is_left_out(opened):
     session, _ = opened(session_of_new())
     session.ask("edit", {"ops": cantilever()})
-    before, journal = session.history.document.text, session.place.journal
+    before, journal = session.history.document.text, session.file.place.journal
     killed(session)
     with journal.open("a") as file:
         file.write('{"edit": [{"op": "add", "thing": {"call": "no')
@@ -274,7 +256,7 @@ def test_a_file_that_another_program_changes_is_offered(opened, tmp_path):
     assert found["name"] == "guide.json"
     assert "7 things and the names" in found["summary"]
     # Nothing is written over it unasked.
-    with pytest.raises(Refused, match="changed by another program"):
+    with pytest.raises(ValueError, match="changed by another program"):
         session.ask("save", {})
     assert "w" in path.read_text()
     session.ask("take_disk", {})
@@ -375,3 +357,37 @@ def test_a_path_of_a_home_is_understood(opened, monkeypatch, tmp_path):
     session, _ = opened()
     assert session.ask("save", {"path": "~/guide.json"})["file"] == str(tmp_path / "guide.json")
     assert Path(tmp_path / "guide.json").exists()
+
+
+def test_a_journal_that_cannot_be_written_refuses_the_edit(opened, monkeypatch):
+    session, told = opened(session_of_new())
+    session.ask("edit", {"ops": cantilever()})
+    before = session.history.document
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("flexmb.workbench.history.os.fsync", full)
+        with pytest.raises(ValueError, match="Nothing is changed: the journal"):
+            session.ask("edit", {"ops": [thing("node", "C", position=["0", "1"])]})
+    assert session.history.document is before
+    session.ask("edit", {"ops": [thing("node", "D", position=["0", "1"])]})
+    killed(session)
+    _, told = opened(session_of_new())
+    assert things(told)[-1] == "D"
+    assert "C" not in things(told)
+
+
+def test_a_file_that_an_undone_step_brings_back_is_watched_again(opened, tmp_path):
+    paths = [tmp_path / "one.json", tmp_path / "two.json"]
+    for path in paths:
+        path.write_text(Document.empty().text)
+    session, told = opened(session_of_file(paths[0]))
+    session.ask("open", {"path": str(paths[1])})
+    # Changed while another file was open: known after all.
+    paths[0].write_text(Document.empty(3).text)
+    session.ask("undo", {})
+    assert told.newest["document"]["file"] == str(paths[0])
+    with pytest.raises(ValueError, match="changed by another program"):
+        session.ask("save", {})

@@ -11,13 +11,10 @@ export function mobility(count) {
   if (!count) return { state: "waiting", text: "Counting …" };
   const { ndof, over, under, status, message } = count;
   const freedom = `${ndof ?? "–"} degree${ndof === 1 ? "" : "s"} of freedom`;
-  if (status && !["ok", "over", "under"].includes(status) && ndof === undefined) return { state: "failed", text: message ?? status };
-  const faults = [];
-  if (over) faults.push(`${over} over-constraint${over === 1 ? "" : "s"}`);
-  if (under) faults.push(`${under} under-constraint${under === 1 ? "" : "s"}`);
-  if (over || under) return { state: over ? "over" : "under", text: `${freedom}, ${faults.join(", ")}`, message };
-  const good = (!status || status === "ok") && ndof > 0;
-  return { state: good ? "good" : "waiting", text: over === 0 && under === 0 ? `${freedom}, exactly constrained` : freedom, message };
+  const fault = over ? "over" : under ? "under" : null;
+  if (fault) return { state: fault, text: message || `${freedom}, ${over ?? 0} over- and ${under ?? 0} under-constraints` };
+  const state = status === "counting" ? "waiting" : status === "ok" || !status ? (ndof > 0 ? "good" : "waiting") : "failed";
+  return { state, text: message || freedom };
 }
 
 /** Whether what is shown belongs to an older document. */
@@ -30,23 +27,22 @@ export function answers(store, { open }) {
   const root = byId("answers");
   const status = h("div", { class: "status", id: "mobility" }, h("p"), h("p", { class: "note" }));
   const advice = h("div", { class: "advice", role: "group", "aria-label": "Advice" });
-  const warnings = h("div");
   const stamp = h("span", { class: "stamp", role: "status", hidden: true });
   const head = h("div", { class: "head" }, h("h2", {}, "Answers"), stamp);
   const message = h("p", { class: "problem", hidden: true });
   const rows = h("div", { id: "answer-rows" });
   const none = h("p", { class: "soft" });
-  const notes = h("div", { class: "notes" });
+  const notes = h("details", { hidden: true }, h("summary"), h("div", { class: "notes" }));
   const support = supportChoice(store);
-  root.append(status, advice, warnings, head, message, rows, none, support.element, notes);
+  root.append(status, advice, head, message, rows, none, support.element, notes);
   const history = new Map();
   let counted = 0;
 
   function counts() {
     const { count } = store.state;
-    const { state, text, message: told } = mobility(count);
+    const { state, text } = mobility(count);
     status.dataset.state = state;
-    say(status.firstChild, told || text);
+    say(status.firstChild, text);
     const labels = (count?.dofs ?? []).map((one) => (typeof one === "string" ? one : (one.text ?? JSON.stringify(one))));
     say(status.lastChild, labels.length ? `Coordinates: ${labels.join(", ")}` : "");
     status.lastChild.hidden = !status.lastChild.textContent;
@@ -56,13 +52,12 @@ export function answers(store, { open }) {
       ),
     );
     advice.hidden = !advice.childElementCount;
-    warnings.replaceChildren(...(count?.warnings ?? []).map((one) => h("p", { class: "note" }, `Note: ${one}`)));
     const dof = byId("dof");
     dof.dataset.state = state;
     const faults = [count?.over ? `${count.over} over` : "", count?.under ? `${count.under} under` : ""].filter(Boolean);
     say(dof, [`DOF ${count?.ndof ?? "–"}`, ...faults].join(" · "));
     dof.title = text;
-    dof.setAttribute("aria-label", text);
+    set(dof, "aria-label", `${dof.textContent}. ${text}`);
   }
 
   function remember() {
@@ -79,18 +74,22 @@ export function answers(store, { open }) {
 
   function update() {
     remember();
-    const { answers: own } = store.state;
+    const { answers: own, count } = store.state;
     const stale = isStale(store.state);
     root.classList.toggle("stale", stale);
     rows.setAttribute("aria-busy", String(own?.status === "computing"));
     const computing = own?.status === "computing";
     say(stamp, computing ? "computing …" : "stale");
-    stamp.hidden = !stale && !computing;
+    stamp.hidden = !computing && !(stale && Object.keys(own.values ?? {}).length);
     stamp.title = stale ? "These are the answers to the drawing as it was before." : "";
-    say(message, own?.message || (own?.status === "failed" ? "No answer." : ""));
+    // What the count says already is not said twice.
+    const told = own?.message || (own?.status === "failed" ? "No answer." : "");
+    say(message, told === count?.message ? "" : told);
     message.hidden = !message.textContent;
-    const words = [...new Set([...(own?.words ?? []), ...(own?.warnings ?? [])])].filter((one) => one !== own?.message);
-    keep(notes, words, (one) => one, (one) => h("p", { class: "note" }, one));
+    const words = [...new Set([...(own?.words ?? []), ...(own?.warnings ?? []), ...(count?.warnings ?? [])])].filter((one) => one !== told);
+    notes.hidden = !words.length;
+    say(notes.firstChild, `Notes (${words.length})`);
+    keep(notes.lastChild, words, (one) => one, (one) => h("p", { class: "note" }, one));
     const all = Object.entries(own?.values ?? {});
     none.hidden = all.length > 0;
     say(none, store.state.document?.things.length ? "No answers yet: see above what is missing." : "Answers appear here as soon as there is a mechanism.");
@@ -110,12 +109,13 @@ export function answers(store, { open }) {
     set(number, "value", value ?? "");
     say(number.firstChild, short);
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
-    const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
+    const pinned = store.state.pinned?.answers?.find((one) => one.key === key)?.before;
     const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
     say(number.lastChild, change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`);
   }
 
   store.on("count", counts);
+  store.on("count", update);
   for (const part of ["answers", "document", "connected", "pinned"]) store.on(part, update);
   store.on("document", support.update);
   counts();

@@ -43,7 +43,7 @@ export function begin(store, { files }) {
       h(
         "ol",
         {},
-        h("li", {}, "Draw nodes with N, and elements from node to node: a beam bends, a rigid beam does not."),
+        h("li", {}, "Draw nodes with N, and elements from node to node: a beam bends, a rigid body does not, and the far end of a rigid beam turns freely."),
         h("li", {}, "Fix what stands still, put masses and forces where they are."),
         h("li", {}, "Watch frequencies, buckling and stress follow: drag a node, or write a name (t, 2*w) into a field to get a slider."),
       ),

@@ -12,7 +12,7 @@ export function compare(store) {
 
   function update() {
     const { pinned } = store.state;
-    const there = Boolean(pinned?.differences);
+    const there = Boolean(pinned?.answers);
     unpin.hidden = !there;
     say(pin, there ? "Pin this one instead" : "Pin this design");
     say(text, there ? "" : "Pin a design, change it, and see here what became of its numbers and answers.");
@@ -20,7 +20,7 @@ export function compare(store) {
     table.hidden = !there;
     root.classList.toggle("stale", isStale(store.state));
     if (!there) return;
-    const { differences: own = {} } = pinned;
+    const own = pinned;
     const answered = (own.answers ?? []).map(({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
       label, before: old ?? withUnit(before, unit), now: text ?? withUnit(now, unit), percent, same: before === now,
     }));

@@ -15,7 +15,7 @@ const HELP = {
   ],
   "In the drawing": [
     ["S N M", "select, node, measure"],
-    ["B R T P", "beam, rigid beam, truss, spring"],
+    ["B R T P", "beam, rigid body, truss, spring"],
     ["H L W", "hold (support), load, mass"],
     ["I O Q", "input, output, degree of freedom"],
     ["← → ↑ ↓", "move the cursor, or what is selected, by the grid; with Shift by ten"],

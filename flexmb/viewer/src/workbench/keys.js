@@ -12,7 +12,7 @@ const place = (call) => () => call;
 /** Letters that take the tool of a call in hand. */
 export const LETTERS = {
   b: (planar) => inPlane(planar, "beam"),
-  r: (planar) => inPlane(planar, "rigid_beam"),
+  r: (planar) => inPlane(planar, "rigid_body"),
   t: (planar) => inPlane(planar, "truss"),
   p: (planar) => inPlane(planar, "spring_damper"),
   h: place("fix"),

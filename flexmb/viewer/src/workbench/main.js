@@ -6,7 +6,7 @@ import { banners } from "./banners.js";
 import { begin, hint } from "./begin.js";
 import { box } from "./box.js";
 import { compare } from "./compare.js";
-import { dialogs as makeDialogs, toast } from "./dialogs.js";
+import { ask, dialogs as makeDialogs, plainly, toast } from "./dialogs.js";
 import { Canvas } from "./canvas.js";
 import { byId, set, tabs } from "./dom.js";
 import { files as makeFiles } from "./files.js";
@@ -53,6 +53,7 @@ history();
 head();
 keys();
 requests();
+notes();
 store.connect();
 
 /** The drawing, or nothing but a word where the browser has no WebGL. */
@@ -115,6 +116,15 @@ function head() {
   byId("help").append(icon("help"));
   byId("help").addEventListener("click", help);
   byId("dof").addEventListener("click", () => open("answers"));
+}
+
+/** What is to be said about how this began. */
+function notes() {
+  const off = store.on("notes", () => {
+    const own = store.state.notes ?? [];
+    off();
+    if (own.length) ask("Opened, with notes", plainly(own), "", null);
+  });
 }
 
 /** What the drawing asks for: a dialog, or the properties. */

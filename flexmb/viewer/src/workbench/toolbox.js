@@ -21,9 +21,9 @@ const PLAIN = [
   { kind: "measure", text: "Measure", key: "M", icon: "measure" },
 ];
 // Letters that the drawing takes for tools.
-const LETTERS = { beam: "B", rigid_beam: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
+const LETTERS = { beam: "B", rigid_body: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
 // What most mechanisms are made of stands first.
-const FIRST = ["beam", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
+const FIRST = ["beam", "rigid_body", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
 
 /** What the tool of a call is for a document: elements are drawn from node to node, all else is placed. */
 function toolOf(store, call, args = {}) {

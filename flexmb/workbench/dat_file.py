@@ -1,0 +1,292 @@
+"""SPACAR input files as documents and back: names stay names, in braces, and their bounds in the study beside."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..build.description import Description
+from ..compilation.formulas import formulas
+from ..errors import ModelError, SpacarError, clean
+from ..files import write_whole
+from ..spacar.arithmetic import names_in
+from ..spacar.lines import placeholders, read_text, statements
+from ..spacar.read import SpacarModel, read_spacar
+from ..spacar.reading import Setting
+from ..spacar.write import Line, lines_of, text_of
+from .building import build, free_names, numbers_of
+from .document import Document, apply
+from .from_builder import document_of
+from .merged import called, merged
+from .references import call_of
+from .study_beside import names_beside, write_beside
+
+# Comments by which the writer says what a number was called.
+LEGEND = re.compile(r"%\s(node|element|input|output) (\d{1,9}): (\S.*)", re.ASCII)
+# Lines of a file that belong to an analysis and name no node or element, so that they can stay when it is written anew.
+KEPT = ("TIMESTEP", "ERROR", "ITERSTEP")
+
+
+# So many faults are told at once.
+MOST_FAULTS = 30
+
+
+class NoValueError(ValueError):
+    """A file has names in braces, and nothing says what numbers they are.
+
+    Attributes:
+        names: The names.
+    """
+
+    def __init__(self, file: str, names: list[str]):
+        shown, what = ", ".join(map(clean, names)), "that is" if len(names) == 1 else "they are"
+        super().__init__(f"{file} has {{{shown}}}, but no study beside it says what number {what}.")
+        self.names = names
+
+
+def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) -> tuple[Document, list[str]]:
+    """Open a SPACAR input file.
+
+    What stands in braces becomes names and arithmetic of fields; what the names are, ``numbers`` says, or else the
+    study beside the file, such as ``guide.toml`` beside ``guide.dat``, where bounds stand too. Functions of a study are
+    not called.
+
+    Args:
+        path: Of the file.
+        numbers: Values by name, or (value, lowest, highest).
+
+    Returns:
+        The document, and what there is to know: warnings of the reader, and what a document cannot hold.
+
+    Raises:
+        NoValueError: Names without a value.
+        SpacarError: The file is wrong, or its study.
+        OSError: It cannot be read.
+    """
+    path = Path(path)
+    text = read_text(path)
+    names = list(placeholders(statements(text, {})))
+    names = [name for name in names if name != "pi"]
+    beside, notes = names_beside(path) if names or not numbers else ({}, [])
+    known: dict[str, Any] = {**beside, **(numbers or {})}
+    if missing := [name for name in names if name not in known]:
+        raise NoValueError(clean(path.name), missing)
+    own = {name: known[name] for name in names}
+    several = {n: tuple(map(float, v if isinstance(v, tuple | list) else (v,))) for n, v in own.items()}
+    own = {n: v if len(v) == 3 else v[0] for n, v in several.items()}
+    warnings: list[str] = []
+
+    def read(**given: Any) -> SpacarModel:
+        # The reader names what is wrong by the file; text of one line would be taken for a path.
+        found = read_spacar(path, numbers=given)
+        if found.text != text:
+            raise SpacarError(f"{clean(path.name)}:1: the file changed while it was read; open it again")
+        warnings[:] = found.warnings
+        return SpacarModel(merged(called(found.builder, _legend(text))), **_rest(found))
+
+    title = path.stem if path.stem.isprintable() else "mechanism"
+    document, left_out = document_of(read, own, title=title) if names else document_of(read(), title=title)
+    for name in beside:
+        if name not in own:
+            notes.append(f"'{clean(name)}' of the study stands nowhere in {clean(path.name)}")
+    drawn = "drawing keywords are kept"
+    notes += [one for one in warnings if drawn not in one]
+    return document, [*notes, *left_out]
+
+
+def _rest(read: SpacarModel) -> dict[str, Any]:
+    return {name: getattr(read, name) for name in ("warnings", "name", "settings", "text", "parameters")}
+
+
+def _legend(text: str) -> dict[str, dict[str, str]]:
+    """Names by what they are of and by number, as comments of the writer have them."""
+    found: dict[str, dict[str, str]] = {}
+    for line in text.splitlines():
+        if match := LEGEND.fullmatch(line.strip()):
+            kind, number, name = match.groups()
+            found.setdefault(kind, {})[number] = name.strip()
+    return found
+
+
+# -- saving ----------------------------------------------------------------------------------------------------------
+
+
+def cannot_hold(document: Document) -> list[str]:
+    """What a SPACAR input file cannot hold of a document: what it refuses, and what it has in another form.
+
+    Args:
+        document: The document.
+    """
+    return [*refused(document), *changed(document)]
+
+
+def refused(document: Document) -> list[str]:
+    """What a SPACAR input file has no words for, so that without it there would be another mechanism.
+
+    Args:
+        document: The document.
+    """
+    built = build(document)
+    found = [f"{_called(document, one['address'])}: {one['message']}" for one in built.problems]
+    # One thing after the other is taken away, so that all are told at once.
+    for _ in range(MOST_FAULTS):
+        try:
+            lines_of(build(document).builder, {})
+        except ModelError as fault:
+            found.append(str(fault))
+            culprit = _culprit(document, str(fault))
+            if culprit is None:
+                break
+            document = apply(document, [{"op": "delete", "ids": [culprit]}])[0]
+            continue
+        break
+    return list(dict.fromkeys(found))
+
+
+def _called(document: Document, address: str) -> str:
+    thing = document.by_id.get(address.partition("/")[0])
+    return clean(address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip())
+
+
+def _culprit(document: Document, message: str) -> str | None:
+    """Id of the thing that a message is about: what it names, what is on a node that it names, or its first word."""
+    for name in re.findall(r"'([^']+)'", message):
+        on_it = [thing["id"] for thing in document.things if _is_on(thing, name)]
+        known = [document.known.thing((space,), name) for space in ("element", "input", "output")]
+        if found := next((id for id in [*known, *on_it, document.known.thing(("node",), name)] if id), None):
+            return found
+    about = [thing["id"] for thing in document.things if message.lower().startswith(thing["call"])]
+    return about[-1] if about else None
+
+
+def _is_on(thing: dict[str, Any], node: str) -> bool:
+    """Whether a thing is a body or a load on a node."""
+    return thing["call"] in ("body", "force", "moment", "mass") and thing["args"].get("node") == node
+
+
+def changed(document: Document) -> list[str]:
+    """What a SPACAR input file has in another form, so that what is opened again builds the same but looks otherwise.
+
+    Args:
+        document: The document.
+    """
+    found, free = [], set(free_names(document))
+    if derived := [name for name in document.names if name not in free]:
+        found.append(
+            f"names that follow from others, {', '.join(derived)}: their arithmetic stands where they are used"
+        )
+    kinds: dict[str, list[str]] = {}
+    for thing in document.things:
+        call = call_of(thing)
+        if call is not None and call.makes in ("section", "material", "damping", "block"):
+            kinds.setdefault(call.makes, []).append(str(thing.get("name")))
+    for kind, how in (
+        ("section", "as rigidities (ESTIFF, EM) and sizes (CROSSDIM), those of leaf springs as SECTION"),
+        ("material", "as numbers of the elements, without its strength"),
+        ("damping", "as EDAMP of the elements"),
+        ("block", "as its nodes and elements"),
+    ):
+        if kind in kinds:
+            found.append(f"{kind} {', '.join(map(clean, kinds[kind]))}: {how}")
+    try:
+        _, lost = _texts(document)
+    except ModelError:
+        lost = []
+    return found + lost
+
+
+def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
+    """Save a document as a SPACAR input file, names in braces, and their values and bounds as the study beside it.
+
+    Of a file that is there already, lines of an analysis such as TIMESTEP stay, and of a study all but [parameters].
+
+    Args:
+        document: The document.
+        path: Of the file; the study has the same name with .toml.
+
+    Returns:
+        What became of names, and of lines that were there.
+
+    Raises:
+        ModelError: What the format has no words for; all of it, in one message.
+        OSError: The folder is missing or not writable.
+    """
+    path = Path(path)
+    if problems := refused(document):
+        told = "; ".join(problems)
+        raise ModelError(f"A SPACAR input file cannot hold {told} Save Python or the document itself instead.")
+    settings, notes = _kept(path)
+    lines, _ = _texts(document, settings)
+    study = write_beside(document, path)
+    write_whole(path, ("\n".join(lines) + "\n").encode())
+    if study is not None:
+        write_whole(path.with_suffix(".toml"), study.encode())
+    return notes
+
+
+def _kept(path: Path) -> tuple[dict[str, Any], list[str]]:
+    """Lines of an analysis in a file that is there already, and which of them do not stay."""
+    try:
+        text = read_text(path)
+        names = [name for name in placeholders(statements(text, {})) if name != "pi"]
+        found = read_spacar(path, numbers=dict.fromkeys(names, 1.0)).settings
+    except (OSError, ValueError):
+        return {}, []
+    settings = {name: value for name, value in found.items() if name in KEPT}
+    whole = {k: Setting(v.line, v) if isinstance(v, Setting) else v for k, v in settings.items()}
+    gone = [name for name in found if name not in KEPT and not name.startswith(("STARTD", "INPUT"))]
+    notes = [f"{clean(path.name)} had {', '.join(gone)}, which a document does not hold and which it has no longer"]
+    return whole, notes * bool(gone)
+
+
+def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[list[str], list[str]]:
+    """Lines of the file, and where a number is not arithmetic of the names that it follows from."""
+    built = build(document)
+    known: Any = numbers_of(document)
+    free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
+    plain = [*_signals(built.builder), *map(text_of, lines_of(built.builder, settings or {}))]
+    if not free:
+        return plain, []
+    found: list[Line | str] = []
+
+    def traced(names: dict[str, Any]) -> list[Any]:
+        other = build(document, numbers_of(document, names)).builder
+        found[:] = lines_of(other, settings or {}, like=built.builder)
+        return [v for line in found if isinstance(line, Line) for v in line.values if not isinstance(v, int | str)]
+
+    formulas_, values = formulas(traced, free)
+    numbers = iter(zip((one.item() for one in formulas_), values, strict=True))
+    lines, lost = list(_signals(built.builder)), []
+    for line in found:
+        if isinstance(line, str):
+            lines.append(line)
+            continue
+        words = []
+        for value in line.values:
+            if isinstance(value, int | str):
+                words.append(str(value))
+                continue
+            formula, number = next(numbers)
+            if formula.text is None:
+                about = " ".join([line.keyword, *words[:1]])
+                lost.append(
+                    f"number {len(words)} of {about} follows from names by more than + - * / **, and stays as it is"
+                )
+            named = formula.text is not None and set(names_in(formula.text)) - {"pi"}
+            words.append(f"{{{formula.text}}}" if named else repr(float(number)))
+        while line.keyword in ("ESTIFF", "EM", "EDAMP") and len(words) > 2 and words[-1] == "0.0":
+            words.pop()
+        lines.append(" ".join([line.keyword, *words]))
+    return lines, list(dict.fromkeys(lost))
+
+
+def _signals(builder: Description) -> list[str]:
+    """Comments that say what inputs and outputs are called."""
+    return [
+        f"% {side} {i}: {' '.join(signal.name.split())}"
+        for side in ("input", "output")
+        for i, signal in enumerate(builder.signals[side], 1)
+    ]
