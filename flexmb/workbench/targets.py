@@ -33,6 +33,8 @@ WIDE = 5.0
 MET, EXACT, NEARLY = 1e-9, 1e-12, 1e-6
 # Evaluations of a search, and steps that end it; of a search for what is nearest where nothing meets all.
 BUDGET, STEPS, BUDGET_NEAREST = 400, 12, 200
+# Parts of the way from the present answers to the targets.
+LEGS = 16
 # Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
 PACE, LONGEST_PAUSE = 0.03, 1.0
 # A dimension this near to a bound, as a share of the range, is at it.
@@ -261,7 +263,8 @@ class _Tuning:
             rank = missed if missed > EXACT else far * EXACT
             if self.best is None or rank < self.best[0]:
                 self.best = rank, x.copy(), values, slopes
-            self._tell(x, values, missed)
+                # Where a step goes too far nothing is to be seen of it.
+                self._tell(x, values, missed)
         else:
             self.failed = RESULTS.not_finite if code == RESULTS.successful else RESULTS(code)
         return values, slopes, code
@@ -297,7 +300,7 @@ class _Tuning:
         if self.missed(values) <= 0:
             return
         self._refuse_without_effect(values, slopes)
-        unit = self.scaling.to_unit(self.start)
+        unit = self.approach(values, slopes)
         search(self.problem(), self.kernel, _untraced, _none_refused, unit, None, NEARLY, BUDGET)
         self.finish()
         if self.best is not None and self.best[0] > MET:
@@ -336,6 +339,23 @@ class _Tuning:
         distance = Rows(near, start, tuple(self.free))
         return Problem(np.zeros(m + n), distance, rows(equal), rows(others, NEARLY))
 
+    def approach(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Follow the targets from where the answers are to where they shall be, so that the designs can be seen.
+
+        Returns:
+            Where that ended, scaled dimensions, (n,).
+        """
+        x, first = self.start, values
+        for part in np.linspace(0, 1, LEGS + 1)[1:]:
+            for _ in range(2):
+                step = self._step(x, values, slopes, first, float(part))
+                new = np.asarray(self.scaling.to_dimensions(np.clip(self.scaling.to_unit(x) + step, 0.0, 1.0)))
+                found = self.look(new)
+                if found[2] != RESULTS.successful or not np.all(np.isfinite(found[0])):
+                    return self.scaling.to_unit(x)
+                x, (values, slopes, _) = new, found
+        return self.scaling.to_unit(x)
+
     def finish(self) -> None:
         """Newton's steps to the targets that are missed, the shortest ones within the bounds."""
         for _ in range(STEPS):
@@ -343,33 +363,42 @@ class _Tuning:
             rank, x, values, slopes = self.best
             if rank <= EXACT:
                 return
-            unit = self.scaling.to_unit(x)
-            by_key = dict(zip(self.keys, values.tolist(), strict=True))
-            open_, right = [], []
-            for want in self.wants:
-                missed = want.missed(by_key[want.key])
-                if missed > 0 or (want.kind != "equal" and missed > -NEARLY):
-                    goal = want.value * (
-                        1 + {"equal": 0, "least": 1, "most": -1}[want.kind] * MET * np.sign(want.value)
-                    )
-                    open_.append(self.keys.index(want.key))
-                    right.append(goal - by_key[want.key])
-            scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
-            matrix, held, step = slopes[open_] * scale, np.zeros(len(unit), bool), np.zeros(len(unit))
-            weights = np.abs(np.array(right))[:, None] + np.abs(values[open_])[:, None]
-            for _ in range(len(unit)):
-                step = np.zeros(len(unit))
-                step[~held] = np.linalg.lstsq(matrix[:, ~held] / weights, np.array(right) / weights[:, 0], rcond=1e-12)[
-                    0
-                ]
-                out = ~held & ((unit + step < 0) | (unit + step > 1)) & ((unit <= 0) | (unit >= 1))
-                if not np.any(out):
-                    break
-                held |= out
-            new = np.asarray(self.scaling.to_dimensions(np.clip(unit + step, 0.0, 1.0)))
-            self.look(new)
+            step = self._step(x, values, slopes)
+            self.look(np.asarray(self.scaling.to_dimensions(np.clip(self.scaling.to_unit(x) + step, 0.0, 1.0))))
             if self.best[0] >= rank:
                 return
+
+    def _step(
+        self, x: np.ndarray, values: np.ndarray, slopes: np.ndarray, first: np.ndarray | None = None, part: float = 1.0
+    ) -> np.ndarray:
+        """The shortest step to the targets that are missed, linearised; with ``first`` a part of the way from there."""
+        unit, by_key = self.scaling.to_unit(x), dict(zip(self.keys, values.tolist(), strict=True))
+        open_, right = [], []
+        for want in self.wants:
+            i, missed = self.keys.index(want.key), want.missed(by_key[want.key])
+            if first is not None and want.missed(float(first[i])) > 0:
+                goal = float(first[i]) + part * (want.value - float(first[i]))
+            elif missed > 0 or (want.kind != "equal" and missed > -NEARLY):
+                inside = {"equal": 0.0, "least": 1.0, "most": -1.0}[want.kind]
+                goal = want.value * (1 + inside * MET * np.sign(want.value))
+            else:
+                continue
+            open_.append(i)
+            right.append(goal - by_key[want.key])
+        scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
+        # A step of equal relative changes is as long in every dimension.
+        size = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
+        matrix, held, step = slopes[open_] * scale / size, np.zeros(len(unit), bool), np.zeros(len(unit))
+        weights = np.abs(np.array(right)) + np.abs(values[open_]) + np.finfo(float).tiny
+        for _ in range(len(unit)):
+            step = np.zeros(len(unit))
+            own = np.linalg.lstsq(matrix[:, ~held] / weights[:, None], np.array(right) / weights, rcond=1e-12)[0]
+            step[~held] = own / size[~held]
+            out = ~held & ((unit + step < 0) | (unit + step > 1)) & ((unit <= 0) | (unit >= 1))
+            if not np.any(out):
+                break
+            held |= out
+        return step
 
     def nearest(self) -> None:
         """The design that misses what cannot be met by as little as possible."""
@@ -453,7 +482,7 @@ class _Tuning:
             whole = self.everything.copy()
             whole[self.places] = list(values.values())
             after = self.answers(whole)[0] if found else None
-            if after is None or self.best is None or self.missed(after) <= MET:
+            if after is None or self.best is None or self.best[0] > MET or self.missed(after) <= MET:
                 break
         return found, values
 

@@ -31,7 +31,8 @@ QUALITY = 60
 POINTER = """
 const own = document.createElement("div");
 own.id = "film-pointer";
-own.innerHTML = '<svg width="22" height="26" viewBox="0 0 22 26"><path d="M2 2v19l5-5 4 8 4-2-4-8h7z" fill="#111" stroke="#fff" stroke-width="1.6"/></svg>';
+own.innerHTML = '<svg width="22" height="26" viewBox="0 0 22 26">'
+  + '<path d="M2 2v19l5-5 4 8 4-2-4-8h7z" fill="#111" stroke="#fff" stroke-width="1.6"/></svg>';
 own.style.cssText = "position:fixed;left:0;top:0;z-index:9999;pointer-events:none";
 document.body.append(own);
 """
@@ -59,7 +60,7 @@ class Film:
         ask(
             self.page,
             "(w.canvas.swing.state.position = arguments[0] % 1, w.canvas.swing.move(), w.canvas.sceneDirty = true,"
-            " document.getElementById('film-pointer').style.transform = `translate(${arguments[1]}px,${arguments[2]}px)`)",
+            " document.getElementById('film-pointer').style.translate = `${arguments[1]}px ${arguments[2]}px`)",
             self.swung,
             *self.place,
         )
@@ -101,7 +102,8 @@ class Film:
             self.point(selector, 0.03 + 0.94 * place, 1)
             self.frames.pop()
             self.page.execute_script(
-                "const own = document.querySelector(arguments[0]); own.value = own.min*1 + arguments[1]*(own.max-own.min);"
+                "const own = document.querySelector(arguments[0]);"
+                "own.value = Number(own.min) + arguments[1] * (own.max - own.min);"
                 "own.dispatchEvent(new Event('input', {bubbles: true}));",
                 selector,
                 place,
