@@ -184,7 +184,11 @@ def updates(dimension: int, wants: dict[str, Any]) -> dict[str, float]:
         times.append(time.perf_counter() - begin)
         if not i:
             # What sensitivities need is compiled beside, and shown once it is there.
-            time.sleep(10 if asked.sensitivity_of else 0)
+            until = time.monotonic() + 120
+            while asked.sensitivity_of and time.monotonic() < until:
+                if any(one["tell"] == "ways" and one["status"] == "ok" for one in heard):
+                    break
+                time.sleep(0.1)
             live.wait(120)
     live.stop()
     told = [one for one in heard if one["tell"] == "answers"][-1]["values"]["frequency 1"]["value"]

@@ -259,7 +259,8 @@ def _meaning(equation: Any, rules: int = 2) -> tuple:
     if rule is not None and rules:
         # A derivative of one's own is made anew by each trace, and is known by its program: in which the function
         # itself may stand, so that no more derivatives are looked at than equations of motion take.
-        jaxpr, constants, _ = rule.call_wrapped(*[False] * len(equation.invars))
+        own = len(equation.invars) - parameters.get("num_consts", 0)
+        jaxpr, constants, _ = rule.call_wrapped(*[False] * own)
         parameters["jvp"], rules = ClosedJaxpr(jaxpr, constants), rules - 1
     return equation.primitive, *((k, _value(v, rules)) for k, v in sorted(parameters.items()))
 

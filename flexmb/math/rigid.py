@@ -4,6 +4,10 @@ A pose is a homogeneous matrix [[R, r], [0, 1]]; along a rod dH/ds = H A(s) with
 (curvatures, stretches) in axes of the section.
 """
 
+import functools
+import math
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -20,7 +24,29 @@ ADJOINT = np.zeros((6, 6, 6))
 ADJOINT[:3, :3, :3] = ADJOINT[:3, 3:, 3:] = ADJOINT[3:, 3:, :3] = np.moveaxis(CROSS, 1, 0)
 # (1 - cos t)/t^2 and (t - sin t)/t^3 as power series in -t^2; ten terms are exact to rounding up to t = 2.
 TERMS = 10
-SERIES = np.array([[1.0 / float(np.prod(np.arange(1.0, 2 * k + j))) for j in (3, 4)] for k in range(TERMS)])
+
+
+@functools.cache
+def _terms(derivative: int) -> np.ndarray:
+    """Coefficients of a derivative of both series, (terms, 2)."""
+    at = range(derivative, derivative + TERMS)
+    return np.array([[math.perm(k, derivative) / math.factorial(2 * k + j) for j in (2, 3)] for k in at])
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
+def _series(z: Float[Array, "n 1"], derivative: int) -> Float[Array, "n 2"]:
+    """A derivative of both series: from the powers of z, in few operations, of which none is differentiated."""
+    square = z * z
+    four = square * square
+    two = jnp.concatenate([jnp.ones_like(z), z], axis=1)
+    first = jnp.concatenate([two, two * square], axis=1)
+    powers = jnp.concatenate([first, first * four, two * four * four], axis=1)
+    return multiplied(powers, jnp.asarray(_terms(derivative)))
+
+
+@_series.defjvp
+def _series_jvp(derivative, primals, tangents):
+    return _series(primals[0], derivative), _series(primals[0], derivative + 1) * tangents[0]
 
 
 def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
@@ -37,10 +63,7 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
     """
     matrix = v @ np.moveaxis(HAT, 2, 0).reshape(6, 16)
     matrix = matrix.reshape(-1, 4, 4)
-    z = -jnp.sum(v[:, :3] ** 2, axis=1)[:, None]
-    total = jnp.broadcast_to(SERIES[-1], (v.shape[0], 2))
-    for coefficients in SERIES[-2::-1]:
-        total = total * z + coefficients
+    total = _series(-jnp.sum(v[:, :3] ** 2, axis=1)[:, None], 0)
     square = multiplied(matrix, matrix)
     b, c = total[:, 0, None, None], total[:, 1, None, None]
     return jnp.eye(4) + matrix + b * square + c * multiplied(square, matrix)
@@ -94,5 +117,7 @@ def products(poses: Float[Array, "n 4 4"]) -> Float[Array, "n 4 4"]:
     if poses.shape[0] == 1:
         return poses
     pairs = products(multiplied(poses[0::2], poses[1::2]))
-    between = jnp.concatenate([poses[:1], multiplied(pairs[:-1], poses[2::2])])
+    between = poses[:1]
+    if poses.shape[0] > 2:
+        between = jnp.concatenate([between, multiplied(pairs[:-1], poses[2::2])])
     return jnp.stack([between, pairs], axis=1).reshape(poses.shape)

@@ -9,8 +9,8 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import accumulate, put
-from ..math.linear import diagonal_of, factorise, is_positive_definite
-from ..mechanics.deformation import deformations, zero_near
+from ..math.linear import factorise, is_positive_definite
+from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..mechanics.loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
@@ -35,7 +35,9 @@ from .element_forces import (
     acting_matrices,
     deformed,
     force_derivatives,
+    heaviness,
     prepared_blocks,
+    strained,
 )
 from .protocol import InertiaRates, MotionState, Tangent, WholeMotion
 
@@ -114,7 +116,7 @@ class CoordinatesForm(Record):
         memory = jnp.zeros(0)
         if tracks:
             guess = zero_near(self.topology) if near is None else near
-            memory = deformations(self.topology, self.parameters, x, guess)
+            memory = strained(self.elements, x, guess)
         moved = (x - self.parameters.reference)[self.free] / self.sizes
         return MotionState(moved, xd[self.free] / self.sizes, memory)
 
@@ -163,7 +165,7 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         near = state.memory
         if not near.shape[0]:
-            near = deformations(self.topology, self.parameters, at.x, zero_near(self.topology))
+            near = strained(self.elements, at.x, zero_near(self.topology))
         return WholeMotion(at.x, at.v, near, jnp.zeros(0))
 
     def placed(self, given: Whole, q, x, near) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
@@ -248,7 +250,7 @@ class CoordinatesForm(Record):
     def gap(self, t, state: MotionState):
         """Held deformations less what they are held at, (m,) [m, rad]."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        return deformations(self.topology, self.parameters, at.x, self.near(state.memory))[self.held] - at.e
+        return strained(self.elements, at.x, self.near(state.memory))[self.held] - at.e
 
     def scaled(self, matrix):
         """Rows and columns of the coordinates that move, times their sizes, (n, n), of a matrix (n_x, n_x)."""
@@ -350,7 +352,7 @@ class CoordinatesForm(Record):
             u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
         memory = state.memory
         if memory.shape[0]:
-            memory = deformations(self.topology, self.parameters, self.whole(t, u, w, zero).x, memory)
+            memory = strained(self.elements, self.whole(t, u, w, zero).x, memory)
         return MotionState(u, w, memory)
 
     def inertia_rates(self, t, state: MotionState) -> InertiaRates:
@@ -402,13 +404,14 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
     gravity = parameters.loads.gravity
     damped = any("damping" in block.companions for block in topology.blocks)
     free = topology.x.free
-    mass = diagonal_of(mass_matrix(topology, parameters, parameters.reference))[free]
+    elements = prepared_blocks(topology, parameters)
+    mass = heaviness(elements, parameters.reference, zero_near(topology))[free]
     sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
     mass = jax.lax.stop_gradient(mass) * sizes**2
     return CoordinatesForm(
         topology,
         without_gravity(parameters),
-        prepared_blocks(topology, parameters),
+        elements,
         element_stiffness(topology, parameters),
         element_damping(topology, parameters) if damped else None,
         gravity,

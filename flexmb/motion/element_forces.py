@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..compilation.jets import jets
 from ..compilation.program import split
 from ..compilation.record import Record, static
 from ..math.linear import multiplied
@@ -102,16 +103,6 @@ def _jacobian(f):
     return found
 
 
-def _second_rate(function, x, v, a):
-    """Value of a function of coordinates and its first and second rate of change along a motion."""
-
-    def first(x, v):
-        return jax.jvp(function, (x,), (v,))
-
-    (value, rate), (_, second) = jax.jvp(first, (x, v), (v, a))
-    return value, rate, second
-
-
 class Moving(NamedTuple):
     """A state of motion.
 
@@ -180,6 +171,24 @@ class Derivatives(NamedTuple):
     sigma: Float[Array, "n_e"]
 
 
+def strained(
+    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+) -> Float[Array, "n_e"]:
+    """Deformations, (n_e,) [m, rad]; arguments as for :func:`deformed`."""
+    own = [(block.e, block.over(lambda f, x: f(x)[0], near, x[block.x])) for block in elements if block.e.shape[1]]
+    return scatter_vector(near.shape[0], own)
+
+
+def heaviness(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+    """Diagonal of the mass matrix, (n_x,) [kg, kg m, kg m^2]; arguments as for :func:`deformed`."""
+    found = []
+    for block in elements:
+        if block.mass is not None:
+            j = block.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[block.x])
+            found.append((block.x, jnp.einsum("nkdx,nkl,nldx->nx", j, block.mass, j)))
+    return scatter_vector(x.shape[0], found)
+
+
 def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Deformations and their derivatives by the nodal coordinates.
 
@@ -202,18 +211,36 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
 
 def _rates(f, x, v, a, falling):
     """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
-    y, yd, (edd, sdd) = _second_rate(f, x, v, a)
-    if falling is not None and sdd is not None:
-        sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
-    return y, yd, (edd, sdd)
+    rows = jets(f, (x, v, a), falling, directed=False)
+    return _of_orders(rows, 3, falling, lambda rows: rows[0])
 
 
 def _with_jacobians(f, x, v, a, falling):
     """As :func:`_rates`, and the Jacobians of e and s."""
-    (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
-    ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
+    rows = jets(f, (x, v), None, directed=True)
+    (y, (ed, _)), ((d, j), (dd, jd)) = (_of_orders(rows, 2, None, of) for of in (lambda rows: rows[0], _by_directions))
+    edd = None if d is None else d @ a + dd @ v
     sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
     return (y, (ed, None), (edd, sdd)), (d, j)
+
+
+def _derived_rates(f, x, v, a, falling):
+    """As :func:`_rates`, and their derivatives by the coordinates."""
+    rows = jets(f, (x, v, a), falling, directed=True)
+    return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
+
+
+def _of_orders(rows, orders: int, falling, chosen):
+    """Pairs of e and s, value and rates, of what is chosen of their rows; the second rate of s less free fall."""
+    e, s = rows
+    second = None if s is None or orders < 3 else s[2] if falling is None else s[2] - s[3]
+    pairs = [(None if e is None else e[k], second if k == 2 else None if s is None else s[k]) for k in range(orders)]
+    return jax.tree.map(chosen, tuple(pairs))
+
+
+def _by_directions(rows):
+    """Derivatives, with the coordinates last."""
+    return jnp.moveaxis(rows[1:], 0, -1)
 
 
 def _pulled(f, x, sigma, weight):
@@ -292,11 +319,6 @@ def acting_matrices(
     n_x = at.x.shape[0]
     acting = Acting(kinematics, sigma, scatter_vector(n_x, forces))
     return acting, scatter_matrix((at.near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
-
-
-def _derived_rates(f, x, v, a, falling):
-    """As :func:`_rates`, and their derivatives by the coordinates."""
-    return _jacobian(lambda x: _rates(f, x, v, a, falling))(x)
 
 
 def _derived_forces(f, x, sigma, weight):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import os
 import re
@@ -19,15 +18,16 @@ from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle
-from ..errors import ModelError, clean
+from ..errors import ModelError
 from ..files import write_whole
 from ..model.roles import Role
 from . import outlines, trajectories
 from . import series as series
 from .kinds import KINDS, NOTHING, ElementKind
-from .lines import DRAWING, LARGEST, MOST, SMALLEST, known, within
+from .lines import DRAWING, MOST, known
 from .read import SpacarModel
 from .signals import keyword_of
+from .written import Line, is_zero, line_of, numbers_of, one_of, text_of, trimmed
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
@@ -58,19 +58,6 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     write_whole(path, ("\n".join(map(text_of, lines_of(builder, settings))) + "\n").encode())
 
 
-@dataclasses.dataclass(frozen=True)
-class Line:
-    """One line of a file.
-
-    Attributes:
-        keyword: Its keyword.
-        values: Words and whole numbers as they stand there, and real numbers, which may be traced.
-    """
-
-    keyword: str
-    values: tuple[Any, ...]
-
-
 def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[Line | str]:
     """Lines of the file of a mechanism; those without numbers are texts.
 
@@ -87,53 +74,6 @@ def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = 
     if like is None and not is_concrete((numbers, builder.loads)):
         raise ModelError("The model has traced numbers; write it outside of the transformation.")
     return _Writer(builder, settings, like).lines()
-
-
-def text_of(line: Line | str) -> str:
-    """One line as text; real numbers with all their digits.
-
-    Raises:
-        ModelError: A number that is too small or too large for the format.
-    """
-    if isinstance(line, str):
-        return line
-    text = " ".join([line.keyword, *(str(v) if isinstance(v, int | str) else repr(float(v)) for v in line.values)])
-    for value in line.values:
-        if not isinstance(value, int | str) and not within(value):
-            raise ModelError(
-                f"'{clean(text)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
-                f" {LARGEST:g} in size."
-            )
-    return text
-
-
-def _line(keyword: str, *values: Any) -> Line:
-    return Line(keyword, values)
-
-
-def _numbers(value: Any) -> list[Any]:
-    """Numbers of one, of an array or of a sequence, which may be traced."""
-    if is_concrete(value):
-        return np.ravel(np.asarray(value, float)).tolist()
-    if isinstance(value, list | tuple):
-        return [one for entry in value for one in _numbers(entry)]
-    return [value] if np.ndim(value) == 0 else [value[i] for i in range(len(value))]
-
-
-def _one(value: Any) -> Any:
-    """A number as it is written."""
-    return float(np.asarray(value)) if known(value) else value
-
-
-def _is_zero(value: Any) -> bool:
-    return known(value) and value == 0
-
-
-def _trimmed(values: list[Any]) -> list[Any]:
-    """Without zeros at the end, but for the first."""
-    while len(values) > 1 and _is_zero(values[-1]):
-        values = values[:-1]
-    return values
 
 
 def _numbered(names: list[str]) -> dict[str, int]:
@@ -194,12 +134,12 @@ class _Writer:
             section, number = m.properties.get("section"), self.element[name]
             found = None if section is None or "EA" not in self.kinds[name].stiffness else outlines.sizes_of(section)
             if found is not None and str(number) not in there:
-                sizes = [_one(size) for size in found[1]]
+                sizes = [one_of(size) for size in found[1]]
                 key = (found[0], *(size if known(size) else id(section) for size in sizes))
                 groups.setdefault(key, (sizes, []))[1].append(number)
         lines = []
         for (kind, *_), (sizes, numbers) in groups.items():
-            lines += [_line(outlines.PROPS, *numbers), _line(outlines.TYPE, kind), _line(outlines.SIZES, *sizes)]
+            lines += [line_of(outlines.PROPS, *numbers), line_of(outlines.TYPE, kind), line_of(outlines.SIZES, *sizes)]
         return lines
 
     def _named(self, name: str, member: Member) -> list[str]:
@@ -261,7 +201,7 @@ class _Writer:
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(f"Node '{name}' is in no element, so a SPACAR input file cannot have it.")
-            if node.kind.part == "rotation" and tuple(_numbers(node.start)) != node.kind.start:
+            if node.kind.part == "rotation" and tuple(numbers_of(node.start)) != node.kind.start:
                 raise ModelError(f"Node '{name}' starts turned, which a SPACAR input file cannot express.")
         if "gravity" in self.builder.loads["increment"]:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
@@ -333,16 +273,16 @@ class _Writer:
                 vector = self._across(m)
             nodes = [self.node[n] for n in self._named(name, m)]
             order = [len(m.element.fields[0])] if m.element.fields else []
-            across = [] if vector is None else _numbers(vector)
-            own = [_one(m.properties[prop]) for _, prop in self.kinds[name].numbers]
-            lines.append(_line(keyword, self.element[name], *nodes, *across, *own, *order))
+            across = [] if vector is None else numbers_of(vector)
+            own = [one_of(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            lines.append(line_of(keyword, self.element[name], *nodes, *across, *own, *order))
             # Of warping beams FIX says it.
             clamped = None if self.kinds[name].warps else m.properties.get("clamped")
-            clamps += [] if clamped is None else [_line("CLAMP", self.element[name], *map(int, clamped))]
+            clamps += [] if clamped is None else [line_of("CLAMP", self.element[name], *map(int, clamped))]
         lines += clamps
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
-                lines.append(_line("X", self.node[name], *_numbers(node.start)))
+                lines.append(line_of("X", self.node[name], *numbers_of(node.start)))
         for name, node in self.builder.nodes.items():
             if name in self.node or any(role is not Role.DEPENDENT for role in node.roles):
                 roles = self.clamped.nodes[name].roles
@@ -353,10 +293,10 @@ class _Writer:
         # One line each, since their order is that of q.
         for (kind, of), numbers in self._dofs():
             if kind == "node":
-                lines += [_line("DYNX", self.node[of], number) for number in numbers]
+                lines += [line_of("DYNX", self.node[of], number) for number in numbers]
             else:
                 numbers = series.shortened(self.shown[of].element, numbers)
-                lines += [_line("DYNE", self.element[of], number) for number in numbers]
+                lines += [line_of("DYNE", self.element[of], number) for number in numbers]
         return lines
 
     def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
@@ -380,7 +320,7 @@ class _Writer:
                 if element is not None and keyword == "RLSE":
                     having = [n for n in having if n not in element.measured]
                     having = series.shortened(element, series.arranged(element, having))
-                lines += [_line(keyword, number, *([] if whole else having))] if having else []
+                lines += [line_of(keyword, number, *([] if whole else having))] if having else []
         return lines
 
     # -- dynamics -------------------------------------------------------------------------------------------------
@@ -398,29 +338,29 @@ class _Writer:
         if "stiffness" in kind.stiffness:
             for keyword, given in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
                 if given is not None:
-                    values = _numbers(given)
+                    values = numbers_of(given)
                     values = values * (len(kind.stiffness) if len(values) == 1 else 1)
-                    lines.append(_line(keyword, number, *_trimmed(values)))
+                    lines.append(line_of(keyword, number, *trimmed(values)))
             return lines
         section, damping, alpha = (m.properties.get(name) for name in ("section", "damping", "alpha"))
         if kind.sized:
-            lines.append(_line("SECTION", number, *_sizes(m.properties["section"])))
+            lines.append(line_of("SECTION", number, *_sizes(m.properties["section"])))
         elif section is not None:
             s = section.rigidity()
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
-                [0.0 if n == NOTHING else _one(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
+                [0.0 if n == NOTHING else one_of(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
             )
-            lines += [_line("ESTIFF", number, *_trimmed(stiffness))] if stiffness else []
-            heavy = not all(map(_is_zero, mass)) or (mass and not stiffness)
-            lines += [_line("EM", number, *_trimmed(mass))] if heavy else []
+            lines += [line_of("ESTIFF", number, *trimmed(stiffness))] if stiffness else []
+            heavy = not all(map(is_zero, mass)) or (mass and not stiffness)
+            lines += [line_of("EM", number, *trimmed(mass))] if heavy else []
         if alpha is not None and not kind.sized and m.element.thermal is not None:
-            lines.append(_line("ALPHA", number, _one(alpha)))
+            lines.append(line_of("ALPHA", number, one_of(alpha)))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)
         if damping is not None:
-            values = [_one(getattr(damping, n)) for n in kind.damping]
-            lines.append(_line("EDAMP", number, *_trimmed(values)))
+            values = [one_of(getattr(damping, n)) for n in kind.damping]
+            lines.append(line_of("EDAMP", number, *trimmed(values)))
         return lines
 
     def _lumped(self) -> list[Line]:
@@ -433,7 +373,7 @@ class _Writer:
                 totals[node] = totals.get(node, 0.0) + (np.asarray(value, float) if known(value) else value)
                 if m.element in _MASS and known(totals[node]) and totals[node] < 0:
                     raise ModelError(f"Node '{node}' has a negative mass, which a SPACAR input file does not take.")
-        return [_line("XM", self.node[n], *_numbers(v)) for n, v in totals.items()]
+        return [line_of("XM", self.node[n], *numbers_of(v)) for n, v in totals.items()]
 
     def _moments(self) -> list[Line]:
         """Moments about fixed axes; several on one node add up."""
@@ -441,31 +381,31 @@ class _Writer:
         for m in self.hidden:
             if m.element is spatial.moment:
                 key = ("DELXF" if m.properties.get("incremental") else "XF"), m.nodes[0]
-                totals[key] = totals.get(key, 0.0) + stack(_numbers(m.properties["moment"]))
-        return [_line(keyword, self.node[n], *_numbers(v)) for (keyword, n), v in totals.items()]
+                totals[key] = totals.get(key, 0.0) + stack(numbers_of(m.properties["moment"]))
+        return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in totals.items()]
 
     def _loads(self, loads: dict[str, dict], prefix: str) -> list[Line]:
         lines = []
         for of, values in _rows(loads.get("force", {})).items():
             size = 4 if self.builder.nodes[of[1]].kind is ROTATION3 else 0
-            lines.append(_line(f"{prefix}XF", self.node[of[1]], *_filled(values, size)))
+            lines.append(line_of(f"{prefix}XF", self.node[of[1]], *_filled(values, size)))
         for load, keyword in (("prestress", f"{prefix}ESIG"), ("strain", "EINIT")):
             for of, values in _rows(loads.get(load, {})).items():
-                lines.append(_line(keyword, self.element[of[1]], *_filled(values)))
+                lines.append(line_of(keyword, self.element[of[1]], *_filled(values)))
         for (kind, of, number), value in loads.get("prescribed", {}).items():
             start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
             letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
             if prefix:
-                lines.append(_line(f"DELINP{letter}", at, number, value))
+                lines.append(line_of(f"DELINP{letter}", at, number, value))
             else:
-                lines.append(_line(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
+                lines.append(line_of(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
         for (_, of, _), (first, last, *across) in loads.get("temperature", {}).items():
-            bent = not all(map(_is_zero, _numbers(across)))
+            bent = not all(map(is_zero, numbers_of(across)))
             whole = first is last or (known(first) and known(last) and np.array_equal(first, last))
             values = [first, last, *across] if bent else [first] if whole else [first, last]
-            lines.append(_line(f"{prefix}TEMP", self.element[of], *_numbers(values)))
+            lines.append(line_of(f"{prefix}TEMP", self.element[of], *numbers_of(values)))
         if "gravity" in loads:
-            lines.append(_line("GRAVITY", *loads["gravity"]["all"]))
+            lines.append(line_of("GRAVITY", *loads["gravity"]["all"]))
         return lines
 
     def _rates(self, letter: str, of: int, number: int) -> list[float]:
@@ -477,13 +417,13 @@ class _Writer:
         lines = []
         for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
             if keyword in self.settings:
-                lines.append(_line(keyword, *self.settings[keyword].values()))
+                lines.append(line_of(keyword, *self.settings[keyword].values()))
         for (kind, of, number), (value, velocity) in self.builder.starts.items():
             start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
             letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
-            lines.append(_line(f"STARTD{letter}", at, number, start + value, velocity))
+            lines.append(line_of(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
-            lines += [_line(keyword, self.settings[keyword][0])] if keyword in self.settings else []
+            lines += [line_of(keyword, self.settings[keyword][0])] if keyword in self.settings else []
         return lines + self._ways()
 
     def _ways(self) -> list[Line]:
@@ -492,7 +432,7 @@ class _Writer:
         for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
             for way in self.settings.get(keyword, []):
                 times = way.start, way.end, way.value
-                lines.append(_line(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
+                lines.append(line_of(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
         return lines
 
     # -- inputs and outputs ---------------------------------------------------------------------------------------
@@ -507,11 +447,11 @@ class _Writer:
                 kind, of, number = own.key
                 component = number if own.axis is None else TURNS[own.axis]
                 numbers = self.node if kind == "node" else self.element
-                lines.append(_line(keyword_of(side, kind, own.quantity), i, numbers[of], component))
+                lines.append(line_of(keyword_of(side, kind, own.quantity), i, numbers[of], component))
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
             for own in self.settings.get(keyword, []):
-                lines.append(_line(keyword, own.number, numbers[str(own.of)], own.component))
+                lines.append(line_of(keyword, own.number, numbers[str(own.of)], own.component))
         return lines
 
 
@@ -519,7 +459,7 @@ def _sizes(section: Rectangle) -> list[Any]:
     """Numbers of SECTION."""
     material = section.material
     values = (section.width, section.thickness, material.E, material.G, material.rho, material.alpha)
-    return [_one(value) for value in values if value is not None]
+    return [one_of(value) for value in values if value is not None]
 
 
 def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
@@ -532,4 +472,4 @@ def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
 
 def _filled(values: dict[int, Any], size: int = 0) -> list[Any]:
     """Values in order, zero where none is given."""
-    return [_one(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]
+    return [one_of(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]

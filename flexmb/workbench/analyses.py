@@ -104,7 +104,9 @@ def _run(mode: Mode, asked: Asked) -> dict[str, Any]:
     watch = asked.watch("states") if "steps" in mode.needs else asked.watch("parts of the time")
     if "steps" in mode.needs:
         watch = _load_factor(watch)
-    found = answer(asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch)
+    found = answer(
+        asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch, dofs="auto"
+    )
     lines = table(found.data).splitlines()[1:]
     more = [f"… and {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
     told: dict[str, Any] = {

@@ -24,6 +24,8 @@ from .values import numbers_of as numbers_of
 from .values import structure as structure
 
 ROOMS = {"planar": planar, "spatial": spatial}
+# Kinds of fields that hold a list.
+LISTS = ("vector", "weights", "components", "deformations", "nodes", "sections")
 # How messages of the Builder speak of what stands in fields of a kind.
 SAID = {"deformations": "deformation", "components": "coordinate|deformation", "nodes": "node|joins|length"}
 FLAGS = {"true": True, "false": False}
@@ -214,6 +216,10 @@ class _Building:
 
     def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
         kind = field["kind"]
+        if not isinstance(value, str) and kind not in ("number", *LISTS):
+            raise _Fault(address, f"One {kind} is wanted here, not a list.")
+        if isinstance(value, list) and kind != "weights" and any(not isinstance(one, str) for one in value):
+            raise _Fault(address, "A list of texts is wanted here, not one of lists.")
         if kind == "number":
             return self._number(field, address, value)
         if kind == "vector":
@@ -227,8 +233,11 @@ class _Building:
         if kind == "sections":
             names = [value] if isinstance(value, str) else value
             return [self._record("section", f"{address}/{k}", name) for k, name in enumerate(names)]
-        if not isinstance(value, str):
-            raise _Fault(address, f"One {kind} is wanted here, not a list.")
+        return self._word(field, address, value)
+
+    def _word(self, field: dict[str, Any], address: str, value: str) -> Any:
+        """What one text means: a reference, a choice, a text."""
+        kind = field["kind"]
         if kind in ("section", "material", "damping"):
             return self._record(kind, address, value)
         if kind == "flag":

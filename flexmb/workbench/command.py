@@ -74,7 +74,8 @@ def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> 
 
     enable_x64()
     try:
-        enable_cache()
+        # Structures change all the time: what is compiled is to be there soon, and runs in a millisecond anyway.
+        enable_cache(thorough=False)
     except OSError:
         # Without a writable cache folder the program is slower and otherwise the same.
         pass

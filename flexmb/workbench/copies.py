@@ -9,7 +9,7 @@ from ..errors import clean
 from .building import build
 from .content import Document, EditError, Report, checked_value
 from .edits import insert
-from .references import Names, call_of, referred, renamed_part, replaced, with_references
+from .references import Names, call_of, referred, renamed_part, replaced, stage_of, with_references
 from .sums import between, plus, times
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -101,13 +101,8 @@ def cloned(
         own = pairs.setdefault(thing["id"], [])
         if call.makes and thing.get("name"):
             own.append((thing["name"], _next_name(thing["name"], taken.setdefault(call.makes, set()))))
-        stage = thing["args"].get("stage")
-        if (
-            call.kind == "block"
-            and stage
-            and known.made.get(stage) == thing["id"]
-            and not known.exactly(("node",), stage)
-        ):
+        stage = stage_of(thing)
+        if stage and known.made.get(stage) == thing["id"] and not known.exactly(("node",), stage):
             own.append((stage, _next_name(stage, taken["node"])))
     follows = following(pairs)
     new, number = [], document.data["next"]
@@ -170,7 +165,7 @@ def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     also, lost = [], set()
     for before, after in zip([t for t in document.things if made_by_block or t["id"] != id], things, strict=True):
         call = call_of(after)
-        ends = [one for key in ("nodes", "base", "stage") for one in _as_list(after["args"].get(key)) if one]
+        ends = [one for key in ("nodes", "base", "stage") for one in _texts_of(after["args"].get(key))]
         twice = call is not None and call.kind in ("element", "block") and len(set(ends)) < len(ends)
         if after is not before and (twice or _is_there(after, things)):
             lost.add(after["id"])
@@ -183,8 +178,8 @@ def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     return document.with_things(kept), Report([], also, f"join {first} into {into}")
 
 
-def _as_list(value: Any) -> list[Any]:
-    return value if isinstance(value, list) else [value]
+def _texts_of(value: Any) -> list[str]:
+    return [one for one in (value if isinstance(value, list) else [value]) if one and isinstance(one, str)]
 
 
 def _is_there(thing: dict[str, Any], things: list[dict[str, Any]]) -> bool:

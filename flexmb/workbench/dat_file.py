@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,8 @@ from ..spacar.arithmetic import names_in
 from ..spacar.lines import placeholders, read_text, statements
 from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
-from ..spacar.write import Line, lines_of, text_of
+from ..spacar.write import lines_of
+from ..spacar.written import Line, text_of
 from .building import build, free_names, numbers_of
 from .document import Document, apply
 from .from_builder import document_of
@@ -28,6 +29,8 @@ from .study_beside import names_beside, write_beside
 LEGEND = re.compile(r"%\s(node|element|input|output) (\d{1,9}): (\S.*)", re.ASCII)
 # Lines of a file that belong to an analysis and name no node or element, so that they can stay when it is written anew.
 KEPT = ("TIMESTEP", "ERROR", "ITERSTEP")
+# What a file has of the material of a leaf spring.
+PLAIN_MATERIAL = {"E", "G", "rho", "alpha"}
 
 
 # So many faults are told at once.
@@ -120,7 +123,16 @@ def cannot_hold(document: Document) -> list[str]:
     Args:
         document: The document.
     """
-    return [*refused(document), *changed(document)]
+    return [*incomplete(document), *refused(document), *changed(document)]
+
+
+def incomplete(document: Document) -> list[str]:
+    """What is not in the mechanism yet, since something is wrong with it: neither answers nor files know of it.
+
+    Args:
+        document: The document.
+    """
+    return [f"{_called(document, one['address'])}: {one['message']}" for one in build(document).problems]
 
 
 def refused(document: Document) -> list[str]:
@@ -129,8 +141,7 @@ def refused(document: Document) -> list[str]:
     Args:
         document: The document.
     """
-    built = build(document)
-    found = [f"{_called(document, one['address'])}: {one['message']}" for one in built.problems]
+    found: list[str] = []
     # One thing after the other is taken away, so that all are told at once.
     for _ in range(MOST_FAULTS):
         try:
@@ -178,24 +189,37 @@ def changed(document: Document) -> list[str]:
         found.append(
             f"names that follow from others, {', '.join(derived)}: their arithmetic stands where they are used"
         )
-    kinds: dict[str, list[str]] = {}
-    for thing in document.things:
-        call = call_of(thing)
-        if call is not None and call.makes in ("section", "material", "damping", "block"):
-            kinds.setdefault(call.makes, []).append(str(thing.get("name")))
-    for kind, how in (
-        ("section", "as rigidities (ESTIFF, EM) and sizes (CROSSDIM), those of leaf springs as SECTION"),
-        ("material", "as numbers of the elements, without its strength"),
-        ("damping", "as EDAMP of the elements"),
-        ("block", "as its nodes and elements"),
-    ):
-        if kind in kinds:
-            found.append(f"{kind} {', '.join(map(clean, kinds[kind]))}: {how}")
+    if shapes := _named(document, "section", _is_other_section):
+        found.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM)")
+    if materials := _named(document, "material", lambda thing, _: not set(thing["args"]) <= PLAIN_MATERIAL):
+        found.append(f"material {materials}: as numbers of the elements, without its strength, fatigue and damping")
+    if blocks := _named(document, "block", lambda *_: True):
+        found.append(f"block {blocks}: as its nodes and elements")
     try:
         _, lost = _texts(document)
     except ModelError:
         lost = []
     return found + lost
+
+
+def _named(document: Document, kind: str, counts: Callable[[dict[str, Any], Document], bool]) -> str:
+    """Names of the things of a kind that count."""
+    known = [(thing, call_of(thing)) for thing in document.things]
+    found = [t for t, call in known if call is not None and call.makes == kind and counts(t, document)]
+    return ", ".join(clean(str(thing.get("name"))) for thing in found)
+
+
+def _is_other_section(section: dict[str, Any], document: Document) -> bool:
+    """Whether a section is neither rigidities nor the rectangle of leaf springs alone."""
+    if section["call"] == "Rigidity":
+        return False
+    leaf = ("planar.leaf_spring", "spatial.leaf_spring")
+    users = [
+        thing
+        for thing in document.things
+        if section.get("name") in (thing["args"].get(k) for k in ("section", "outline"))
+    ]
+    return any(thing["call"] not in (*leaf, "Rigidity") for thing in users) or not users
 
 
 def save_dat(document: Document, path: str | os.PathLike) -> list[str]:

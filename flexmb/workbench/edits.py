@@ -8,7 +8,7 @@ from ..errors import ModelError, clean
 from ..spacar.arithmetic import names_in, renamed
 from .content import Document, EditError, Report, checked_name, checked_text, checked_value
 from .fields import Call, calls
-from .references import call_of, referred, renamed_part, replaced, with_references
+from .references import call_of, referred, renamed_part, replaced, stage_of, with_references
 
 # Kinds of fields that hold numbers.
 NUMBERS = ("number", "vector", "weights")
@@ -136,7 +136,7 @@ def set_(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
 
 def _with_stage(document: Document, block: dict[str, Any], new: str) -> Document:
     """A document in which references to the node that a block makes follow its name; those to drawn nodes stay."""
-    known, old = document.known, block["args"].get("stage")
+    known, old = document.known, stage_of(block)
     taken = {**known.by_space.get("node", {}), **known.made}
     if not old or not new or known.thing(("node",), old) != block["id"] or new in taken:
         return document
@@ -204,10 +204,9 @@ def numbers(thing: dict[str, Any]) -> list[tuple[str, str]]:
             found += [(key, value)] if value else []
             continue
         for k, one in enumerate(value):
-            if isinstance(one, list):
-                found += [(f"{key}/{k}/1", one[1])] if len(one) == 2 else []
-            else:
-                found.append((f"{key}/{k}", one))
+            weight = field["kind"] == "weights" and isinstance(one, list) and len(one) == 2
+            path, one = (f"{key}/{k}/1", one[1]) if weight else (f"{key}/{k}", one)
+            found += [(path, one)] if isinstance(one, str) and weight == (field["kind"] == "weights") else []
     return found
 
 

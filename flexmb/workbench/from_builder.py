@@ -47,7 +47,7 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
         if names:
             raise TypeError("Names belong to a function that builds a mechanism of them, as edit(function, t=1e-3).")
         things = Calls(_builder_in(source))
-        left_out = things.left_out + _settings_of(source)
+        left_out = things.left_out + _settings_of(source) + _names_of(source)
         return _document(things, list(map(text_of, things.numbers)), {}, title or _title(source)), left_out
     own = {name: _named(name, value) for name, value in (names or {}).items()}
     floats = {name: float(value[0]) for name, value in own.items() if value is not None}
@@ -125,6 +125,14 @@ def _settings_of(source: Any) -> list[str]:
         return []
     own = [name for name in source.settings if not name.startswith(("INPUT", "STARTD"))]
     return [f"{clean(name)} of {clean(source.name)}: it belongs to an analysis or a drawing" for name in own]
+
+
+def _names_of(source: Any) -> list[str]:
+    """Names in the braces of a file, which was read with numbers in their place."""
+    if not isinstance(source, SpacarModel) or not source.parameters:
+        return []
+    names = clean(", ".join(source.parameters))
+    return [f"names {names} of {clean(source.name)}, in whose place are numbers: open the file itself to keep them"]
 
 
 def _title(source: Any) -> str:

@@ -41,12 +41,20 @@ def references(thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, ...], st
             spaces = (thing["args"]["kind"],)
         if field["kind"] == "weights":
             for k, pair in enumerate(value if isinstance(value, list) else []):
-                if isinstance(pair, list) and pair and pair[0]:
+                if isinstance(pair, list) and pair and pair[0] and isinstance(pair[0], str):
                     yield f"{argument}/{k}/0", spaces, pair[0]
         elif isinstance(value, list):
-            yield from ((f"{argument}/{k}", spaces, name) for k, name in enumerate(value) if name)
+            yield from (
+                (f"{argument}/{k}", spaces, name) for k, name in enumerate(value) if name and isinstance(name, str)
+            )
         elif value:
             yield argument, spaces, value
+
+
+def stage_of(thing: dict[str, Any]) -> str | None:
+    """Name of the node that a building block carries, and makes where it is not there."""
+    call, stage = call_of(thing), thing["args"].get("stage")
+    return stage if call is not None and call.kind == "block" and isinstance(stage, str) and stage else None
 
 
 class Names:
@@ -66,7 +74,7 @@ class Names:
                 continue
             if call.makes and thing.get("name"):
                 self.by_space.setdefault(call.makes, {}).setdefault(thing["name"], thing["id"])
-            if call.kind == "block" and (stage := thing["args"].get("stage")):
+            if stage := stage_of(thing):
                 self.made.setdefault(stage, thing["id"])
         self._blocks = sorted(self.by_space.get("block", {}).items(), key=lambda pair: -len(pair[0]))
 

@@ -159,11 +159,9 @@ def structure(document: Document, *, arithmetic: bool = True) -> str:
                 value = shown(f"{id}/{key}", value) if key in own else value
             else:
                 value = [
-                    [one[0], shown(f"{id}/{key}/{k}/1", one[1])]
+                    (one[0], shown(f"{id}/{key}/{k}/1", one[1]))
                     if f"{key}/{k}/1" in own
-                    else shown(f"{id}/{key}/{k}", one)
-                    if f"{key}/{k}" in own
-                    else one
+                    else (shown(f"{id}/{key}/{k}", one) if f"{key}/{k}" in own else one)
                     for k, one in enumerate(value)
                 ]
             entries.append((key, value))

@@ -35,6 +35,22 @@ def test_constants_that_print_alike_are_kept_apart():
     np.testing.assert_array_equal(late(1.0, *early(2.0)), [np.inf, -np.inf, 0.1, np.nextafter(0.1, 1.0)])
 
 
+def test_derivatives_of_ones_own_that_capture_arrays_are_known_by_them():
+    def ruled(weights):
+        weights = jnp.asarray(weights)
+
+        @jax.custom_jvp
+        def function(x):
+            return jnp.sum(weights * jnp.stack([x, x**2]))
+
+        function.defjvp(lambda primals, tangents: (function(*primals), 2.0 * tangents[0]))
+        return function
+
+    first, again, second = ruled([1.0, 0.0]), ruled([1.0, 0.0]), ruled([0.0, 1.0])
+    early, late = split(lambda x, c: jnp.stack([first(x) * c, again(x) * c, second(x) * c]), (1.0,), (2.0,))
+    np.testing.assert_array_equal(late(3.0, *early(2.0)), [6.0, 6.0, 18.0])
+
+
 def test_equal_operations_are_done_once():
     shared = weighted([1.0, 2.0])
 

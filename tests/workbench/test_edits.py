@@ -318,7 +318,7 @@ ADDRESSES = [
     "names/t/value",
     "3/name",
 ]
-VALUES = ["0.1", "2*t", "", "-1", "q", "all", "left1", "\u2028<b>", "1e308*10"]
+VALUES = ["0.1", "2*t", "", "-1", "q", "all", "left1", "\u2028<b>", "1e308*10", ["1"], ["left1", ["left0"]], []]
 IDS = [str(k) for k in range(1, 20)]
 OPS = st.one_of(
     st.builds(lambda a, v: {"op": "set", "address": a, "to": v}, st.sampled_from(ADDRESSES), st.sampled_from(VALUES)),

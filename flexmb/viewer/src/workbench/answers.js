@@ -109,7 +109,7 @@ export function answers(store, { open }) {
     set(number, "value", value ?? "");
     say(number.firstChild, short);
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
-    const pinned = store.state.pinned?.answers?.find((one) => one.key === key)?.before;
+    const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
     const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
     say(number.lastChild, change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`);
   }

@@ -12,7 +12,7 @@ export function compare(store) {
 
   function update() {
     const { pinned } = store.state;
-    const there = Boolean(pinned?.answers);
+    const there = Boolean(pinned?.differences);
     unpin.hidden = !there;
     say(pin, there ? "Pin this one instead" : "Pin this design");
     say(text, there ? "" : "Pin a design, change it, and see here what became of its numbers and answers.");
@@ -20,7 +20,7 @@ export function compare(store) {
     table.hidden = !there;
     root.classList.toggle("stale", isStale(store.state));
     if (!there) return;
-    const own = pinned;
+    const own = pinned.differences;
     const answered = (own.answers ?? []).map(({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
       label, before: old ?? withUnit(before, unit), now: text ?? withUnit(now, unit), percent, same: before === now,
     }));
@@ -42,6 +42,9 @@ export function compare(store) {
 
 const withUnit = (value, unit) => (value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim());
 
+/** Without where it is: "3 MPa in 'left' at 1". */
+const short = (text) => String(text ?? "–").replace(/ (of|in) '.*$/s, "");
+
 function line({ label, before, now, percent, same }) {
   const none = percent === null || percent === undefined;
   const text = same || percent === 0 ? "same" : none ? "" : `${percent > 0 ? "+" : "−"}${Math.abs(percent).toPrecision(3)} %`;
@@ -50,8 +53,8 @@ function line({ label, before, now, percent, same }) {
     "tr",
     {},
     h("td", {}, label),
-    h("td", { class: "number" }, before ?? "–"),
-    h("td", { class: "number" }, now ?? "–"),
+    h("td", { class: "number", title: before ?? "" }, short(before)),
+    h("td", { class: "number", title: now ?? "" }, short(now)),
     h("td", { class: `number ${way}` }, text),
   );
 }

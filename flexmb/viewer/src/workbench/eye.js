@@ -10,6 +10,8 @@ const APART = 13;
 // A plane seen flatter than this, as sine of the angle, is not drawn on.
 const FLAT = 0.08;
 
+const ROOM = 1.35;
+
 const nothing = (dimension) => ({ dimension, parts: [], base: new Float32Array(0) });
 
 export class Eye {
@@ -121,5 +123,7 @@ function aroundOf(places) {
   const least = places.length > 1 ? 0 : EMPTY[0];
   around.extent = Math.max(...around.size, least) || EMPTY[0];
   if (places.length === 1) around.size = [EMPTY[0], EMPTY[1], 0];
+  // Room to draw on, for loads and names, and for what swings.
+  around.size = around.size.map((side) => ROOM * side);
   return around;
 }

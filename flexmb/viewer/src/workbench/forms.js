@@ -272,21 +272,24 @@ function chips(store, field, own) {
   function update() {
     own_.update();
     const on = list(own_.text());
+    const all = on[0] === "all";
     keep(
       row_,
       offered(),
       (one) => one,
       (one) => button(one, () => flip(one), { "aria-label": `${words(field.name)}: ${one}` }),
-      (child, one) => child.setAttribute("aria-pressed", String(on.includes(one) || on[0] === "all")),
+      (child, one) => child.setAttribute("aria-pressed", String(on.includes(one) || all)),
     );
     note.tell(own_.fault());
   }
   function flip(one) {
     const all = offered();
     const text = single ? [] : list(own_.text());
-    const now = text[0] === "all" ? all : text;
+    const now = text[0] === "all" ? all : text.filter((other) => all.includes(other));
     const then = now.includes(one) ? now.filter((other) => other !== one) : all.filter((other) => other === one || now.includes(other));
-    own.send(field.name, then.join(" "))?.catch?.(() => {});
+    // An empty text means what is usual, which is not: none.
+    const none = field.kind === "deformations" ? "none" : "";
+    own.send(field.name, then.join(" ") || none)?.catch?.(() => {});
   }
   update();
   return { element, update };

@@ -1,10 +1,10 @@
 /** Properties of what is selected, of the tool in hand, or of the whole. */
 import { box, remark } from "./box.js";
-import { byId, button, h, say } from "./dom.js";
+import { byId, button, h, keep, say } from "./dom.js";
 import { form, ofThing } from "./forms.js";
 import { icon } from "./icons.js";
 import { fieldsOf, group, problemAt, spoken, thing, things, title } from "./model.js";
-import { toolForm } from "./toolbox.js";
+import { takeTool, toolForm } from "./toolbox.js";
 
 export function inspector(store, dialogs) {
   const root = byId("inspector");
@@ -148,17 +148,35 @@ function several(store, dialogs) {
   return { element: h("div", {}, h("div", { class: "head" }, heading), box_), update };
 }
 
+/** What a beginner does next, each with the call of the tool for it. */
+function nextSteps(store) {
+  const all = things(store);
+  const has = (...wanted) => all.some(({ call }) => wanted.includes(group(store, call)) || wanted.includes(call));
+  const inPlane = store.state.document.dimension === 2 ? "planar" : "spatial";
+  if (!all.length) return [];
+  const steps = [];
+  if (!has("element", "block")) steps.push(["Put elements between nodes", `${inPlane}.beam`]);
+  if (!has("support")) steps.push(["Fix what stands still", "fix"]);
+  if (!has("mass") && has("element", "block")) steps.push(["Put a mass where the load is", "mass"]);
+  if (!has("load") && has("support")) steps.push(["A force shows displacement, stress and buckling", "force"]);
+  return steps;
+}
+
 /** The whole, where nothing is selected: what there is, and what is wrong where. */
 function whole(store) {
   const heading = h("h2", {}, "Mechanism");
   const text = h("p", { class: "soft" });
   const faults = h("div", { class: "advice" });
+  const next = h("div", { class: "advice", role: "group", "aria-label": "Next steps" });
   let last = "";
   function update() {
     const all = things(store);
     const number = (wanted) => all.filter(({ call }) => wanted.includes(group(store, call))).length;
     const { dimension } = store.state.document;
     say(text, `${dimension === 2 ? "In the plane" : "In space"}: ${number(["node"])} nodes, ${number(["element"])} elements, ${number(["block"])} building blocks. Click something in the drawing to see and change its numbers.`);
+    keep(next, nextSteps(store), ([words]) => words, ([words, call]) =>
+      button(words, () => takeTool(store, call).then(() => byId("scene").focus())),
+    );
     const now = JSON.stringify(store.state.problems ?? []);
     if (now === last) return;
     last = now;
@@ -170,5 +188,5 @@ function whole(store) {
     );
   }
   update();
-  return { element: h("div", {}, h("div", { class: "head" }, heading), text, faults), update };
+  return { element: h("div", {}, h("div", { class: "head" }, heading), text, faults, next), update };
 }

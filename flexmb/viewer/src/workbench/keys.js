@@ -196,7 +196,7 @@ const UNITS = { m: 1, mm: 1e-3, um: 1e-6, "µm": 1e-6 };
 /** A typed place: {point, texts}, or {problem}. Millimetres where "mm" stands behind a number. */
 export function coordinates(text, from, planar, values, at = from) {
   const relative = text.trim().startsWith("@");
-  const body = text.trim().replace(/^@/, "");
+  const body = text.trim().replace(/^@\s*/, "");
   const polar = body.split("<");
   const parts = (polar.length === 2 ? polar : body.split(/[,;]\s*|\s+(?=[-+]?[\d.])/)).map((part) => numberIn(part.trim(), values));
   const wanted = planar ? 2 : 3;

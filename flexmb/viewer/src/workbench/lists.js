@@ -89,8 +89,10 @@ function thingList(store, label, groups, { remove, open }) {
       event.preventDefault();
       remove(store.state.selection);
     } else if (event.key === "Enter") {
+      // Or it would press the button that gets the focus.
+      event.preventDefault();
       open("inspector");
-      byId("inspector").querySelector("input, select, button")?.focus();
+      byId("inspector").querySelector("input, select")?.focus();
     } else if (event.key === "a" && (event.ctrlKey || event.metaKey)) {
       event.preventDefault();
       store.select(rows);

@@ -228,7 +228,7 @@ export class Placing {
         taken.add(all.stage);
       }
     }
-    if (fields?.some(({ name }) => name === "section") && all.section === undefined && call.endsWith(".beam")) {
+    if (fields?.some(({ name }) => name === "section") && !("section" in args) && call.endsWith(".beam")) {
       const last = own.things.filter((thing) => groupOf(catalogue, thing.call) === "section").at(-1);
       if (last) all.section = last.name;
     }

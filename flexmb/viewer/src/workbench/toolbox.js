@@ -90,9 +90,9 @@ export function toolbox(store, { open }) {
       ({ group, text }) => h("details", { open: !["signal", "node"].includes(group), "data-group": group }, h("summary", {}, text), h("div")),
       (details, { own }) => {
         if (searched) details.open = true;
-        // Of two that are called the same, one is a method of a node, the other an element.
-        for (const one of own) one.twin = own.some((other) => other !== one && other.title === one.title);
-        keep(details.lastChild, own, ({ call }) => call, toolButton);
+        // Of two that are called the same, the element is the one that few ask for.
+        for (const one of own) one.twin = one.call.includes(".") && own.some((other) => other !== one && other.title === one.title);
+        keep(details.lastChild, searched ? own : own.filter(({ twin }) => !twin), ({ call }) => call, toolButton);
       },
     );
     none.hidden = filled.length > 0;
@@ -101,8 +101,8 @@ export function toolbox(store, { open }) {
 
   function toolButton({ call, group, doc, twin }) {
     const made = button("", () => take({ call }), { class: "tool", "data-call": call, title: doc ?? "" });
-    const letter = LETTERS[call.split(".").at(-1)];
-    made.append(icon(call, group), h("span", {}, `${title(store, call)}${twin && call.includes(".") ? " (element)" : ""}`));
+    const letter = twin ? null : LETTERS[call.split(".").at(-1)];
+    made.append(icon(call, group), h("span", {}, `${title(store, call)}${twin ? " (element)" : ""}`));
     if (letter) made.append(h("kbd", { "aria-hidden": "true" }, letter));
     return made;
   }

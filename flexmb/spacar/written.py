@@ -1,0 +1,72 @@
+"""Lines of a SPACAR input file on their way out: their numbers, which may be traced, and their texts."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from ..arguments import is_concrete
+from ..errors import ModelError, clean
+from .lines import LARGEST, SMALLEST, known, within
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """One line of a file.
+
+    Attributes:
+        keyword: Its keyword.
+        values: Words and whole numbers as they stand there, and real numbers, which may be traced.
+    """
+
+    keyword: str
+    values: tuple[Any, ...]
+
+
+def text_of(line: Line | str) -> str:
+    """One line as text; real numbers with all their digits.
+
+    Raises:
+        ModelError: A number that is too small or too large for the format.
+    """
+    if isinstance(line, str):
+        return line
+    text = " ".join([line.keyword, *(str(v) if isinstance(v, int | str) else repr(float(v)) for v in line.values)])
+    for value in line.values:
+        if not isinstance(value, int | str) and not within(value):
+            raise ModelError(
+                f"'{clean(text)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
+                f" {LARGEST:g} in size."
+            )
+    return text
+
+
+def line_of(keyword: str, *values: Any) -> Line:
+    """A line of a keyword and what follows it."""
+    return Line(keyword, values)
+
+
+def numbers_of(value: Any) -> list[Any]:
+    """Numbers of one, of an array or of a sequence, which may be traced."""
+    if is_concrete(value):
+        return np.ravel(np.asarray(value, float)).tolist()
+    if isinstance(value, list | tuple):
+        return [one for entry in value for one in numbers_of(entry)]
+    return [value] if np.ndim(value) == 0 else [value[i] for i in range(len(value))]
+
+
+def one_of(value: Any) -> Any:
+    """A number as it is written."""
+    return float(np.asarray(value)) if known(value) else value
+
+
+def is_zero(value: Any) -> bool:
+    """Whether a number is known to be zero."""
+    return known(value) and value == 0
+
+
+def trimmed(values: list[Any]) -> list[Any]:
+    """Without zeros at the end, but for the first."""
+    while len(values) > 1 and is_zero(values[-1]):
+        values = values[:-1]
+    return values
