@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import dataclasses
-import re
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
-from ..arguments import shown
 from ..design.evaluate import layout_of
 from ..design.problem import Problem, Rows
 from ..design.scaling import Scaling
 from ..design.search import search
-from ..display import listed, measured, short
+from ..display import listed
 from ..errors import ModelError, clean
 from ..mechanics.loads import has_loads
 from ..plot.geometry import extent_of
 from ..progress import Stopped
 from ..results import RESULTS
-from ..spacar.arithmetic import value_of
-from .building import build, free_names, numbers_of, positions
+from .building import build, numbers_of, positions
 from .document import Document, apply
 from .traced import Traced, traced
+from .wants import Want, checked_free, number_like, text_of, unit_of, wants_of
 
-KINDS = {"equal": "=", "least": "≥", "most": "≤"}
 # Of a name without bounds, this many times up and down.
 WIDE = 5.0
 # Relative difference at which a target is met, at which it is met to round-off, and by which the search may miss it.
@@ -36,12 +32,11 @@ BUDGET, STEPS, BUDGET_NEAREST = 400, 12, 200
 # Parts of the way from the present answers to the targets.
 LEGS = 16
 # Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
-PACE, LONGEST_PAUSE = 0.03, 1.0
+PACE, LONGEST_PAUSE = 0.05, 1.2
 # A dimension this near to a bound, as a share of the range, is at it.
 AT_BOUND = 1e-6
-PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+# What there is under loads alone.
 OF_LOADS = ("multiplier", "stress", "utilisation", "displacement")
-UNITS = {"frequency": "Hz", "stress": "Pa", "mass": "kg", "displacement": "m"}
 
 
 class Watched(Protocol):
@@ -57,98 +52,6 @@ class Watched(Protocol):
         ...
 
 
-@dataclasses.dataclass(frozen=True)
-class Want:
-    """An answer that is to have a value.
-
-    Attributes:
-        key: Which answer.
-        kind: "equal", "least" or "most".
-        value: In its unit.
-        unit: SI, without a prefix.
-    """
-
-    key: str
-    kind: str
-    value: float
-    unit: str
-
-    def __str__(self) -> str:
-        return f"{self.key} {KINDS[self.kind]} {_text(self.value, self.unit)}"
-
-    def missed(self, value: float) -> float:
-        """By how much a value misses it, relative to it [-]; not above zero where it does not."""
-        off = (value - self.value) / (abs(self.value) or 1.0)
-        return {"equal": abs(off), "least": -off, "most": off}[self.kind]
-
-
-def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
-    """What is wanted, checked.
-
-    Args:
-        given: Each with "answer", "kind" and "value": a number, arithmetic of names, with or without its unit.
-        names: Values of the names.
-
-    Raises:
-        ValueError: Nothing is wanted, or what is no number.
-    """
-    found = []
-    for one in given:
-        key, kind = str(one.get("answer", "")), one.get("kind", "equal")
-        if kind not in KINDS:
-            raise ValueError(f"Target '{clean(key)}' must be equal, least or most, not {shown(kind)}.")
-        unit = unit_of(key)
-        found.append(Want(key, kind, _value(key, str(one.get("value", "")), unit, names), unit))
-    if not found:
-        raise ValueError("Say what is wanted, such as frequency 1 = 20 Hz.")
-    for key in {want.key for want in found}:
-        own = {want.kind: want.value for want in found if want.key == key}
-        if len(own) < sum(want.key == key for want in found) or ("equal" in own and len(own) > 1):
-            raise ValueError(
-                f"'{clean(key)}' is wanted twice: give it one value, or one from below and one from above."
-            )
-        if own.get("least", -np.inf) > own.get("most", np.inf):
-            raise ValueError(f"'{clean(key)}' cannot be at least {own['least']:g} and at most {own['most']:g}.")
-    return found
-
-
-def label_of(given: Sequence[Mapping[str, Any]]) -> str:
-    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
-    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
-    return clean(f"target {', '.join(parts)}")
-
-
-def unit_of(key: str) -> str:
-    """Unit of an answer by its key, SI without a prefix."""
-    kind, _, which = key.partition(" ")
-    if kind == "stiffness":
-        return "N m/rad" if which in ("phi", "rx", "ry", "rz") else "N/m"
-    if kind == "displacement" and which in ("phi", "rx", "ry", "rz"):
-        return "rad"
-    return UNITS.get(kind, "")
-
-
-def _value(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:
-    """A number from text such as "20", "20 Hz", "300 MPa", "2*f"."""
-    rest, factor = text.strip(), 1.0
-    if unit and rest.endswith(unit):
-        rest = rest.removesuffix(unit)
-        if rest and rest[-1] in PREFIXES and (len(rest) < 2 or not rest[-2].isalpha()):
-            rest, factor = rest[:-1], PREFIXES[rest[-1]]
-    try:
-        value = float(value_of(rest.strip(), names)) * factor
-    except ValueError as fault:
-        form = f"a number [{unit or '-'}]" + (f", such as 20 {unit} or 20 k{unit}" if unit else "")
-        raise ValueError(f"Target '{clean(key)}': '{clean(text)}' {fault}. Give {form}.") from None
-    if not np.isfinite(value):
-        raise ValueError(f"Target '{clean(key)}' must be finite, not '{clean(text)}'.")
-    return value
-
-
-def _text(value: float, unit: str) -> str:
-    return f"{short(value)} {unit}".strip() if unit in ("", "kg") else measured(value, unit)
-
-
 def meet(
     document: Document,
     wants: Sequence[Mapping[str, Any]],
@@ -162,7 +65,7 @@ def meet(
 
     Args:
         document: The document.
-        wants: See :func:`wants_of`.
+        wants: See :func:`flexmb.workbench.wants.wants_of`.
         free: Names that may change; all whose values are numbers if there are none.
         job: Told "design" (values of the free names by name), "values" (answers by key), "fraction" and "text".
         node: Node whose support stiffness and displacements are meant.
@@ -192,7 +95,7 @@ class _Tuning:
         names = {name: float(numbers[f"names/{name}/value"]) for name in document.names if _has(numbers, name)}
         self.document, self.job, self.node = document, job, node
         self.wants = wants_of(wants, names)
-        self.free = _checked_free(document, free)
+        self.free = checked_free(document, free)
         self.assumed: dict[str, tuple[float, float]] = {}
         bounds = {name: self._bounds(name, numbers) for name in self.free}
         self.start = np.array([names[name] for name in self.free])
@@ -283,7 +186,7 @@ class _Tuning:
             self.paused += wait
         self.told_at = time.monotonic()
         by_key = dict(zip(self.keys, values.tolist(), strict=True))
-        text = ", ".join(f"{key} {_text(value, unit_of(key))}" for key, value in by_key.items())
+        text = ", ".join(f"{key} {text_of(value, unit_of(key))}" for key, value in by_key.items())
         done = min(0.95, self.count / 40) if missed > MET else 0.98
         self.job.tell(fraction=done, text=text, design=dict(zip(self.free, x.tolist(), strict=True)), values=by_key)
 
@@ -311,7 +214,7 @@ class _Tuning:
         for want in self.wants:
             i = self.keys.index(want.key)
             if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
-                now = _text(float(values[i]), want.unit)
+                now = text_of(float(values[i]), want.unit)
                 raise ValueError(
                     f"{want} cannot be met: it is {now}, and {listed(self.free)} has no effect on it. Let another"
                     " dimension vary: write a name where a number stands."
@@ -450,7 +353,7 @@ class _Tuning:
         """What is not met, how near it comes, and what limits it."""
         by_key, unit = dict(zip(self.keys, values.tolist(), strict=True)), self.scaling.to_unit(x)
         bad = [w for w in self.wants if w.missed(by_key[w.key]) > MET]
-        comes = [f"{want} is not reached: it comes to {_text(by_key[want.key], want.unit)}" for want in bad]
+        comes = [f"{want} is not reached: it comes to {text_of(by_key[want.key], want.unit)}" for want in bad]
         limits = []
         for name, u, low, high in zip(self.free, unit, self.scaling.lower, self.scaling.upper, strict=True):
             if min(u, 1 - u) < AT_BOUND:
@@ -487,43 +390,8 @@ class _Tuning:
         return found, values
 
 
-def number_like(text: str, value: float, digits: int) -> str:
-    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood.
-
-    Args:
-        text: The other number.
-        value: The number.
-        digits: Significant ones at most.
-    """
-    exponent = re.search(r"[eE]([-+]?\d+)\s*$", text)
-    plain = f"{value:.{digits}g}"
-    if exponent is None:
-        return plain
-    mantissa = f"{value / 10.0 ** int(exponent[1]):.{digits}g}"
-    return f"{mantissa}{exponent[0].strip()}" if "e" not in mantissa else plain
-
-
 def _has(numbers: Mapping[str, Any], name: str) -> bool:
     return f"names/{name}/value" in numbers
-
-
-def _checked_free(document: Document, free: Sequence[str]) -> list[str]:
-    """Names that may change."""
-    known = free_names(document)
-    for name in free:
-        if name not in document.names:
-            raise ValueError(f"There is no name '{clean(name)}' to change.")
-        if name not in known:
-            text = document.names[name]["value"]
-            raise ValueError(
-                f"'{clean(name)}' is '{clean(text)}': it follows from others. Choose from {listed(known)}."
-            )
-    chosen = list(dict.fromkeys(free)) or known
-    if not chosen:
-        raise ValueError(
-            "No dimension may change: write a name, such as t, where a number stands, and give it a value."
-        )
-    return chosen
 
 
 def _scaling(free: list[str], names: Mapping[str, float], bounds: Mapping[str, Any]) -> Scaling:

@@ -18,8 +18,8 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
-from cases.documents import spatial_guide
-from cases.workbench import ask, browsing, faults, opened, served, until
+from cases.documents import spatial_guide  # pyright: ignore
+from cases.workbench import ask, browsing, faults, opened, served, until  # pyright: ignore
 
 from flexmb.workbench.document import apply
 
