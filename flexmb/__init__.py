@@ -23,5 +23,6 @@ __getattr__, __dir__ = names(
         "design",
         "blocks",
         "viewer",
+        "workbench",
     ),
 )

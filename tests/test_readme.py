@@ -112,11 +112,21 @@ def check_light(scope):
     assert bent["stress"]["maximum"] == pytest.approx(clamp * bent["x"]["5"][0] / (0.018 * 0.5e-3**2 / 6), rel=1e-6)
 
 
+def check_workbench(scope):
+    # Clamped leaf springs in sway with 26/35 of their mass, between those of a beam and those of a wide plate.
+    mass = 0.1 + 7850 * 1e-5 + 2 * 26 / 35 * 7850 * 0.018 * 0.0005 * 0.1
+    beam = (24 * 210e9 * 0.018 * 0.0005**3 / 12 / 0.1**3 / mass) ** 0.5 / (2 * math.pi)
+    nu = 210 / 80 / 2 - 1
+    found = scope["fm"].frequencies(scope["build"](scope["again"]).builder.build())[0]
+    assert beam < float(found) < beam / (1 - nu**2) ** 0.5
+
+
 # What is right by another source than the manual, asked of what its code leaves behind.
 INDEPENDENT = {
     "README.md": check_guide,
     "notebooks/README.md": check_python,
     "flexmb/spacar/README.md": check_light,
+    "flexmb/workbench/README.md": check_workbench,
 }
 
 

@@ -1,7 +1,7 @@
 """Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeVar, overload
 
 import jax
 import jax.core
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_number, check_whole, shown
+from ..arguments import check_flag, check_number, check_whole, shown
 from ..compilation.record import Record, static
 from ..display import AT_MOST, Result, States, Summary, course, short
 from ..errors import AnalysisError, heard, warn
@@ -23,16 +23,17 @@ from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, load_factors
 from ..mechanics.residual import state
 from ..model.by_name import ByName
-from ..model.model import Model, as_determined
+from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS, check, told
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
+from .sparse_path import SparsePath, walk_of_sparse
 from .stepper import Ramp
 from .stops import STRESS, stops_of, unmet
-from .walk import Step, Walker
+from .walk import DenseEquations, Step, Walker
 
 
 class Path(ByName, AboutState, Along, Result, Record):
@@ -186,6 +187,32 @@ def _look_at(topology: Topology, parameters: Parameters, factors: LoadFactors, x
     return matrices, multipliers_of(*scaled_stiffness(topology, parameters, at, near))
 
 
+@overload
+def path(
+    model: Model,
+    *,
+    sparse: Literal[True],
+    max_steps: int = 200,
+    step: float = 0.1,
+    stop: Mapping[str, float] | None = None,
+    switch: bool | int | Mapping[int, int] = False,
+    imperfection: None = None,
+    progress: Callable[[int, float], None] | bool = False,
+    throw: bool = True,
+) -> SparsePath: ...
+@overload
+def path(
+    model: Model,
+    *,
+    sparse: Literal[False] = False,
+    max_steps: int = 200,
+    step: float = 0.1,
+    stop: Mapping[str, float] | None = None,
+    switch: bool | int | Mapping[int, int] = False,
+    imperfection: Mapping[int, float] | None = None,
+    progress: Callable[[int, float], None] | bool = False,
+    throw: bool = True,
+) -> Path: ...
 def path(
     model: Model,
     *,
@@ -195,8 +222,9 @@ def path(
     switch: bool | int | Mapping[int, int] = False,
     imperfection: Mapping[int, float] | None = None,
     progress: Callable[[int, float], None] | bool = False,
+    sparse: bool = False,
     throw: bool = True,
-) -> Path:
+) -> Path | SparsePath:
     """Equilibrium path over the load factor from 0 to 1, past limit points.
 
     The factor multiplies the incremental loads while the others stay; without incremental loads it multiplies all.
@@ -218,6 +246,8 @@ def path(
             which the path begins, for the loads that grow. A positive one lets the position grow that moves most.
         progress: True for a bar, or a function called with the number of states and the load factor before each step.
             An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
+        sparse: For thousands of elements: sparse factors in all coordinates, of a model that needs no degrees of
+            freedom; see :func:`flexmb.equilibrium`. The result has no matrices.
         throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:
@@ -243,13 +273,16 @@ def path(
         psi^T (K t + r_load t_load) = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a
         bifurcation.
     """
-    as_determined(model, "path")
+    check_flag("sparse", sparse)
+    (as_model if sparse else as_determined)(model, "path")
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
     left = _switches(switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
+    if sparse:
+        return _sparse_path(model, max_steps, step, stop, left, imperfection, progress, throw)
     model = model if imperfection is None else bent_by_modes(model, imperfection)
 
     def found_at(step: Step) -> _Found:
@@ -261,7 +294,7 @@ def path(
             return float(stress(model, at=Linearization(found_at(step).matrices, model)).maximum)
 
     stops = stops_of(model, stop, largest_stress)
-    walker = Walker(model, step, stops)
+    walker = Walker(DenseEquations(model), step, stops)
     if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
         raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
     with reporting(progress, "states, load factor") as report:
@@ -289,14 +322,34 @@ def path(
         model=model,
         stopped_by=walker.ended or None,
     )
+    return _checked(whole, walker, stop, left, throw)
+
+
+def _sparse_path(model, max_steps, step, stop, left, imperfection, progress, throw) -> SparsePath:
+    """See :func:`path`."""
+    if imperfection is not None or (stop and STRESS in stop):
+        what = "imperfection" if imperfection is not None else f'stop["{STRESS}"]'
+        raise ValueError(f"Argument `{what}` takes dense matrices: leave `sparse` or it out.")
+    stops = stops_of(model, stop, lambda _: np.nan)
+    with reporting(progress, "states, load factor") as report:
+        found, walker = walk_of_sparse(model, step, stops, max_steps, left, report)
+    return _checked(found, walker, stop, left, throw)
+
+
+P = TypeVar("P", Path, SparsePath)
+
+
+def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int], throw: bool) -> P:
+    """The path; raised is why it did not reach its end, warned of what was asked for and not met."""
+    code = RESULTS(int(found.result))
     try:
         check(int(code), throw and code != RESULTS.stopped)
     except AnalysisError as error:
-        error.path = whole
+        error.path = found
         raise
     if code == RESULTS.successful:
-        _warn_of_unused(whole, walker, stop, left)
-    return whole
+        _warn_of_unused(found, walker, stop, left)
+    return found
 
 
 def _switches(switch: Any) -> dict[int, int]:
@@ -317,7 +370,9 @@ def _switches(switch: Any) -> dict[int, int]:
     return {1: int(switch)} if switch else {}
 
 
-def _warn_of_unused(found: Path, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int]) -> None:
+def _warn_of_unused(
+    found: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int]
+) -> None:
     """Warn of what a path was asked for and did not come to."""
     if stop and found.stopped_by is None:
         warn(unmet(found.model, stop, walker.steps, walker.conditions, len(walker.critical)))

@@ -1,7 +1,7 @@
 """The walk along an equilibrium path: which steps are taken, and where the critical points on them lie."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -133,6 +133,45 @@ def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, 
     return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0)), direction_of(at, along, jnp.array(1.0))
 
 
+class Equations(Protocol):
+    """What a walk asks of a mechanism; states are arrays of NumPy."""
+
+    def begin(self) -> tuple[Ramp, Scale, Step, Any]:
+        """Ramp of the loads, what makes metres, radians and load comparable, first state, code of RESULTS."""
+        ...
+
+    def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
+        """One step from a point along a direction, corrected in a plane."""
+        ...
+
+    def null(
+        self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
+    ) -> tuple[Direction, Direction]:
+        """Motion that meets no stiffness, normal to ``beside``; direction normal to it that follows a rising load."""
+        ...
+
+
+class DenseEquations:
+    """Equations in the degrees of freedom, by dense matrices in compiled code."""
+
+    def __init__(self, model: Model):
+        self.parts = (model.topology, model.parameters)
+
+    def begin(self) -> tuple[Ramp, Scale, Step, Any]:
+        """See :class:`Equations`."""
+        return jax.device_get(_begin(*self.parts))
+
+    def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
+        """See :class:`Equations`."""
+        return jax.device_get(_advance(*self.parts, ramp, scale, begin, direction, length, plane))
+
+    def null(
+        self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
+    ) -> tuple[Direction, Direction]:
+        """See :class:`Equations`."""
+        return jax.device_get(_null(*self.parts, ramp, scale, point, shift, beside))
+
+
 class Zero(NamedTuple):
     """Where a value along a step is zero.
 
@@ -246,7 +285,7 @@ class Walker:
     States are kept as arrays of NumPy: what is asked of them is not worth a compiled program.
 
     Attributes:
-        parts: Topology and parameters.
+        equations: What is asked of the mechanism.
         scale: What makes metres, radians and load comparable.
         code: Why the walk cannot begin, or successful.
         step: Largest change of the load factor in a step, () [-].
@@ -258,9 +297,9 @@ class Walker:
         ended: Name of the condition that ended it, empty where the path ended by itself; None where none did.
     """
 
-    def __init__(self, model: Model, step: float, stops: Stops):
-        self.parts = (model.topology, model.parameters)
-        self.ramp, self.scale, first, result = jax.device_get(_begin(*self.parts))
+    def __init__(self, equations: Equations, step: float, stops: Stops):
+        self.equations = equations
+        self.ramp, self.scale, first, result = equations.begin()
         self.code = RESULTS(int(result))
         self.step = step
         self.steps: list[Step] = [first]
@@ -272,7 +311,7 @@ class Walker:
         """One step from a point along a direction, corrected across it unless another plane is given."""
         plane = normal_to(self.scale, direction) if plane is None else plane
         arguments = (self.ramp, self.scale, begin, direction, np.asarray(length, float), plane)
-        return jax.device_get(_advance(*self.parts, *arguments))
+        return self.equations.advance(*arguments)
 
     def longest(self, tangent: Direction) -> float:
         """Length within which neither the load nor the motion changes too much."""
@@ -461,7 +500,7 @@ class Walker:
             beside = found[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
             shift = np.asarray(np.abs(taken.begin.values[crossing.number]) * SHIFT)
             arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
-            phi, along = jax.device_get(_null(*self.parts, *arguments))
+            phi, along = self.equations.null(*arguments)
             found.append(phi)
             loaded.append(along)
         return found, loaded

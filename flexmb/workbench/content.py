@@ -144,6 +144,9 @@ class Document:
     def thing(self, id: Any) -> dict[str, Any]:
         """The thing with an id.
 
+        Args:
+            id: Its id, a text.
+
         Raises:
             EditError: There is none.
         """
@@ -153,7 +156,12 @@ class Document:
         return found
 
     def with_things(self, things: list[dict[str, Any]], **more: Any) -> Document:
-        """The document with other things, and other parts of it by name."""
+        """The document with other things.
+
+        Args:
+            things: In order.
+            more: Other parts of the document, by name.
+        """
         return Document({**self.data, **more, "things": things})
 
 

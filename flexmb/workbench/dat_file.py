@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..build.builder import Builder
 from ..build.description import Description
 from ..compilation.formulas import formulas
 from ..errors import ModelError, SpacarError, clean
@@ -74,6 +76,8 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
     names = list(placeholders(statements(text, {})))
     names = [name for name in names if name != "pi"]
     beside, notes = names_beside(path) if names or not numbers else ({}, [])
+    # In the order in which they were written down.
+    names = [*(name for name in beside if name in names), *(name for name in names if name not in beside)]
     known: dict[str, Any] = {**beside, **(numbers or {})}
     if missing := [name for name in names if name not in known]:
         raise NoValueError(clean(path.name), missing)
@@ -145,9 +149,11 @@ def refused(document: Document) -> list[str]:
     # One thing after the other is taken away, so that all are told at once.
     for _ in range(MOST_FAULTS):
         try:
-            lines_of(build(document).builder, {})
+            lines_of(_without_strength(build(document).builder), {})
         except ModelError as fault:
-            found.append(str(fault))
+            if found and not build(document).builder.members:
+                break
+            found.append(str(fault).removesuffix("."))
             culprit = _culprit(document, str(fault))
             if culprit is None:
                 break
@@ -160,6 +166,17 @@ def refused(document: Document) -> list[str]:
 def _called(document: Document, address: str) -> str:
     thing = document.by_id.get(address.partition("/")[0])
     return clean(address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip())
+
+
+def _without_strength(builder: Builder) -> Builder:
+    """A builder whose sections state no strength: the format has no word for it, and no motion depends on it."""
+    twin = builder.copy()
+    for member in twin.members.values():
+        section: Any = member.properties.get("section")
+        if getattr(section, "material", None) is not None:
+            material = dataclasses.replace(section.material, strength=None, fatigue=None)
+            member.properties = {**member.properties, "section": dataclasses.replace(section, material=material)}
+    return twin
 
 
 def _culprit(document: Document, message: str) -> str | None:
@@ -190,7 +207,7 @@ def changed(document: Document) -> list[str]:
             f"names that follow from others, {', '.join(derived)}: their arithmetic stands where they are used"
         )
     if shapes := _named(document, "section", _is_other_section):
-        found.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM)")
+        found.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION")
     if materials := _named(document, "material", lambda thing, _: not set(thing["args"]) <= PLAIN_MATERIAL):
         found.append(f"material {materials}: as numbers of the elements, without its strength, fatigue and damping")
     if blocks := _named(document, "block", lambda *_: True):
@@ -241,7 +258,7 @@ def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
     path = Path(path)
     if problems := refused(document):
         told = "; ".join(problems)
-        raise ModelError(f"A SPACAR input file cannot hold {told} Save Python or the document itself instead.")
+        raise ModelError(f"A SPACAR input file cannot hold this: {told}. Save Python or the document itself instead.")
     settings, notes = _kept(path)
     lines, _ = _texts(document, settings)
     study = write_beside(document, path)
@@ -271,19 +288,20 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
     built = build(document)
     known: Any = numbers_of(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
-    plain = [*_signals(built.builder), *map(text_of, lines_of(built.builder, settings or {}))]
+    builder = _without_strength(built.builder)
+    plain = [*_signals(builder), *map(text_of, lines_of(builder, settings or {}))]
     if not free:
         return plain, []
     found: list[Line | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
-        other = build(document, numbers_of(document, names)).builder
-        found[:] = lines_of(other, settings or {}, like=built.builder)
+        other = _without_strength(build(document, numbers_of(document, names)).builder)
+        found[:] = lines_of(other, settings or {}, like=builder)
         return [v for line in found if isinstance(line, Line) for v in line.values if not isinstance(v, int | str)]
 
     formulas_, values = formulas(traced, free)
     numbers = iter(zip((one.item() for one in formulas_), values, strict=True))
-    lines, lost = list(_signals(built.builder)), []
+    lines, lost = list(_signals(builder)), []
     for line in found:
         if isinstance(line, str):
             lines.append(line)

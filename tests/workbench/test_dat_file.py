@@ -169,7 +169,7 @@ def test_numbers_that_are_no_arithmetic_are_told(tmp_path):
     ]
     document = documents.drawn(3, names, things)
     told = cannot_hold(document)
-    assert told[1] == "section leaf: as rigidities (ESTIFF, EM) and sizes (CROSSDIM)"
+    assert told[1] == "section leaf: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION"
     assert told[0] == "names that follow from others, twice: their arithmetic stands where they are used"
     assert told[-1] == "number 2 of ESTIFF 1 follows from names by more than + - * / **, and stays as it is"
     path = tmp_path / "beam.dat"

@@ -1,5 +1,5 @@
 /** All analyses at a click, with their options, pictures, progress and stop. */
-import { byId, button, choices, h, say } from "./dom.js";
+import { button, byId, choices, h, say, watch } from "./dom.js";
 import { form, ofObject } from "./forms.js";
 import { progress } from "./jobs.js";
 import { toast } from "./dialogs.js";
@@ -15,7 +15,19 @@ export function analysis(store, canvas) {
   const given = {};
   let made = null;
   let last = null;
-  root.append(h("div", { class: "field" }, h("label", { for: "analysis-kind" }, "Analysis"), h("div", { class: "boxes" }, select)), doc, place, lacks, h("div", { class: "acts" }, go), jobs);
+  root.append(
+    h(
+      "div",
+      { class: "field" },
+      h("label", { for: "analysis-kind" }, "Analysis"),
+      h("div", { class: "boxes" }, select),
+    ),
+    doc,
+    place,
+    lacks,
+    h("div", { class: "acts" }, go),
+    jobs,
+  );
   place.style.margin = "6px 0 8px";
   select.addEventListener("change", update);
 
@@ -23,7 +35,9 @@ export function analysis(store, canvas) {
 
   function run() {
     const own = select.value;
-    const options = Object.fromEntries(Object.entries(given[own] ?? {}).filter(([, value]) => value !== "" && value !== null));
+    const options = Object.fromEntries(
+      Object.entries(given[own] ?? {}).filter(([, value]) => value !== "" && value !== null),
+    );
     store.ask("run", { analysis: own, options }).catch((fault) => toast(fault.message));
   }
 
@@ -39,13 +53,19 @@ export function analysis(store, canvas) {
     if (own && last !== now) {
       last = now;
       given[select.value] ??= {};
-      made = form(store, own.fields ?? [], ofObject(given[select.value], () => made.update()));
+      made = form(
+        store,
+        own.fields ?? [],
+        ofObject(given[select.value], () => made.update()),
+      );
       place.replaceChildren(made.element);
     }
     made?.update();
-    const runs = Object.values(store.state.jobs).filter(({ kind }) => kind !== "target").reverse();
+    const runs = Object.values(store.state.jobs)
+      .filter(({ kind }) => kind !== "target")
+      .reverse();
     progress(store, jobs, runs, (job) => canvas?.playView?.(job.view));
   }
-  for (const part of ["analyses", "jobs", "document"]) store.on(part, update);
+  watch(store, ["analyses", "jobs", "document"], update, root);
   update();
 }

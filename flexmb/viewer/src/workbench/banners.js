@@ -1,5 +1,5 @@
 /** What is told above the drawing: no connection, a file that another program changed. */
-import { byId, button, h } from "./dom.js";
+import { button, byId, h, watch } from "./dom.js";
 import { toast } from "./dialogs.js";
 
 export function banners(store) {
@@ -16,7 +16,8 @@ export function banners(store) {
     last = now;
     root.replaceChildren();
     if (!connected && !quiet) {
-      const text = reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
+      const text =
+        reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
       root.append(h("div", { class: "bad", id: "disconnected" }, h("p", {}, text)));
     }
     const offer = (id, text, take, keep) => {
@@ -32,5 +33,5 @@ export function banners(store) {
       offer("recovered", text, store.state.file ? "Take the file as it is" : "Begin anew", "Go on with it");
     }
   }
-  for (const part of ["connected", "disk", "reason"]) store.on(part, update);
+  watch(store, ["connected", "disk", "reason"], update);
 }

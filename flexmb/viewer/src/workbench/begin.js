@@ -1,14 +1,16 @@
 /** The empty page helps one begin. */
-import { byId, button, h } from "./dom.js";
+import { button, byId, h, watch } from "./dom.js";
 import { icon } from "./icons.js";
 import { entry, fits, title } from "./model.js";
 import { takeTool } from "./toolbox.js";
 
 const HINTS = {
-  select: "Click to select, drag to move, Shift adds to the selection. Drag over the ground: a rectangle; right button: the view.",
+  select:
+    "Click to select, drag to move, Shift adds to the selection. Drag over the ground: a rectangle; right button: the view.",
   node: "Click where a node shall be; it snaps to the grid and to the axes of other nodes. Esc ends.",
   measure: "Click two points to see their distance. Esc ends.",
   element: "Click the first node, then the next ones; empty ground makes a new node. Esc ends.",
+  block: "Click where its base is, then where it shall reach; its numbers stand in Properties. Esc ends.",
   place: "Click the node or element it belongs to. Esc ends.",
 };
 
@@ -17,7 +19,8 @@ export function hint(store) {
   const update = () => {
     const { tool } = store.state;
     const name = tool.call ? `${title(store, tool.call)}: ` : "";
-    line.textContent = name + (HINTS[tool.kind] ?? "");
+    const kind = tool.call?.startsWith("blocks.") ? "block" : tool.kind;
+    line.textContent = name + (HINTS[kind] ?? "");
     line.title = line.textContent;
   };
   store.on("tool", update);
@@ -43,9 +46,17 @@ export function begin(store, { files }) {
       h(
         "ol",
         {},
-        h("li", {}, "Draw nodes with N, and elements from node to node: a beam bends, a rigid body does not, and the far end of a rigid beam turns freely."),
+        h(
+          "li",
+          {},
+          "Draw nodes with N, and elements from node to node: a beam bends, a rigid body does not, and the far end of a rigid beam turns freely.",
+        ),
         h("li", {}, "Fix what stands still, put masses and forces where they are."),
-        h("li", {}, "Watch frequencies, buckling and stress follow: drag a node, or write a name (t, 2*w) into a field to get a slider."),
+        h(
+          "li",
+          {},
+          "Watch frequencies, buckling and stress follow: drag a node, or write a name (t, 2*w) into a field to get a slider.",
+        ),
       ),
       h("div", { class: "acts" }, node, open, space),
       h("p", { class: "soft" }, "Or begin with a building block:"),
@@ -67,7 +78,9 @@ export function begin(store, { files }) {
     root.hidden = !own || own.things.length > 0 || closed || tool.kind !== "select";
     if (root.hidden) return;
     space.textContent = own.dimension === 2 ? "Draw in space (3D)" : "Draw in the plane (2D)";
-    const all = Object.keys(store.state.catalogue ?? {}).filter((call) => entry(store, call).group === "block" && fits(store, call));
+    const all = Object.keys(store.state.catalogue ?? {}).filter(
+      (call) => entry(store, call).group === "block" && fits(store, call),
+    );
     blocks.replaceChildren(
       ...all.map((call) => {
         const made = button("", () => start({ call }), { title: entry(store, call).doc ?? "" });
@@ -80,6 +93,6 @@ export function begin(store, { files }) {
     if (store.state.tool.kind === "select") closed = false;
     update();
   });
-  for (const part of ["document", "catalogue"]) store.on(part, update);
+  watch(store, ["document", "catalogue"], update);
   update();
 }

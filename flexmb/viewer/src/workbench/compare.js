@@ -1,10 +1,13 @@
 /** A pinned design beside the present one. */
-import { byId, button, h, say, shown } from "./dom.js";
+import { button, byId, h, say, shown, watch } from "./dom.js";
 import { isStale } from "./answers.js";
 
 export function compare(store) {
   const root = byId("compare");
-  const pin = button("Pin this design", () => store.ask("pin").catch((fault) => say(text, fault.message)), { class: "main", id: "pin" });
+  const pin = button("Pin this design", () => store.ask("pin").catch((fault) => say(text, fault.message)), {
+    class: "main",
+    id: "pin",
+  });
   const unpin = button("Unpin", () => store.ask("unpin").catch((fault) => say(text, fault.message)));
   const text = h("p", { class: "soft" });
   const table = h("table", { "aria-label": "The pinned design and this one" });
@@ -21,9 +24,15 @@ export function compare(store) {
     root.classList.toggle("stale", isStale(store.state));
     if (!there) return;
     const own = pinned.differences;
-    const answered = (own.answers ?? []).map(({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
-      label, before: old ?? withUnit(before, unit), now: text ?? withUnit(now, unit), percent, same: before === now,
-    }));
+    const answered = (own.answers ?? []).map(
+      ({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
+        label,
+        before: old ?? withUnit(before, unit),
+        now: text ?? withUnit(now, unit),
+        percent,
+        same: before === now,
+      }),
+    );
     const changed = [...(own.names ?? []), ...(own.fields ?? [])].map((one) => ({ ...one, same: false }));
     const others = [
       ...(own.added ?? []).map((one) => `only in this one: ${one}`),
@@ -36,18 +45,26 @@ export function compare(store) {
       h("tfoot", {}, ...others.map((one) => h("tr", {}, h("td", { colspan: 4 }, one)))),
     );
   }
-  for (const part of ["pinned", "answers", "document", "connected"]) store.on(part, update);
+  watch(store, ["pinned", "answers", "document", "connected"], update, root);
   update();
 }
 
-const withUnit = (value, unit) => (value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim());
+const withUnit = (value, unit) =>
+  value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim();
+
+/** Percent with as many digits as matter. */
+function signed(percent) {
+  const size = Math.abs(percent);
+  const text = size.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : 2);
+  return Number(text) ? `${percent > 0 ? "+" : "−"}${text} %` : "≈ same";
+}
 
 /** Without where it is: "3 MPa in 'left' at 1". */
 const short = (text) => String(text ?? "–").replace(/ (of|in) '.*$/s, "");
 
 function line({ label, before, now, percent, same }) {
   const none = percent === null || percent === undefined;
-  const text = same || percent === 0 ? "same" : none ? "" : `${percent > 0 ? "+" : "−"}${Math.abs(percent).toPrecision(3)} %`;
+  const text = same || percent === 0 ? "same" : none ? "" : signed(percent);
   const way = none || !percent ? "" : percent > 0 ? "more" : "less";
   return h(
     "tr",

@@ -62,12 +62,16 @@ export function set(element, attribute, value) {
 /** A number with the digits that a reader needs. */
 export function shown(value, digits = 5) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  return String(Number(value.toPrecision(digits))).replace("e+", "e").replace("-", "−");
+  return String(Number(value.toPrecision(digits)))
+    .replace("e+", "e")
+    .replace("-", "−");
 }
 
 /** A list of choices; what is chosen stays, even where it is no longer offered. */
 export function choices(select, offered, chosen) {
-  const all = offered.some(({ value }) => value === chosen) ? offered : [...offered, { value: chosen, text: chosen || "–" }];
+  const all = offered.some(({ value }) => value === chosen)
+    ? offered
+    : [...offered, { value: chosen, text: chosen || "–" }];
   const same =
     select.options.length === all.length &&
     all.every(({ value, text }, i) => select.options[i].value === value && select.options[i].text === text);
@@ -75,8 +79,25 @@ export function choices(select, offered, chosen) {
   if (select.value !== chosen) select.value = chosen;
 }
 
+/**
+ * Call a function once after any of some parts of the state changed; what a panel shows that is not seen waits until it is.
+ */
+export function watch(store, parts, update, panel = null) {
+  let stale = false;
+  store.on("*", (_, changed) => {
+    if (!parts.some((part) => changed.has(part))) return;
+    stale = Boolean(panel?.hidden);
+    if (!stale) update();
+  });
+  panel?.addEventListener("opened", () => {
+    if (!stale) return;
+    stale = false;
+    update();
+  });
+}
+
 /** Tabs: one panel of a row is seen; arrows go from one to the next. */
-export function tabs(row, opened = () => {}) {
+export function tabs(row) {
   const all = [...row.querySelectorAll("[role=tab]")];
   const open = (tab, focus = false) => {
     for (const other of all) {
@@ -86,13 +107,14 @@ export function tabs(row, opened = () => {}) {
       byId(other.getAttribute("aria-controls")).hidden = !on;
     }
     if (focus) tab.focus();
-    opened(tab.getAttribute("aria-controls"));
+    byId(tab.getAttribute("aria-controls")).dispatchEvent(new Event("opened"));
   };
   all.forEach((tab, i) => {
     tab.addEventListener("click", () => open(tab));
     tab.addEventListener("keydown", (event) => {
       const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-      const to = event.key === "Home" ? 0 : event.key === "End" ? all.length - 1 : by && (i + by + all.length) % all.length;
+      const to =
+        event.key === "Home" ? 0 : event.key === "End" ? all.length - 1 : by && (i + by + all.length) % all.length;
       if (to === undefined) return;
       event.preventDefault();
       open(all[to], true);

@@ -1,0 +1,91 @@
+"""Paths by sparse factors: those of the dense path with all their critical points, and a closed form."""
+
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+
+
+def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, **options):
+    """A shallow sine arch between hinges, pressed in its middle: it bends aside before it snaps through."""
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (i / beams, rise * np.sin(np.pi * i / beams)))
+    section = fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0)
+    for i in range(beams):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, **options)
+    b.fix("n0", "position")
+    b.fix(f"n{beams}", "position")
+    b.force(f"n{beams // 2}", load, increment=preload is not None)
+    if preload is not None:
+        b.force(f"n{beams // 2}", preload)
+    return b.build(check=not sparse)
+
+
+@pytest.mark.parametrize("case", [{}, {"released": (2, 3), "rise": 0.05}, {"preload": (0.5, -1.0)}])
+def test_a_path_by_sparse_factors_is_that_of_dense_matrices(case):
+    # Both are Newton's method to round-off; a state between two others is known to half the digits at bifurcations.
+    dense, sparse = fm.path(arch(**case)), fm.path(arch(**case, sparse=True), sparse=True)
+    # Whether a step is taken again may hang on round-off, after the first ones.
+    for i in (*range(10), -1):
+        np.testing.assert_allclose(sparse.load_factor[i], dense.load_factor[i], rtol=1e-9, atol=1e-10)
+        np.testing.assert_allclose(sparse.x[i], dense.x[i], atol=1e-10)
+        np.testing.assert_allclose(sparse.e[i], dense.e[i], atol=1e-10)
+        np.testing.assert_allclose(sparse.sigma[i], dense.sigma[i], rtol=1e-7, atol=1e-6)
+        assert sparse.stable[i] == dense.stable[i]
+    assert [p.kind for p in sparse.critical_points] == [p.kind for p in dense.critical_points]
+    assert len(dense.critical_points) > 1 or case
+    for one, other in zip(sparse.critical_points, dense.critical_points, strict=True):
+        assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
+        np.testing.assert_allclose(one.phi, other.phi, atol=1e-6)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_post_buckling(side):
+    # A2, closed form, at a turn of the tip of 40 degrees; cubic beams converge with order two, 1e-2 (1/n)^2 measured.
+    ratio, x, y = 1.0636632664, 0.8812035117, 0.4222403401
+    errors = []
+    for beams in (16, 32):
+        b = fm.Builder()
+        for i in range(beams + 1):
+            b.node(f"n{i}", (i / beams, 0.0))
+        for i in range(beams):
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e6, EIy=1.0), released=(2, 3))
+        b.fix("n0")
+        b.force(f"n{beams}", (-ratio * np.pi**2 / 4, 0.0))
+        path = fm.path(b.build(check=False), sparse=True, switch=side)
+        (critical,) = path.critical_points
+        assert critical.kind == "bifurcation"
+        assert ratio * critical.load_factor == pytest.approx(1, rel=1e-4)
+        assert path.stable[-1]
+        errors.append(np.max(np.abs(path.at(f"n{beams}")[-1] - np.array([x, side * y]))))
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.2)
+    assert errors[1] < 2e-3
+
+
+def test_where_a_sparse_path_ends():
+    model = arch(sparse=True)
+    path = fm.path(model, sparse=True, stop={"n4.y": -0.05})
+    assert path.stopped_by == "n4.y"
+    assert float(path.at("n4")[-1, 1]) == pytest.approx(0.1 - 0.05, abs=1e-12)
+    with pytest.raises(fm.AnalysisError, match="allowed number of steps") as caught:
+        fm.path(model, sparse=True, max_steps=3)
+    assert len(caught.value.path.load_factor) == 4
+    assert "bifurcation at 0.10299" in repr(caught.value.path)
+
+
+def test_what_a_sparse_path_refuses():
+    with pytest.raises(ValueError, match="`imperfection` takes dense matrices"):
+        fm.path(arch(sparse=True), sparse=True, imperfection={1: 1e-3})
+    with pytest.raises(ValueError, match="takes dense matrices"):
+        fm.path(arch(sparse=True), sparse=True, stop={"stress": 1e6})
+    b = fm.Builder()
+    b.node("ceiling", (0.0, 0.0))
+    b.node("bob", (0.0, -1.0))
+    b.add(planar.truss, "ceiling", "bob", section=fm.Rigidity(EA=1e3))
+    b.fix("ceiling")
+    b.force("bob", (1.0, -1.0))
+    # Without stress it has no stiffness across.
+    with pytest.raises(fm.AnalysisError, match="meets no stiffness"):
+        fm.path(b.build(check=False), sparse=True)
