@@ -84,6 +84,8 @@ export class Canvas {
     store.on("scene", () => this.live());
     store.on("want", () => this.wanted());
     store.on("tool", () => this.choose(store.state.tool));
+    // What the server said is on the screen in this frame already, not in the next.
+    store.on("*", () => this.render());
     new ResizeObserver(() => this.eye.resize()).observe(this.host);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
     new MutationObserver(() => this.recolour()).observe(document.documentElement, { attributeFilter: ["data-theme", "class", "style"] });
@@ -176,17 +178,24 @@ export class Canvas {
   frame(time) {
     const elapsed = Math.min((time - (this.last ?? time)) / 1000, 0.25);
     this.last = time;
-    if (this.stale) this.document();
     this.tool.dragging?.send();
     if (this.swing.advance(elapsed)) this.sceneDirty = true;
     if (this.swing.age(this.since ?? null, performance.now())) this.sceneDirty = this.dirty = true;
-    const { stage } = this.eye;
     if (this.sceneDirty || this.dirty || this.grounded) this.times = [...this.times.filter((other) => time - other < 1000), time];
+    this.render();
+    requestAnimationFrame((next) => this.frame(next));
+  }
+
+  /** Draw what has changed. */
+  render() {
+    if (this.stale) this.document();
+    const { stage } = this.eye;
     if (this.sceneDirty) stage.draw();
+    // Of which document the picture on the screen is.
+    if (this.sceneDirty) this.pictured = this.swing.data ? this.store.state.scene?.of_revision ?? null : null;
     if (this.grounded) this.ground.draw(this.eye, this.colours, stage.ratio, this.step);
     if (this.dirty) this.draw();
     this.sceneDirty = this.grounded = this.dirty = false;
-    requestAnimationFrame((next) => this.frame(next));
   }
 
   draw() {
