@@ -13,8 +13,8 @@ from flexmb import plot
 from flexmb.lazy import offered
 
 ROOMS = sorted(stub.parent.name for stub in Path(flexmb.__file__).parent.glob("*/__init__.pyi"))
-NAMES = {*offered("flexmb"), *(name for room in ROOMS for name in offered(import_module(f"flexmb.{room}").__name__))}
-PUBLIC = {name: getattr(flexmb, name) for name in sorted(NAMES)}
+PLACES = [flexmb, *(import_module(f"flexmb.{room}") for room in ROOMS)]
+PUBLIC = {name: getattr(place, name) for place in PLACES for name in sorted(offered(place.__name__))}
 PLOTS = {f"plot.{name}": getattr(plot, name) for name in dir(plot)}
 FUNCTIONS = {name: f for name, f in PUBLIC.items() if inspect.isfunction(f)} | PLOTS
 CLASSES = {name: c for name, c in PUBLIC.items() if inspect.isclass(c)}
@@ -26,7 +26,7 @@ METHODS = {
 }
 # They set up a process, wrap a user's function or read what a user wrote; nothing in them is an equation.
 WITHOUT_EQUATION = {"save_motion", "enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
-WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model"}
+WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model", "edit"}
 # Pictures show what has been computed.
 WITHOUT_EQUATION |= {*PLOTS, "view", "edit"}
 

@@ -7,6 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+import jax
+
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..build.carry import carried
@@ -90,7 +92,9 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
     if numbers is not None:
         return _Building(document, {**found, **numbers}, faults, found).done()
     if "built" not in document.kept:
-        document.kept["built"] = _Building(document, dict(found), faults, found).done()
+        # Concrete also where this is asked within a function that is traced: it is kept.
+        with jax.ensure_compile_time_eval():
+            document.kept["built"] = _Building(document, dict(found), faults, found).done()
     built = document.kept["built"]
     # What is done to the builder by one who asked is not seen by another.
     return dataclasses.replace(built, builder=built.builder.copy())

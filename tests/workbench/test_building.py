@@ -78,3 +78,45 @@ def test_structure_differs_where_the_compiled_function_does_and_not_by_numbers()
         {"op": "order", "id": "3", "before": None},
     ):
         assert after(change, arithmetic=False) != plain, change
+
+
+def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
+    document = documents.drawn(
+        2,
+        {"t": "0.5e-3", "h": "0.1"},
+        [
+            ("Material", "steel", documents.STEEL),
+            ("Rectangle", "leaf", documents.leaf_args()),
+            ("node", "A", {"position": ["0", "0"]}),
+            ("fix", None, {"node": "A"}),
+            (
+                "blocks.parallel_guide",
+                "guide",
+                {"base": "A", "stage": "S", "section": "leaf", "length": "h", "spacing": "h/2"},
+            ),
+            ("mass", None, {"node": "S", "mass": "0.2", "inertia": "1e-4"}),
+        ],
+    )
+    built = build(document)
+    assert built.problems == []
+    model = built.model()
+
+    def first(names):
+        return fm.frequencies(build(document, numbers_of(document, names)).model(like=model))[0]
+
+    slopes = jax.grad(first)({"t": 0.5e-3, "h": 0.1})
+    for name, start in (("t", 0.5e-3), ("h", 0.1)):
+        step = 1e-5 * start
+        up, down = (
+            frequency(
+                build(apply(document, [{"op": "name", "name": name, "to": {"value": repr(start + s)}}])[0]).model()
+            )
+            for s in (step, -step)
+        )
+        assert float(slopes[name]) == pytest.approx((up - down) / (2 * step), rel=1e-6)
+
+
+def test_what_is_done_to_a_builder_is_not_seen_by_the_next_who_asks():
+    document = documents.planar_guide()
+    build(document).builder.force("left1", (1.0, 0.0))
+    assert build(document).builder.loads["initial"] == {}

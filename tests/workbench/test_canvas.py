@@ -202,6 +202,49 @@ def test_in_space_a_node_goes_along_the_axis_that_is_pulled(browser, workbench):
     assert not faults(page)
 
 
+def test_a_hinge_is_drawn_by_its_node_and_the_element_that_turns_there(page):
+    edit(page, PLAIN_GUIDE)
+    page.execute_script("window.workbench.canvas.fit();")
+    steps = len(ask(page, "s.state.undo"))
+    page.execute_script("window.workbench.store.setTool({kind: 'element', call: 'planar.hinge', args: {}});")
+    idle(page)
+    click(page, (0.1, 0.1), (0.1, 0.05))
+    assert things(page, "planar.hinge")[0]["args"]["nodes"] == ["C", "C turn 1"]
+    assert len(ask(page, "s.state.undo")) == steps + 1
+    assert not ask(page, "s.state.problems")
+    until(page, "s.state.count.revision === s.state.revision && s.state.count.ndof === 2")
+
+
+def test_one_finger_moves_a_node_and_two_move_the_page(page):
+    edit(page, PLAIN_GUIDE)
+    page.execute_script("window.workbench.canvas.fit();")
+    idle(page)
+    stage = page.find_element("id", "scene").rect
+
+    def touch(kind, *places):
+        points = [{"x": stage["x"] + x, "y": stage["y"] + y, "id": k} for k, (x, y) in enumerate(places)]
+        page.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    x, y = ask(page, "w.canvas.eye.project([0.1, 0.1, 0])")
+    # A finger is wide: it takes a node that lies beside it.
+    touch("touchStart", (x + 8, y + 6))
+    for k in range(1, 6):
+        touch("touchMove", (x + 8 + 8 * k, y + 6))
+    touch("touchEnd")
+    idle(page)
+    moved = nodes(page)
+    assert float(moved["C"][0]) > 0.1
+    scale = ask(page, "w.canvas.eye.scale")
+    touch("touchStart", (200, 300))
+    touch("touchStart", (200, 300), (400, 300))
+    for k in range(1, 6):
+        touch("touchMove", (200 - 10 * k, 300), (400 + 10 * k, 300))
+    touch("touchEnd")
+    idle(page)
+    assert ask(page, "w.canvas.eye.scale") < 0.9 * scale
+    assert nodes(page) == moved
+
+
 def test_names_stay_text_however_long_they_are(page):
     script = "<script>document.title = 'taken'</script>"
     edit(

@@ -49,12 +49,11 @@ const ROUND = {
   capped: true,
 };
 
-/** Half sides of a part, and what is swept along it. */
-function outline(part, extent, planar, many) {
-  const least = LEAST * extent;
+/** Half sides of a part, none below the least, and what is swept along it. */
+function outline(part, extent, least, planar, many) {
   const flat = planar ? STRIP : many ? CROSS : null;
   if (!part.shape) {
-    const radius = (RADIUS[part.kind] ?? LEAST) * extent;
+    const radius = Math.max((RADIUS[part.kind] ?? LEAST) * extent, least);
     return { a: radius, b: radius, profile: flat ?? ROUND };
   }
   const { width, thickness, round } = part.shape;
@@ -78,13 +77,13 @@ function triangles({ count, first, profile }) {
 }
 
 export class Sweep {
-  constructor(data, extent) {
+  constructor(data, extent, least = LEAST * extent) {
     this.planar = data.dimension === 2;
     const many = data.parts.length >= MANY;
     let count = 0;
     this.parts = data.parts.map((part) => {
       const first = count;
-      const drawn = outline(part, extent, this.planar, many);
+      const drawn = outline(part, extent, least, this.planar, many);
       if (part.count > 1) count += part.count * drawn.profile.vertices.length;
       return { ...part, ...drawn, first };
     });

@@ -15,7 +15,19 @@ export function analysis(store, canvas) {
   const given = {};
   let made = null;
   let last = null;
-  root.append(h("div", { class: "field" }, h("label", { for: "analysis-kind" }, "Analysis"), h("div", { class: "boxes" }, select)), doc, place, lacks, h("div", { class: "acts" }, go), jobs);
+  root.append(
+    h(
+      "div",
+      { class: "field" },
+      h("label", { for: "analysis-kind" }, "Analysis"),
+      h("div", { class: "boxes" }, select),
+    ),
+    doc,
+    place,
+    lacks,
+    h("div", { class: "acts" }, go),
+    jobs,
+  );
   place.style.margin = "6px 0 8px";
   select.addEventListener("change", update);
 
@@ -23,7 +35,9 @@ export function analysis(store, canvas) {
 
   function run() {
     const own = select.value;
-    const options = Object.fromEntries(Object.entries(given[own] ?? {}).filter(([, value]) => value !== "" && value !== null));
+    const options = Object.fromEntries(
+      Object.entries(given[own] ?? {}).filter(([, value]) => value !== "" && value !== null),
+    );
     store.ask("run", { analysis: own, options }).catch((fault) => toast(fault.message));
   }
 
@@ -39,11 +53,17 @@ export function analysis(store, canvas) {
     if (own && last !== now) {
       last = now;
       given[select.value] ??= {};
-      made = form(store, own.fields ?? [], ofObject(given[select.value], () => made.update()));
+      made = form(
+        store,
+        own.fields ?? [],
+        ofObject(given[select.value], () => made.update()),
+      );
       place.replaceChildren(made.element);
     }
     made?.update();
-    const runs = Object.values(store.state.jobs).filter(({ kind }) => kind !== "target").reverse();
+    const runs = Object.values(store.state.jobs)
+      .filter(({ kind }) => kind !== "target")
+      .reverse();
     progress(store, jobs, runs, (job) => canvas?.playView?.(job.view));
   }
   watch(store, ["analyses", "jobs", "document"], update, root);

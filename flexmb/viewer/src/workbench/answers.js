@@ -5,15 +5,23 @@ import { redraw, sparkline } from "./icons.js";
 
 // Edits over which a line is drawn.
 const KEPT = 60;
+// Coordinates that are told by name.
+const MOST_LABELS = 6;
 
 /** What the counts say, as a state to colour by and a sentence. */
-export function mobility(count) {
+export function mobility(count, problems = []) {
+  if (problems.length) {
+    const more = problems.length > 1 ? ` And ${problems.length - 1} more.` : "";
+    return { state: "failed", text: `Left out until it is right: ${problems[0].message}${more}` };
+  }
   if (!count) return { state: "waiting", text: "Counting …" };
   const { ndof, over, under, status, message } = count;
   const freedom = `${ndof ?? "–"} degree${ndof === 1 ? "" : "s"} of freedom`;
   const fault = over ? "over" : under ? "under" : null;
-  if (fault) return { state: fault, text: message || `${freedom}, ${over ?? 0} over- and ${under ?? 0} under-constraints` };
-  const state = status === "counting" ? "waiting" : status === "ok" || !status ? (ndof > 0 ? "good" : "waiting") : "failed";
+  if (fault)
+    return { state: fault, text: message || `${freedom}, ${over ?? 0} over- and ${under ?? 0} under-constraints` };
+  const states = { ok: ndof > 0 ? "good" : "waiting", counting: "waiting", empty: "waiting", loose: "under" };
+  const state = states[status ?? "ok"] ?? "failed";
   return { state, text: message || freedom };
 }
 
@@ -40,21 +48,30 @@ export function answers(store, { open }) {
 
   function counts() {
     const { count } = store.state;
-    const { state, text } = mobility(count);
+    const { state, text } = mobility(count, store.state.problems);
     status.dataset.state = state;
     say(status.firstChild, text);
-    const labels = (count?.dofs ?? []).map((one) => (typeof one === "string" ? one : (one.text ?? JSON.stringify(one))));
-    say(status.lastChild, labels.length ? `Coordinates: ${labels.join(", ")}` : "");
+    const labels = (count?.dofs ?? []).map((one) =>
+      typeof one === "string" ? one : (one.text ?? JSON.stringify(one)),
+    );
+    const more = labels.length > MOST_LABELS ? ` and ${labels.length - MOST_LABELS} more` : "";
+    say(status.lastChild, labels.length ? `Coordinates: ${labels.slice(0, MOST_LABELS).join(", ")}${more}` : "");
+    status.lastChild.title = labels.join(", ");
     status.lastChild.hidden = !status.lastChild.textContent;
     advice.replaceChildren(
       ...(count?.advice ?? []).map(({ text: words }, index) =>
-        button(words, () => store.ask("advise", { index }).catch((fault) => toast(fault.message)), { "data-advice": index }),
+        button(words, () => store.ask("advise", { index }).catch((fault) => toast(fault.message)), {
+          "data-advice": index,
+        }),
       ),
     );
-    advice.hidden = !advice.childElementCount;
+    // What is said about the rest is no advice while a part of it is left out.
+    advice.hidden = !advice.childElementCount || store.state.problems.length > 0;
     const dof = byId("dof");
     dof.dataset.state = state;
-    const faults = [count?.over ? `${count.over} over` : "", count?.under ? `${count.under} under` : ""].filter(Boolean);
+    const faults = [count?.over ? `${count.over} over` : "", count?.under ? `${count.under} under` : ""].filter(
+      Boolean,
+    );
     say(dof, [`DOF ${count?.ndof ?? "–"}`, ...faults].join(" · "));
     dof.title = text;
     set(dof, "aria-label", `${dof.textContent}. ${text}`);
@@ -84,16 +101,37 @@ export function answers(store, { open }) {
     stamp.title = stale ? "These are the answers to the drawing as it was before." : "";
     // What the count says already is not said twice.
     const told = own?.message || (own?.status === "failed" ? "No answer." : "");
-    say(message, told === count?.message ? "" : told);
+    say(
+      message,
+      told === count?.message || store.state.problems.some((one) => told?.startsWith(one.message)) ? "" : told,
+    );
     message.hidden = !message.textContent;
-    const words = [...new Set([...(own?.words ?? []), ...(own?.warnings ?? []), ...(count?.warnings ?? [])])].filter((one) => one !== told);
+    const words = [...new Set([...(own?.words ?? []), ...(own?.warnings ?? []), ...(count?.warnings ?? [])])].filter(
+      (one) => one !== told,
+    );
     notes.hidden = !words.length;
     say(notes.firstChild, `Notes (${words.length})`);
-    keep(notes.lastChild, words, (one) => one, (one) => h("p", { class: "note" }, one));
+    keep(
+      notes.lastChild,
+      words,
+      (one) => one,
+      (one) => h("p", { class: "note" }, one),
+    );
     const all = Object.entries(own?.values ?? {});
     none.hidden = all.length > 0;
-    say(none, store.state.document?.things.length ? "No answers yet: see above what is missing." : "Answers appear here as soon as there is a mechanism.");
-    keep(rows, all, ([key]) => key, ([key]) => answerRow(store, key, open), (row, [key, value]) => fill(row, key, value));
+    say(
+      none,
+      store.state.document?.things.length
+        ? "No answers yet: see above what is missing."
+        : "Answers appear here as soon as there is a mechanism.",
+    );
+    keep(
+      rows,
+      all,
+      ([key]) => key,
+      ([key]) => answerRow(store, key, open),
+      (row, [key, value]) => fill(row, key, value),
+    );
   }
 
   function fill(row, key, { label, value, unit, text }) {
@@ -111,10 +149,13 @@ export function answers(store, { open }) {
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
     const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
     const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
-    say(number.lastChild, change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`);
+    say(
+      number.lastChild,
+      change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`,
+    );
   }
 
-  store.on("count", counts);
+  watch(store, ["count", "problems"], counts);
   watch(store, ["answers", "count", "document", "connected", "pinned"], update);
   store.on("document", support.update);
   counts();
@@ -125,7 +166,13 @@ const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 function answerRow(store, key, open) {
   const number = h("data", { class: "number" }, h("span"), h("span", { class: "delta" }));
-  const row = h("button", { type: "button", class: "answer plain", "data-answer": key, title: "Which way to go" }, h("span", { class: "what" }, h("span"), h("span", { class: "delta" })), sparkline([]), number);
+  const row = h(
+    "button",
+    { type: "button", class: "answer plain", "data-answer": key, title: "Which way to go" },
+    h("span", { class: "what" }, h("span"), h("span", { class: "delta" })),
+    sparkline([]),
+    number,
+  );
   row.addEventListener("click", () => {
     store.want({ sensitivity_of: key });
     open("ways");
@@ -137,7 +184,12 @@ function answerRow(store, key, open) {
 function supportChoice(store) {
   const select = h("select", { id: "support-node" });
   select.addEventListener("change", () => store.want({ support_node: select.value || null }).catch(() => {}));
-  const element = h("div", { class: "field" }, h("label", { for: "support-node" }, "Stiffness at"), h("div", { class: "boxes" }, select));
+  const element = h(
+    "div",
+    { class: "field" },
+    h("label", { for: "support-node" }, "Stiffness at"),
+    h("div", { class: "boxes" }, select),
+  );
   element.style.marginTop = "10px";
   function update() {
     const nodes = store.state.document.things.filter(({ call }) => call === "node").map(({ name }) => name);

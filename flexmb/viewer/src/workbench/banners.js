@@ -16,7 +16,8 @@ export function banners(store) {
     last = now;
     root.replaceChildren();
     if (!connected && !quiet) {
-      const text = reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
+      const text =
+        reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
       root.append(h("div", { class: "bad", id: "disconnected" }, h("p", {}, text)));
     }
     const offer = (id, text, take, keep) => {

@@ -5,7 +5,8 @@ import { entry, fits, title } from "./model.js";
 import { takeTool } from "./toolbox.js";
 
 const HINTS = {
-  select: "Click to select, drag to move, Shift adds to the selection. Drag over the ground: a rectangle; right button: the view.",
+  select:
+    "Click to select, drag to move, Shift adds to the selection. Drag over the ground: a rectangle; right button: the view.",
   node: "Click where a node shall be; it snaps to the grid and to the axes of other nodes. Esc ends.",
   measure: "Click two points to see their distance. Esc ends.",
   element: "Click the first node, then the next ones; empty ground makes a new node. Esc ends.",
@@ -45,9 +46,17 @@ export function begin(store, { files }) {
       h(
         "ol",
         {},
-        h("li", {}, "Draw nodes with N, and elements from node to node: a beam bends, a rigid body does not, and the far end of a rigid beam turns freely."),
+        h(
+          "li",
+          {},
+          "Draw nodes with N, and elements from node to node: a beam bends, a rigid body does not, and the far end of a rigid beam turns freely.",
+        ),
         h("li", {}, "Fix what stands still, put masses and forces where they are."),
-        h("li", {}, "Watch frequencies, buckling and stress follow: drag a node, or write a name (t, 2*w) into a field to get a slider."),
+        h(
+          "li",
+          {},
+          "Watch frequencies, buckling and stress follow: drag a node, or write a name (t, 2*w) into a field to get a slider.",
+        ),
       ),
       h("div", { class: "acts" }, node, open, space),
       h("p", { class: "soft" }, "Or begin with a building block:"),
@@ -69,7 +78,9 @@ export function begin(store, { files }) {
     root.hidden = !own || own.things.length > 0 || closed || tool.kind !== "select";
     if (root.hidden) return;
     space.textContent = own.dimension === 2 ? "Draw in space (3D)" : "Draw in the plane (2D)";
-    const all = Object.keys(store.state.catalogue ?? {}).filter((call) => entry(store, call).group === "block" && fits(store, call));
+    const all = Object.keys(store.state.catalogue ?? {}).filter(
+      (call) => entry(store, call).group === "block" && fits(store, call),
+    );
     blocks.replaceChildren(
       ...all.map((call) => {
         const made = button("", () => start({ call }), { title: entry(store, call).doc ?? "" });

@@ -121,6 +121,7 @@ export class Canvas {
     const before = this.count ?? 0;
     const other = this.file !== undefined && this.file !== (state.file ?? null);
     if (state.document) {
+      if (this.swing.data && this.swing.data.dimension !== state.document.dimension) this.swing.remove();
       this.eye.setDimension(state.document.dimension);
       this.file = state.file ?? null;
     }
@@ -152,7 +153,9 @@ export class Canvas {
   live() {
     const { scene, revision } = this.store.state;
     if (this.analysed && this.analysed.revision !== revision) this.analysed = null;
-    this.swing.replace(this.analysed ?? scene);
+    const flat = this.store.state.document?.dimension;
+    // A picture of the plane says nothing in space, and the other way round.
+    this.swing.replace(scene?.view?.dimension === flat || this.analysed ? this.analysed ?? scene : null);
     this.replan();
     this.behind();
   }
@@ -355,7 +358,7 @@ export class Canvas {
     const ids = this.store.state.selection;
     if (!ids.length) return;
     const words = ids.length === 1 ? describe(this, ids[0]) : `${ids.length} things`;
-    const reply = await this.edit([{ op: "delete", ids: [...ids] }], `delete ${ids.length === 1 ? this.thing(ids[0])?.name ?? "" : ids.length}`);
+    const reply = await this.edit([{ op: "delete", ids: [...ids] }], `Delete ${ids.length === 1 ? this.thing(ids[0])?.name ?? "" : ids.length}`);
     if (!reply) return;
     const along = reply.also?.length ? ` With it ${reply.also.length} that hung on it.` : "";
     this.say(`Deleted ${words}.${along}`);
@@ -367,7 +370,7 @@ export class Canvas {
     if (!selection.length) return this.say("Select what shall be copied.", true);
     const step = String(Number((4 * this.step).toPrecision(12)));
     const shift = by ?? (own.dimension === 2 ? [step, `-${step}`] : [step, "0", "0"]);
-    const reply = await this.edit([{ op: "copy", ids: [...selection], by: shift, count }], "copy");
+    const reply = await this.edit([{ op: "copy", ids: [...selection], by: shift, count }], "Copy");
     if (reply?.ids?.length) {
       await this.reached(reply.revision);
       this.store.select(reply.ids);
@@ -378,7 +381,7 @@ export class Canvas {
 
   /** Mirror what is selected across an axis ("x" mirrors x coordinates) at a place. */
   mirror(axis = "x", at = "0") {
-    return this.edit([{ op: "mirror", ids: [...this.store.state.selection], axis, at: String(at) }], "mirror");
+    return this.edit([{ op: "mirror", ids: [...this.store.state.selection], axis, at: String(at) }], "Mirror");
   }
 
   /** Ask the page for a dialog: "mirror", "repeat", "edit" or "keys". */
@@ -396,6 +399,7 @@ export class Canvas {
       return;
     }
     this.tool.cancel();
+    this.tip(null);
     this.tool = toolOf(this, tool);
     this.keys.leaving = false;
     this.told();

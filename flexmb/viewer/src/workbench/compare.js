@@ -4,7 +4,10 @@ import { isStale } from "./answers.js";
 
 export function compare(store) {
   const root = byId("compare");
-  const pin = button("Pin this design", () => store.ask("pin").catch((fault) => say(text, fault.message)), { class: "main", id: "pin" });
+  const pin = button("Pin this design", () => store.ask("pin").catch((fault) => say(text, fault.message)), {
+    class: "main",
+    id: "pin",
+  });
   const unpin = button("Unpin", () => store.ask("unpin").catch((fault) => say(text, fault.message)));
   const text = h("p", { class: "soft" });
   const table = h("table", { "aria-label": "The pinned design and this one" });
@@ -21,9 +24,15 @@ export function compare(store) {
     root.classList.toggle("stale", isStale(store.state));
     if (!there) return;
     const own = pinned.differences;
-    const answered = (own.answers ?? []).map(({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
-      label, before: old ?? withUnit(before, unit), now: text ?? withUnit(now, unit), percent, same: before === now,
-    }));
+    const answered = (own.answers ?? []).map(
+      ({ label, unit, before, now, before_text: old, now_text: text, percent }) => ({
+        label,
+        before: old ?? withUnit(before, unit),
+        now: text ?? withUnit(now, unit),
+        percent,
+        same: before === now,
+      }),
+    );
     const changed = [...(own.names ?? []), ...(own.fields ?? [])].map((one) => ({ ...one, same: false }));
     const others = [
       ...(own.added ?? []).map((one) => `only in this one: ${one}`),
@@ -40,7 +49,8 @@ export function compare(store) {
   update();
 }
 
-const withUnit = (value, unit) => (value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim());
+const withUnit = (value, unit) =>
+  value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim();
 
 /** Percent with as many digits as matter. */
 function signed(percent) {

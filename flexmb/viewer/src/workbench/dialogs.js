@@ -10,7 +10,14 @@ export function ask(title, content, actText, act, { wide = false, danger = false
   const fault = h("p", { class: "problem", role: "alert", hidden: true });
   const cancel = button(act ? "Cancel" : "Close", () => own.close());
   const go = act ? h("button", { type: "submit", class: danger ? "danger" : "main" }, actText) : null;
-  const body = h("form", { method: "dialog" }, h("h2", {}, title), content, fault, h("div", { class: "buttons" }, cancel, go));
+  const body = h(
+    "form",
+    { method: "dialog" },
+    h("h2", {}, title),
+    content,
+    fault,
+    h("div", { class: "buttons" }, cancel, go),
+  );
   const own = h("dialog", { class: wide ? "wide" : "", "aria-label": title }, body);
   body.addEventListener("submit", (event) => {
     event.preventDefault();
@@ -55,7 +62,11 @@ export function dialogs(store) {
 
   /** A form about a few texts, and what is done with them. */
   function asked(title, fields, args, actText, act) {
-    const made = form(store, fields, ofObject(args, () => made.update()));
+    const made = form(
+      store,
+      fields,
+      ofObject(args, () => made.update()),
+    );
     return ask(title, made.element, actText, () => act(args));
   }
   const byField = () => ({ name: "by", kind: "vector", unit: "m", count: store.state.document.dimension });
@@ -78,7 +89,8 @@ export function dialogs(store) {
       const fields = [byField(), numberField("count", "copies")];
       asked(`Repeat ${called(ids)}`, fields, { ...step(), count: "3" }, "Repeat", async ({ by, count }) => {
         const number = Number(count);
-        if (!Number.isInteger(number) || number < 1 || number > 1000) throw new Error("The number of copies is a whole one from 1 to 1000.");
+        if (!Number.isInteger(number) || number < 1 || number > 1000)
+          throw new Error("The number of copies is a whole one from 1 to 1000.");
         choose(await edit([{ op: "copy", ids: whole(ids), by, count: number }], `Repeat ${called(ids)}`));
       });
     },
@@ -93,7 +105,9 @@ export function dialogs(store) {
       );
     },
     split(own) {
-      const fields = [numberField("at", "of its length", { doc: "Share of the length from the first node, between 0 and 1" })];
+      const fields = [
+        numberField("at", "of its length", { doc: "Share of the length from the first node, between 0 and 1" }),
+      ];
       asked(`Split ${own.name}`, fields, { at: "0.5" }, "Split", async ({ at }) =>
         choose(await edit([{ op: "split", element: own.name, at }], `Split ${own.name}`)),
       );
@@ -117,7 +131,10 @@ export function dialogs(store) {
       const what = called(ids);
       edit([{ op: "delete", ids: [...ids] }], `Delete ${what}`).then((reply) => {
         const along = (reply?.also ?? []).length;
-        if (along) toast(`Deleted ${what}, and ${along} that needed ${ids.length === 1 ? "it" : "them"}. Ctrl+Z brings all back.`);
+        if (along)
+          toast(
+            `Deleted ${what}, and ${along} that needed ${ids.length === 1 ? "it" : "them"}. Ctrl+Z brings all back.`,
+          );
       }, told);
     },
   };
@@ -127,4 +144,3 @@ export function dialogs(store) {
 export function plainly(lines) {
   return h("ul", { class: "plainly" }, ...lines.map((one) => h("li", {}, String(one))));
 }
-

@@ -62,12 +62,16 @@ export function set(element, attribute, value) {
 /** A number with the digits that a reader needs. */
 export function shown(value, digits = 5) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  return String(Number(value.toPrecision(digits))).replace("e+", "e").replace("-", "−");
+  return String(Number(value.toPrecision(digits)))
+    .replace("e+", "e")
+    .replace("-", "−");
 }
 
 /** A list of choices; what is chosen stays, even where it is no longer offered. */
 export function choices(select, offered, chosen) {
-  const all = offered.some(({ value }) => value === chosen) ? offered : [...offered, { value: chosen, text: chosen || "–" }];
+  const all = offered.some(({ value }) => value === chosen)
+    ? offered
+    : [...offered, { value: chosen, text: chosen || "–" }];
   const same =
     select.options.length === all.length &&
     all.every(({ value, text }, i) => select.options[i].value === value && select.options[i].text === text);
@@ -109,7 +113,8 @@ export function tabs(row) {
     tab.addEventListener("click", () => open(tab));
     tab.addEventListener("keydown", (event) => {
       const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-      const to = event.key === "Home" ? 0 : event.key === "End" ? all.length - 1 : by && (i + by + all.length) % all.length;
+      const to =
+        event.key === "Home" ? 0 : event.key === "End" ? all.length - 1 : by && (i + by + all.length) % all.length;
       if (to === undefined) return;
       event.preventDefault();
       open(all[to], true);

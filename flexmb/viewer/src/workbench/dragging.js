@@ -24,7 +24,7 @@ export class Dragging {
     this.merge = `drag ${Date.now()} ${(count += 1)}`;
     this.nodes = ids.map((id) => this.begin(canvas.thing(id))).filter(Boolean);
     this.names = new Set(this.nodes.map(({ name }) => name));
-    this.label = label ?? `move ${this.nodes.map(({ name }) => name).slice(0, 3).join(", ")}`;
+    this.label = label ?? `Move ${this.nodes.map(({ name }) => name).slice(0, 3).join(", ")}`;
     this.told = new Set();
     this.sent = 0;
     this.last = null;
@@ -101,7 +101,7 @@ export class Dragging {
     const { canvas } = this;
     if (joined) {
       await this.last;
-      this.last = canvas.edit([{ op: "join", from: this.nodes[0].name, into: joined }], `join ${this.nodes[0].name} to ${joined}`, this.merge);
+      this.last = canvas.edit([{ op: "join", from: this.nodes[0].name, into: joined }], `Join ${this.nodes[0].name} to ${joined}`, this.merge);
     }
     await this.last;
     this.release();

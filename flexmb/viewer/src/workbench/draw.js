@@ -31,6 +31,7 @@ export class Drawing {
     this.words = new Words(pen, width, height, fade(colours.back, 0.85));
     this.spots = [];
     this.places = new Map(plan.nodes.map((node) => [node.name, eye.project(node.at)]));
+    for (const line of plan.lines) if (line.style === "block") this.block(line);
     for (const line of plan.lines) this.halo(line);
     for (const line of plan.lines) this.line(line);
     this.outwards();
@@ -68,6 +69,23 @@ export class Drawing {
       symbols.circle(pen, points[0], 13);
       pen.stroke();
     }
+  }
+
+  /** What a building block covers, by the nodes that it made. */
+  block(line) {
+    const { pen, colours } = this;
+    const own = this.plan.nodes.filter(({ id, name }) => !id && name.startsWith(`${line.name} `));
+    const points = symbols.hull([...this.screen(line), ...own.map(({ name }) => this.places.get(name))]);
+    if (points.length < 3) return;
+    this.path(points);
+    pen.closePath();
+    pen.fillStyle = fade(colours.block, 0.1);
+    pen.fill();
+    pen.strokeStyle = fade(colours.block, 0.5);
+    pen.lineWidth = 1;
+    pen.setLineDash([4, 4]);
+    pen.stroke();
+    pen.setLineDash([]);
   }
 
   line(line) {
@@ -156,7 +174,8 @@ export class Drawing {
     const { plan, colours, selection, hovered } = this;
     const all = plan.lines.length + plan.nodes.length <= 2 * MANY;
     for (const node of plan.nodes) {
-      if (!node.id || !(all || selection.has(node.id) || hovered === node.id)) continue;
+      // Those that a building block made for itself have long names.
+      if ((!node.id && node.name.includes(" ")) || !(all || selection.has(node.id) || hovered === node.id)) continue;
       const [x, y] = this.places.get(node.name);
       const [u, v] = this.into(node.name);
       // Beside the line, on its outer side.

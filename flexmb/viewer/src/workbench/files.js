@@ -39,7 +39,7 @@ export function files(store, canvas) {
     if (kind === "png") return picture();
     if (!SHAPED.has(kind)) return fetched(kind).catch(told);
     const tick = h("input", { type: "checkbox" });
-    const content = h("label", {}, tick, " deformed, as the drawing shows it");
+    const content = h("label", {}, tick, " deformed by its loads");
     return ask(`Export ${kind.toUpperCase()}`, content, "Export", () => fetched(kind, { deformed: tick.checked }));
   }
 
@@ -47,7 +47,10 @@ export function files(store, canvas) {
     const made = canvas?.picture?.();
     if (!made) return toast("There is no picture yet.");
     return made.toBlob((blob) => {
-      const link = h("a", { href: URL.createObjectURL(blob), download: `${store.state.document.title || "mechanism"}.png` });
+      const link = h("a", {
+        href: URL.createObjectURL(blob),
+        download: `${store.state.document.title || "mechanism"}.png`,
+      });
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     });
@@ -58,8 +61,16 @@ export function files(store, canvas) {
     const reply = await store.ask("save", { ...(path ? { path } : {}), ...more });
     const lost = list(reply);
     if (lost.length && reply.saved === false) {
-      const content = h("div", {}, h("p", {}, "This kind of file cannot hold all of it. Without these it would be saved:"), plainly(lost), h("p", {}, "A Python script holds everything."));
-      const own = ask("What a .dat file cannot hold", content, "Save without them", () => save(path, { ...more, anyway: true }));
+      const content = h(
+        "div",
+        {},
+        h("p", {}, "This kind of file cannot hold all of it. Without these it would be saved:"),
+        plainly(lost),
+        h("p", {}, "A Python script holds everything."),
+      );
+      const own = ask("What a .dat file cannot hold", content, "Save without them", () =>
+        save(path, { ...more, anyway: true }),
+      );
       own.querySelector(".buttons").prepend(
         button("Save Python instead", () => {
           own.close();
@@ -70,7 +81,13 @@ export function files(store, canvas) {
       return;
     }
     if (reply.over && reply.saved === false) {
-      ask(`${reply.over} is there already`, h("p", {}, "Shall it be written over?"), "Write over it", () => save(path, { ...more, over: true }), { danger: true });
+      ask(
+        `${reply.over} is there already`,
+        h("p", {}, "Shall it be written over?"),
+        "Write over it",
+        () => save(path, { ...more, over: true }),
+        { danger: true },
+      );
       return;
     }
     toast(`Saved as ${reply.file ?? path ?? store.state.file}.`);
@@ -78,15 +95,38 @@ export function files(store, canvas) {
 
   function saveAs() {
     if (menu.matches(":popover-open")) menu.hidePopover();
-    const name = h("input", { type: "text", value: store.state.file ?? `${store.state.document.title || "mechanism"}.dat`, "aria-label": "File", autocomplete: "off" });
-    const content = h("div", { class: "form" }, name, h("p", { class: "note" }, "The ending says what it becomes: .dat, .py or .json. A name without folders lies where the workbench was started."));
+    const name = h("input", {
+      type: "text",
+      value: store.state.file ?? `${store.state.document.title || "mechanism"}.dat`,
+      "aria-label": "File",
+      autocomplete: "off",
+    });
+    const content = h(
+      "div",
+      { class: "form" },
+      name,
+      h(
+        "p",
+        { class: "note" },
+        "The ending says what it becomes: .dat, .py or .json. A name without folders lies where the workbench was started.",
+      ),
+    );
     name.style.width = "100%";
     ask("Save as", content, "Save", () => save(name.value.trim()));
   }
 
   function open() {
-    const path = h("input", { type: "text", "aria-label": "Path of the file", placeholder: "guide.dat", autocomplete: "off" });
-    const upload = h("input", { type: "file", accept: ".dat,.json,.toml,.txt", "aria-label": "A file of this computer" });
+    const path = h("input", {
+      type: "text",
+      "aria-label": "Path of the file",
+      placeholder: "guide.dat",
+      autocomplete: "off",
+    });
+    const upload = h("input", {
+      type: "file",
+      accept: ".dat,.json,.toml,.txt",
+      "aria-label": "A file of this computer",
+    });
     path.style.width = upload.style.width = "100%";
     const content = h(
       "div",
@@ -95,12 +135,17 @@ export function files(store, canvas) {
       path,
       h("p", { class: "note" }, "Or a file that this browser sends:"),
       upload,
-      store.state.saved ? null : h("p", { class: "problem" }, "What is open was not saved. Undo brings it back after opening."),
+      store.state.saved
+        ? null
+        : h("p", { class: "problem" }, "What is open was not saved. Undo brings it back after opening."),
     );
     ask("Open a mechanism", content, "Open", async () => {
       const [file] = upload.files;
       if (!file && !path.value.trim()) throw new Error("Write a path or choose a file.");
-      const reply = await store.ask("open", file ? { text: await file.text(), name: file.name } : { path: path.value.trim() });
+      const reply = await store.ask(
+        "open",
+        file ? { text: await file.text(), name: file.name } : { path: path.value.trim() },
+      );
       const notes = [].concat(reply.notes ?? [], reply.left_out ?? []);
       if (notes.length) ask("Opened, with notes", plainly(notes), "", null);
     });
@@ -113,7 +158,8 @@ export function files(store, canvas) {
     const ops = own.things.length ? [{ op: "delete", ids: own.things.map(({ id }) => id) }] : [];
     for (const name of Object.keys(own.names)) ops.push({ op: "name", name, to: null });
     if (own.dimension !== dimension) ops.push({ op: "dimension", to: dimension });
-    if (ops.length) await store.edit(ops, { label: dimension === 2 ? "New planar mechanism" : "New spatial mechanism" });
+    if (ops.length)
+      await store.edit(ops, { label: dimension === 2 ? "New planar mechanism" : "New spatial mechanism" });
     byId("scene").focus();
   }
 
@@ -127,7 +173,11 @@ export function files(store, canvas) {
   byId("save").addEventListener("click", saveNow);
   byId("new-2").addEventListener("click", () => begin(2).catch(told));
   byId("new-3").addEventListener("click", () => begin(3).catch(told));
-  for (const [own, by] of [["new-menu", "new"], ["file-menu", "file-more"]]) popover(byId(own), byId(by));
+  for (const [own, by] of [
+    ["new-menu", "new"],
+    ["file-menu", "file-more"],
+  ])
+    popover(byId(own), byId(by));
 
   function update() {
     const { file, saved, document: own } = store.state;

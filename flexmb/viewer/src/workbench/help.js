@@ -52,7 +52,12 @@ export function help() {
     "div",
     { id: "help-list" },
     ...Object.entries(HELP).map(([title, rows]) =>
-      h("section", {}, h("h2", {}, title), h("dl", {}, ...rows.flatMap(([keys, text]) => [h("dt", {}, h("kbd", {}, keys)), h("dd", {}, text)]))),
+      h(
+        "section",
+        {},
+        h("h2", {}, title),
+        h("dl", {}, ...rows.flatMap(([keys, text]) => [h("dt", {}, h("kbd", {}, keys)), h("dd", {}, text)])),
+      ),
     ),
   );
   const own = ask("Keys and mouse", list, "", null, { wide: true });

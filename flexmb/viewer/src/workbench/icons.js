@@ -78,8 +78,20 @@ export function redraw(svg, values) {
   const [line, dot] = svg.children;
   const [low, high] = [Math.min(...values), Math.max(...values)];
   const whole = high - low || 1;
-  const place = (value, i) => [values.length < 2 ? 62 : (62 * i) / (values.length - 1), high > low ? 16 - (14 * (value - low)) / whole : 9];
-  line.setAttribute("points", values.map((value, i) => place(value, i).map((part) => part.toFixed(1)).join(",")).join(" "));
+  const place = (value, i) => [
+    values.length < 2 ? 62 : (62 * i) / (values.length - 1),
+    high > low ? 16 - (14 * (value - low)) / whole : 9,
+  ];
+  line.setAttribute(
+    "points",
+    values
+      .map((value, i) =>
+        place(value, i)
+          .map((part) => part.toFixed(1))
+          .join(","),
+      )
+      .join(" "),
+  );
   const [x, y] = values.length ? place(values.at(-1), values.length - 1) : [62, 9];
   dot.setAttribute("cx", String(x));
   dot.setAttribute("cy", String(y));

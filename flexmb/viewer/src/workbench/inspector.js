@@ -25,7 +25,13 @@ export function inspector(store, dialogs) {
     if (now !== key) {
       key = now;
       const kind = now.split(" ")[0];
-      const makers = { nothing: empty, tool: () => toolForm(store), thing: () => one(store, now.split(" ")[1], dialogs), several: () => several(store, dialogs), whole: () => whole(store) };
+      const makers = {
+        nothing: empty,
+        tool: () => toolForm(store),
+        thing: () => one(store, now.split(" ")[1], dialogs),
+        several: () => several(store, dialogs),
+        whole: () => whole(store),
+      };
       made = makers[kind]();
       root.replaceChildren(made.element);
     } else made.update();
@@ -50,7 +56,13 @@ function nameRow(store, id) {
     changed: () => note.tell(own.fault()),
   });
   const note = remark(own.element);
-  const element = h("div", { class: "field" }, h("span", { class: "label" }, "name"), h("div", { class: "boxes" }, own.element), note.element);
+  const element = h(
+    "div",
+    { class: "field" },
+    h("span", { class: "label" }, "name"),
+    h("div", { class: "boxes" }, own.element),
+    note.element,
+  );
   return { element, update: () => (own.update(), note.tell(own.fault())) };
 }
 
@@ -62,7 +74,13 @@ function one(store, id, dialogs) {
   const fault = h("p", { class: "problem", hidden: true });
   const parts = [];
   if (own.name !== undefined && own.name !== null) parts.push(nameRow(store, id));
-  parts.push(form(store, fieldsOf(store, call), ofThing(store, id, () => spoken(store, thing(store, id) ?? own))));
+  parts.push(
+    form(
+      store,
+      fieldsOf(store, call),
+      ofThing(store, id, () => spoken(store, thing(store, id) ?? own)),
+    ),
+  );
   const where = call === "node" ? attached(store, id) : null;
   const element = h(
     "div",
@@ -95,7 +113,9 @@ function attached(store, id) {
   element.style.marginTop = "12px";
   function update() {
     const { name } = thing(store, id) ?? {};
-    const found = things(store).filter(({ args }) => Object.values(args ?? {}).some((value) => value === name || (Array.isArray(value) && value.includes(name))));
+    const found = things(store).filter(({ args }) =>
+      Object.values(args ?? {}).some((value) => value === name || (Array.isArray(value) && value.includes(name))),
+    );
     element.hidden = !found.length;
     const texts = found.map((other) => spoken(store, other));
     if ([...list.children].map((child) => child.textContent).join("\n") === texts.join("\n")) return;
@@ -171,11 +191,20 @@ function whole(store) {
   let last = "";
   function update() {
     const all = things(store);
-    const number = (wanted) => all.filter(({ call }) => wanted.includes(group(store, call))).length;
+    const counted = (wanted, word) => {
+      const number = all.filter(({ call }) => wanted.includes(group(store, call))).length;
+      return `${number} ${word}${number === 1 ? "" : "s"}`;
+    };
     const { dimension } = store.state.document;
-    say(text, `${dimension === 2 ? "In the plane" : "In space"}: ${number(["node"])} nodes, ${number(["element"])} elements, ${number(["block"])} building blocks. Click something in the drawing to see and change its numbers.`);
-    keep(next, nextSteps(store), ([words]) => words, ([words, call]) =>
-      button(words, () => takeTool(store, call).then(() => byId("scene").focus())),
+    say(
+      text,
+      `${dimension === 2 ? "In the plane" : "In space"}: ${counted(["node"], "node")}, ${counted(["element"], "element")}, ${counted(["block"], "building block")}. Click something in the drawing to see and change its numbers.`,
+    );
+    keep(
+      next,
+      nextSteps(store),
+      ([words]) => words,
+      ([words, call]) => button(words, () => takeTool(store, call).then(() => byId("scene").focus())),
     );
     const now = JSON.stringify(store.state.problems ?? []);
     if (now === last) return;
@@ -183,7 +212,9 @@ function whole(store) {
     faults.replaceChildren(
       ...(store.state.problems ?? []).map(({ address, message }) => {
         const id = String(address ?? "").split("/")[0];
-        return button(message, () => (thing(store, id) ? store.select([id]) : byId("tab-names").click()), { class: "danger" });
+        return button(message, () => (thing(store, id) ? store.select([id]) : byId("tab-names").click()), {
+          class: "danger",
+        });
       }),
     );
   }

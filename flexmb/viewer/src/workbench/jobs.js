@@ -4,7 +4,13 @@ import { ask } from "./dialogs.js";
 
 /** Cards of jobs, the newest as given. */
 export function progress(store, parent, jobs, play = null) {
-  keep(parent, jobs, ({ job }) => job, (own) => card(store, own, play), fill);
+  keep(
+    parent,
+    jobs,
+    ({ job }) => job,
+    (own) => card(store, own, play),
+    fill,
+  );
 }
 
 function card(store, { job, kind }, play) {
@@ -18,11 +24,25 @@ function card(store, { job, kind }, play) {
   const larger = () => {
     const content = h("img", { src: image.src, alt: image.alt });
     const own = ask(image.alt.replace("Plot: ", ""), content, "", null, { wide: true });
-    own.querySelector(".buttons").prepend(button("Save the picture", () => h("a", { href: image.src, download: `${kind}.${image.dataset.ending}` }).click()));
+    own
+      .querySelector(".buttons")
+      .prepend(
+        button("Save the picture", () =>
+          h("a", { href: image.src, download: `${kind}.${image.dataset.ending}` }).click(),
+        ),
+      );
   };
   image.addEventListener("click", larger);
   image.addEventListener("keydown", (event) => event.key === "Enter" && larger());
-  return h("section", { class: "job", "aria-label": kind, "data-job": job }, h("div", { class: "head" }, h("h2"), h("span", { class: "soft" }), shows, stop), bar, image, h("pre"), h("div", { class: "rows" }));
+  return h(
+    "section",
+    { class: "job", "aria-label": kind, "data-job": job },
+    h("div", { class: "head" }, h("h2"), h("span", { class: "soft" }), shows, stop),
+    bar,
+    image,
+    h("pre"),
+    h("div", { class: "rows" }),
+  );
 }
 
 const STATES = { running: "running …", done: "done", failed: "failed", stopped: "stopped" };
@@ -39,7 +59,9 @@ function fill(own, { kind, title, status, fraction, text, design, picture, view,
   bar.hidden = status !== "running";
   if (fraction === undefined || fraction === null) bar.removeAttribute("value");
   else bar.value = fraction;
-  const designed = Object.entries(design ?? {}).map(([key, value]) => `${key} = ${typeof value === "number" ? shown(value) : value}`);
+  const designed = Object.entries(design ?? {}).map(
+    ([key, value]) => `${key} = ${typeof value === "number" ? shown(value) : value}`,
+  );
   say(told, [text, ...designed].filter(Boolean).join("\n"));
   told.className = status === "failed" ? "problem" : "";
   told.hidden = !told.textContent;
@@ -71,6 +93,20 @@ function rowTable(rows) {
     "table",
     {},
     ...(named ? [h("thead", {}, h("tr", {}, ...columns.map((one) => h("th", { scope: "col" }, one))))] : []),
-    h("tbody", {}, ...rows.slice(0, 200).map((one) => h("tr", {}, ...(named ? columns.map((key) => one[key]) : [].concat(one)).map((value) => h("td", { class: "number" }, cell(value)))))),
+    h(
+      "tbody",
+      {},
+      ...rows
+        .slice(0, 200)
+        .map((one) =>
+          h(
+            "tr",
+            {},
+            ...(named ? columns.map((key) => one[key]) : [].concat(one)).map((value) =>
+              h("td", { class: "number" }, cell(value)),
+            ),
+          ),
+        ),
+    ),
   );
 }

@@ -183,7 +183,7 @@ export class Keys {
     const nodes = state.tool.kind === "select" ? nodesOf(canvas, state.selection) : [];
     const one = nodes.length === 1 && canvas.thing(nodes[0]);
     if (one) {
-      canvas.edit([{ op: "set", address: `${one.id}/position`, to: found.texts }], `move ${one.name}`);
+      canvas.edit([{ op: "set", address: `${one.id}/position`, to: found.texts }], `Move ${one.name}`);
       canvas.say(`${one.name} at ${canvas.words(found.point)}.`);
     } else if (state.tool.kind !== "select") {
       canvas.clickAt(found.point, found.texts);

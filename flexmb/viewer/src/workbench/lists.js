@@ -42,7 +42,9 @@ function thingList(store, label, groups, { remove, open }) {
     const faulty = new Set((store.state.problems ?? []).map(({ address }) => String(address).split("/")[0]));
     for (const kind of groups) {
       const own = things(store).filter(
-        (one) => group(store, one.call) === kind && (!wanted || `${spoken(store, one)} ${one.call} ${summary(one)}`.toLowerCase().includes(wanted)),
+        (one) =>
+          group(store, one.call) === kind &&
+          (!wanted || `${spoken(store, one)} ${one.call} ${summary(one)}`.toLowerCase().includes(wanted)),
       );
       if (!own.length) continue;
       children.push(h("div", { class: "list-group", role: "presentation" }, `${HEADS[kind]} (${own.length})`));
@@ -51,14 +53,25 @@ function thingList(store, label, groups, { remove, open }) {
         made.set(one.id, row);
         const [, what, rest] = row.children;
         say(what, spoken(store, one));
-        say(rest, faulty.has(one.id) ? "⚠" : one.name ? `${one.call === "node" ? "" : title(store, one.call)} ${one.call === "node" ? summary(one) : ""}` : summary(one));
+        say(
+          rest,
+          faulty.has(one.id)
+            ? "⚠"
+            : one.name
+              ? `${one.call === "node" ? "" : title(store, one.call)} ${one.call === "node" ? summary(one) : ""}`
+              : summary(one),
+        );
         row.title = `${spoken(store, one)}: ${title(store, one.call)} ${summary(one)}`;
         rows.push(one.id);
         children.push(row);
       }
     }
     for (const id of made.keys()) if (!thing(store, id)) made.delete(id);
-    const same = children.length === root.children.length && children.every((child, i) => (child.role === "option" ? child === root.children[i] : child.textContent === root.children[i].textContent));
+    const same =
+      children.length === root.children.length &&
+      children.every((child, i) =>
+        child.role === "option" ? child === root.children[i] : child.textContent === root.children[i].textContent,
+      );
     if (!same) root.replaceChildren(...children);
     select();
   }
@@ -105,7 +118,12 @@ function thingList(store, label, groups, { remove, open }) {
 /** Everything there is. */
 export function everything(store, dialogs, { open }) {
   const root = byId("things");
-  const search = h("input", { type: "search", class: "tool-search", placeholder: "Search parts", "aria-label": "Search parts" });
+  const search = h("input", {
+    type: "search",
+    class: "tool-search",
+    placeholder: "Search parts",
+    "aria-label": "Search parts",
+  });
   const list = thingList(store, "Parts of the mechanism", Object.keys(HEADS), { remove: dialogs.remove, open });
   const none = h("p", { class: "soft" }, "Nothing yet. Add a node first.");
   root.append(search, list.element, none);
@@ -122,7 +140,11 @@ export function sections(store, dialogs, { open }) {
   const root = byId("sections");
   const list = thingList(store, "Sections and materials", ["section", "material"], { remove: dialogs.remove, open });
   const adds = h("div", { class: "acts" });
-  const none = h("p", { class: "soft" }, "A section is the shape and the material of elements; the first element brings one along, or add it here.");
+  const none = h(
+    "p",
+    { class: "soft" },
+    "A section is the shape and the material of elements; the first element brings one along, or add it here.",
+  );
   root.append(adds, none, list.element);
   const chooser = (kind, text) => {
     const select = h("select", { "aria-label": text });
@@ -133,7 +155,9 @@ export function sections(store, dialogs, { open }) {
     });
     adds.append(select);
     return () => {
-      const own = Object.entries(store.state.catalogue ?? {}).filter(([call, one]) => one.group === kind && fits(store, call));
+      const own = Object.entries(store.state.catalogue ?? {}).filter(
+        ([call, one]) => one.group === kind && fits(store, call),
+      );
       select.replaceChildren(new Option(text, ""), ...own.map(([call, one]) => new Option(one.title ?? call, call)));
     };
   };
@@ -145,7 +169,9 @@ export function sections(store, dialogs, { open }) {
     none.hidden = things(store).some(({ call }) => ["section", "material"].includes(group(store, call)));
   };
   const chosen = () => {
-    remove.hidden = !store.state.selection.some((id) => ["section", "material"].includes(group(store, thing(store, id)?.call ?? "")));
+    remove.hidden = !store.state.selection.some((id) =>
+      ["section", "material"].includes(group(store, thing(store, id)?.call ?? "")),
+    );
   };
   store.on("catalogue", () => fillers.forEach((fill) => fill()));
   store.on("selection", chosen);

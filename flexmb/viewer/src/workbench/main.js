@@ -68,7 +68,10 @@ function drawing() {
 
 /** Undo and redo, by their labels. */
 function history() {
-  for (const [verb, key] of [["undo", "Ctrl+Z"], ["redo", "Ctrl+Y"]]) {
+  for (const [verb, key] of [
+    ["undo", "Ctrl+Z"],
+    ["redo", "Ctrl+Y"],
+  ]) {
     const own = byId(verb);
     own.append(icon(verb));
     own.addEventListener("click", () => step(verb));
@@ -175,4 +178,3 @@ function keys() {
     }
   });
 }
-

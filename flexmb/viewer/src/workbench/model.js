@@ -23,7 +23,10 @@ export function countOf(store, field) {
 export function fieldsOf(store, call) {
   const own = store.state.document?.dimension ?? 2;
   const fields = entry(store, call)?.fields ?? [];
-  return fields.filter((field) => (!field.dimension || field.dimension === own) && !(field.kind === "vector" && countOf(store, field) === 0));
+  return fields.filter(
+    (field) =>
+      (!field.dimension || field.dimension === own) && !(field.kind === "vector" && countOf(store, field) === 0),
+  );
 }
 
 export function fits(store, call) {

@@ -9,7 +9,10 @@ const STEPS = 1000;
 export function bounds({ value, low, high }, evaluated) {
   const now = evaluated ?? Number(value) ?? 0;
   const span = Math.abs(now) || 1;
-  const given = (text) => (text !== undefined && text !== null && String(text).trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : null);
+  const given = (text) =>
+    text !== undefined && text !== null && String(text).trim() !== "" && Number.isFinite(Number(text))
+      ? Number(text)
+      : null;
   return [given(low) ?? (now > 0 ? span / 4 : now - 3 * span), given(high) ?? (now >= 0 ? span * 4 : now + 3 * span)];
 }
 
@@ -22,7 +25,10 @@ export function toValue(at, [low, high]) {
 
 export function toPlace(value, [low, high]) {
   if (high <= low) return 0.5;
-  return Math.min(1, Math.max(0, isWide([low, high]) ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low)));
+  return Math.min(
+    1,
+    Math.max(0, isWide([low, high]) ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low)),
+  );
 }
 
 /** The text of a slider's number: no more digits than a step of it tells. */
@@ -34,7 +40,11 @@ export function written(value, [low, high]) {
 export function names(store) {
   const root = byId("names");
   const rows = h("div");
-  const none = h("p", { class: "soft" }, "A name is a number that several fields share. Write one into any field (t, 2*w), or add it here; each becomes a slider.");
+  const none = h(
+    "p",
+    { class: "soft" },
+    "A name is a number that several fields share. Write one into any field (t, 2*w), or add it here; each becomes a slider.",
+  );
   root.append(none, rows, adding(store));
   const known = byId("known-names");
   const made = new Map();
@@ -43,21 +53,44 @@ export function names(store) {
     const own = store.state.document?.names ?? {};
     const all = Object.keys(own);
     none.hidden = all.length > 0;
-    keep(rows, all, (name) => name, (name) => {
-      const row = nameRow(store, name);
-      made.set(name, row);
-      return row.element;
-    }, (_, name) => made.get(name).update());
+    keep(
+      rows,
+      all,
+      (name) => name,
+      (name) => {
+        const row = nameRow(store, name);
+        made.set(name, row);
+        return row.element;
+      },
+      (_, name) => made.get(name).update(),
+    );
     for (const name of made.keys()) if (!Object.hasOwn(own, name)) made.delete(name);
-    keep(known, all, (name) => name, (name) => h("option", { value: name }));
+    keep(
+      known,
+      all,
+      (name) => name,
+      (name) => h("option", { value: name }),
+    );
   }
   watch(store, ["document", "values", "ways", "problems"], update);
   if (store.state.document) update();
 }
 
 function adding(store) {
-  const name = h("input", { type: "text", "aria-label": "New name", placeholder: "name", autocomplete: "off", spellcheck: "false" });
-  const value = h("input", { type: "text", "aria-label": "Value of the new name", placeholder: "value, arithmetic", autocomplete: "off", list: "known-names" });
+  const name = h("input", {
+    type: "text",
+    "aria-label": "New name",
+    placeholder: "name",
+    autocomplete: "off",
+    spellcheck: "false",
+  });
+  const value = h("input", {
+    type: "text",
+    "aria-label": "Value of the new name",
+    placeholder: "value, arithmetic",
+    autocomplete: "off",
+    list: "known-names",
+  });
   const note = remark(name, value);
   const element = h("form", { class: "add-row" }, name, value, h("button", { type: "submit" }, "Add"));
   element.addEventListener("submit", (event) => {
@@ -87,7 +120,8 @@ function nameRow(store, name) {
     box(store, {
       get: () => get()[key] ?? "",
       send: (text, visit) => change({ [key]: text }, `names/${name}/${key} ${visit}`),
-      problem: () => problemAt(store, `names/${name}/${key}`) ?? (key === "value" ? problemAt(store, `names/${name}`) : null),
+      problem: () =>
+        problemAt(store, `names/${name}/${key}`) ?? (key === "value" ? problemAt(store, `names/${name}`) : null),
       rest,
       changed: () => update(),
     });
@@ -105,10 +139,17 @@ function nameRow(store, name) {
   const range = h("div", { class: "range" }, low.element, slider, high.element);
   const note = h("p", { class: "note number", hidden: true });
   const fault = remark(value.element);
-  const drop = button("×", () => store.edit([{ op: "name", name, to: null }], { label: `Remove ${name}` }).catch((problem) => fault.tell(problem.message)), {
-    class: "plain",
-    "aria-label": `Remove the name ${name}`,
-  });
+  const drop = button(
+    "×",
+    () =>
+      store
+        .edit([{ op: "name", name, to: null }], { label: `Remove ${name}` })
+        .catch((problem) => fault.tell(problem.message)),
+    {
+      class: "plain",
+      "aria-label": `Remove the name ${name}`,
+    },
+  );
   const slope = h("div", { class: "slope", hidden: true }, h("i"));
   const element = h("div", { class: "name" }, title.element, value.element, drop, range, note, slope, fault.element);
 
@@ -130,10 +171,12 @@ function nameRow(store, name) {
     const to = { value: text, low: least || String(within[0]), high: most || String(within[1]) };
     sent = text;
     value.element.value = text;
-    change(to, `names/${name}/value ${visit}`).catch(() => {}).finally(() => {
-      if (sent === text) sent = null;
-      update();
-    });
+    change(to, `names/${name}/value ${visit}`)
+      .catch(() => {})
+      .finally(() => {
+        if (sent === text) sent = null;
+        update();
+      });
   });
 
   function update() {
@@ -147,7 +190,11 @@ function nameRow(store, name) {
       const within = limits();
       const place = String(Math.round(STEPS * toPlace(Number(text), within)));
       if (slider.value !== place) slider.value = place;
-      for (const [one, bound] of [[low, within[0]], [high, within[1]]]) one.element.placeholder = shown(bound, 3);
+      for (const [one, bound] of [
+        [low, within[0]],
+        [high, within[1]],
+      ])
+        one.element.placeholder = shown(bound, 3);
     }
     set(slider, "aria-valuetext", text);
     const found = free ? null : (store.state.values?.[name] ?? evaluate(store, text ?? ""));
@@ -163,7 +210,10 @@ function nameRow(store, name) {
     const share = own && relative(own, name);
     slope.hidden = !Number.isFinite(share);
     if (slope.hidden) return;
-    const most = Math.max(...Object.keys(store.state.document.names).map((other) => Math.abs(relative(own, other) || 0)), 1e-300);
+    const most = Math.max(
+      ...Object.keys(store.state.document.names).map((other) => Math.abs(relative(own, other) || 0)),
+      1e-300,
+    );
     const bar = slope.firstChild;
     const width = (50 * Math.abs(share)) / most;
     bar.className = share < 0 ? "down" : "";

@@ -2,6 +2,7 @@
 import { fieldsOf, groupOf } from "./plan.js";
 import { textOf } from "./arithmetic.js";
 import { thingAt } from "./snap.js";
+import { hinged, isHinge, SLOTS } from "./hinges.js";
 import { drawDimension, words } from "./measure.js";
 import * as symbols from "./symbols.js";
 
@@ -22,6 +23,7 @@ const STARTS = {
 /** What must be clicked, in order: {field, what: "node" | "of" | "element" | "place" | "direction"}. */
 function slotsOf(catalogue, call, kind) {
   if (kind === "node") return [{ field: "position", what: "place" }];
+  if (isHinge(call)) return SLOTS;
   const slots = [];
   for (const { name, kind: what, count, optional } of catalogue?.[call]?.fields ? fieldsOf(catalogue, call) : guessed(call)) {
     // What may be left out is filled in elsewhere; the stage of a block is a node of its own making.
@@ -46,7 +48,8 @@ export class Placing {
     const { catalogue } = canvas.store.state;
     Object.assign(this, { canvas, call, args, kind });
     this.slots = slotsOf(catalogue, call, kind);
-    this.title = catalogue?.[call]?.title ?? call.split(".").pop().replaceAll("_", " ");
+    const title = catalogue?.[call]?.title ?? call.split(".").pop().replaceAll("_", " ");
+    this.title = title[0].toUpperCase() + title.slice(1);
     this.given = [];
     this.waiting = [];
     this.making = false;
@@ -58,9 +61,11 @@ export class Placing {
 
   get prompt() {
     if (this.kind === "node") return "Click where the node shall be";
-    const { slot, given, title } = this;
+    const { slot, given, title, call } = this;
     if (!slot) return `${title}: click anywhere to add it`;
     if (slot.what === "direction") return `${title}: click in which direction it shall stand`;
+    if (isHinge(call)) return `${title}: click ${given.length ? "the element that turns there" : "the node"}`;
+    if (call.startsWith("blocks.")) return `${title}: click where it stands`;
     if (slot.list) return `${title}: click ${given.length ? "the next" : "its first"} end`;
     const what = { of: "the node or element", element: "the element" }[slot.what] ?? "the node";
     return `${title}: click ${what}${this.slots.length > 1 ? ` (${slot.field})` : ""}`;
@@ -166,15 +171,21 @@ export class Placing {
       own.name = await this.nodeAt(own.place, ops, taken, merge);
     }
     if (this.kind === "node") {
-      if (ops.length) await this.send(ops, `add node ${given[0].name}`, merge);
+      if (ops.length) await this.send(ops, `Add node ${given[0].name}`, merge);
       canvas.say(`Node ${given[0].name} at ${given[0].place.word}.`);
       return;
     }
     const thing = { call, args: this.arguments(given, taken) };
+    if (isHinge(call)) {
+      const { ops: first, nodes } = hinged(canvas, given[0].name, given[1].name, taken);
+      ops.push(...first);
+      thing.args.nodes = nodes;
+      if (call === "spatial.hinge") thing.args.axis ??= [0, 1, 2].map((k) => String(Number(k === canvas.eye.normal())));
+    }
     const name = this.name(taken);
     if (name) thing.name = name;
     ops.push({ op: "add", thing });
-    await this.send(ops, `add ${name ?? title}`, merge, true);
+    await this.send(ops, `Add ${name ?? title}`, merge, true);
     const ends = given.map((own) => own.name).filter(Boolean).join(" and ");
     canvas.say(`${name ?? title}${ends ? ` on ${ends}` : ""}.`);
   }

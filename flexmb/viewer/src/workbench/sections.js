@@ -2,7 +2,17 @@
 import { fieldsOf, namesOf, things } from "./model.js";
 
 // What a first section is like [m]: a leaf spring of 20 by 0.5 mm, a wire of 1 mm.
-const SIZES = { width: "20e-3", thickness: "0.5e-3", diameter: "1e-3", wall: "1e-3", wall_y: "1e-3", wall_z: "1e-3", height: "20e-3", neck: "0.5e-3", radius: "5e-3" };
+const SIZES = {
+  width: "20e-3",
+  thickness: "0.5e-3",
+  diameter: "1e-3",
+  wall: "1e-3",
+  wall_y: "1e-3",
+  wall_z: "1e-3",
+  height: "20e-3",
+  neck: "0.5e-3",
+  radius: "5e-3",
+};
 const STEEL = { E: "210e9", G: "80e9", nu: "0.3", rho: "7850" };
 
 /** Name that is free: "leaf", "leaf 2", … */
@@ -36,5 +46,11 @@ export async function addSection(store, call, wanted = null) {
 /** Steel by its numbers, to be changed. */
 function steel(store, name) {
   const wanted = new Set((store.state.catalogue?.Material?.fields ?? []).map((field) => field.name));
-  return { call: "Material", name, args: Object.fromEntries(Object.entries(STEEL).filter(([key]) => wanted.has(key) && !(key === "nu" && wanted.has("G")))) };
+  return {
+    call: "Material",
+    name,
+    args: Object.fromEntries(
+      Object.entries(STEEL).filter(([key]) => wanted.has(key) && !(key === "nu" && wanted.has("G"))),
+    ),
+  };
 }

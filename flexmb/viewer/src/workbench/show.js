@@ -12,9 +12,27 @@ export function show(store, canvas) {
     new Option("stress", "stress"),
     new Option("sensitivity", "sensitivity"),
   );
-  const amplitude = h("input", { type: "range", id: "amplitude", min: 0, max: 0.5, step: 0.005, value: 0.15, "aria-label": "Amplitude, as a share of the size" });
-  const play = h("button", { type: "button", class: "plain", id: "play", "aria-pressed": "false", "aria-label": "Play the motion" });
-  const fit = h("button", { type: "button", class: "plain", id: "fit", title: "Fit the drawing into the window (f)" }, "Fit");
+  const amplitude = h("input", {
+    type: "range",
+    id: "amplitude",
+    min: 0,
+    max: 0.5,
+    step: 0.005,
+    value: 0.15,
+    "aria-label": "Amplitude, as a share of the size",
+  });
+  const play = h("button", {
+    type: "button",
+    class: "plain",
+    id: "play",
+    "aria-pressed": "false",
+    "aria-label": "Play the motion",
+  });
+  const fit = h(
+    "button",
+    { type: "button", class: "plain", id: "fit", title: "Fit the drawing into the window (f)" },
+    "Fit",
+  );
   const look = h("span", { class: "group", role: "group", "aria-label": "Look along" });
   for (const axis of ["x", "y", "z"]) {
     const one = h("button", { type: "button", class: "plain", "aria-label": `Look along ${axis}` }, axis);
@@ -53,14 +71,20 @@ export function show(store, canvas) {
   function update() {
     const { answers, want, document: own } = store.state;
     const modes = Object.entries(answers?.values ?? {}).filter(([key]) => key.startsWith("frequency"));
-    const offered = modes.map(([, { text }], k) => ({ value: `modes ${k}`, text: `Mode ${k + 1}${text ? `: ${text}` : ""}` }));
+    const offered = modes.map(([, { text }], k) => ({
+      value: `modes ${k}`,
+      text: `Mode ${k + 1}${text ? `: ${text}` : ""}`,
+    }));
     const loads = Object.keys(answers?.values ?? {}).filter((key) => key.startsWith("multiplier"));
-    offered.push(...loads.map((key, k) => ({ value: `buckling ${k}`, text: `Buckling ${k + 1}: × ${answers.values[key].text}` })));
+    offered.push(
+      ...loads.map((key, k) => ({ value: `buckling ${k}`, text: `Buckling ${k + 1}: × ${answers.values[key].text}` })),
+    );
     offered.push({ value: "equilibrium", text: "Equilibrium" }, { value: "self-stress", text: "Self-stress" });
     const numbered = ["modes", "buckling"].includes(want.state);
     const now = numbered ? `${want.state} ${want.mode ?? 0}` : (want.state ?? "equilibrium");
     const word = want.state === "modes" ? "Mode" : "Buckling";
-    if (numbered && !offered.some(({ value }) => value === now)) offered.unshift({ value: now, text: `${word} ${(want.mode ?? 0) + 1}` });
+    if (numbered && !offered.some(({ value }) => value === now))
+      offered.unshift({ value: now, text: `${word} ${(want.mode ?? 0) + 1}` });
     choices(what, offered, now);
     colour.value = want.colour ?? "";
     look.hidden = own?.dimension !== 3;

@@ -10,9 +10,9 @@ const PERIOD = 2;
 const DURATION = 6;
 // So long a picture of an older document is taken for current, since a newer one is on its way [ms].
 const PATIENCE = 500;
-// Least width of what is drawn [px], whatever the eye's distance, and the half width over the extent that Sweep keeps to.
-const THIN = 3;
-const LEAST = 0.0015;
+// Half widths in the picture [px], whatever the eye's distance: the least one, and that of what is rigid.
+const LEAST = 1.8;
+const RIGID = 3.2;
 
 export class Swing {
   constructor(stage) {
@@ -47,7 +47,7 @@ export class Swing {
   lay() {
     const { sweep: before, data } = this;
     this.laid = this.scale;
-    this.sweep = new Sweep(data, Math.max(this.extent, (0.5 * THIN * this.scale) / LEAST));
+    this.sweep = new Sweep(data, (RIGID / 0.006) * this.scale, LEAST * this.scale);
     if (before) {
       this.sweep.mesh.material.dispose();
       this.sweep.mesh.material = before.mesh.material;

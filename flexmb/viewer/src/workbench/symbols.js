@@ -138,6 +138,22 @@ export function spring(pen, [x, y], [u, v]) {
   });
 }
 
+/** Corners of the smallest convex outline around points, in order. */
+export function hull(points) {
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const side = (list) => {
+    const found = [];
+    for (const point of list) {
+      while (found.length > 1 && !left(found.at(-2), found.at(-1), point)) found.pop();
+      found.push(point);
+    }
+    return found.slice(0, -1);
+  };
+  return [...side(sorted), ...side(sorted.reverse())];
+}
+
+const left = ([a, b], [c, d], [e, f]) => (c - a) * (f - b) - (d - b) * (e - a) > 0;
+
 export function circle(pen, [x, y], radius) {
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);

@@ -11,12 +11,26 @@ export function target(store) {
   const unticked = new Set();
   const rows = h("div");
   const ticks = h("div", { class: "ticks", role: "group", "aria-label": "Names that may change" });
-  const none = h("p", { class: "note" }, "Give a number a name first (in Names, or by writing it into a field): names are what a target may change.");
+  const none = h(
+    "p",
+    { class: "note" },
+    "Give a number a name first (in Names, or by writing it into a field): names are what a target may change.",
+  );
   const fault = h("p", { class: "problem", role: "alert", hidden: true });
   const go = button("Find it", find, { class: "main", id: "find" });
   const add = button("+ Another", () => more());
   const running = h("div");
-  root.append(h("h2", {}, "What it shall be"), rows, h("div", { class: "acts" }, add), h("h2", {}, "What may change"), ticks, none, h("div", { class: "acts" }, go), fault, running);
+  root.append(
+    h("h2", {}, "What it shall be"),
+    rows,
+    h("div", { class: "acts" }, add),
+    h("h2", {}, "What may change"),
+    ticks,
+    none,
+    h("div", { class: "acts" }, go),
+    fault,
+    running,
+  );
 
   function more(answer = null) {
     number += 1;
@@ -29,7 +43,13 @@ export function target(store) {
 
   function row(want) {
     const answer = h("select", { "aria-label": "Answer" });
-    const kind = h("select", { "aria-label": "Kind" }, new Option("equal", "equal"), new Option("at least", "least"), new Option("at most", "most"));
+    const kind = h(
+      "select",
+      { "aria-label": "Kind" },
+      new Option("equal", "equal"),
+      new Option("at least", "least"),
+      new Option("at most", "most"),
+    );
     const note = h("p", { class: "problem", hidden: true });
     const value = h("input", { type: "text", "aria-label": "Value", value: want.value, autocomplete: "off" });
     answer.addEventListener("change", () => ((want.answer = answer.value), update()));
@@ -42,7 +62,10 @@ export function target(store) {
       set(value, "aria-invalid", bad ? "true" : null);
     });
     value.addEventListener("keydown", (event) => event.key === "Enter" && find());
-    const drop = button("×", () => ((wants = wants.filter((one) => one !== want)), update()), { class: "plain", "aria-label": "Remove this target" });
+    const drop = button("×", () => ((wants = wants.filter((one) => one !== want)), update()), {
+      class: "plain",
+      "aria-label": "Remove this target",
+    });
     return h("div", { class: "want" }, answer, kind, value, drop, note);
   }
 
@@ -50,35 +73,52 @@ export function target(store) {
     fault.hidden = true;
     const free = Object.keys(freeNames()).filter((name) => !unticked.has(name));
     const own = wants.map(({ answer, kind, value }) => ({ answer, kind, value: value.trim() }));
-    store.ask("target", { wants: own, free }).then(
-      update,
-      (problem) => {
-        say(fault, problem.message);
-        fault.hidden = false;
-      },
-    );
+    store.ask("target", { wants: own, free }).then(update, (problem) => {
+      say(fault, problem.message);
+      fault.hidden = false;
+    });
   }
 
-  const freeNames = () => Object.fromEntries(Object.entries(store.state.document?.names ?? {}).filter(([, { value }]) => isNumber(value)));
+  const freeNames = () =>
+    Object.fromEntries(Object.entries(store.state.document?.names ?? {}).filter(([, { value }]) => isNumber(value)));
 
   function update() {
     if (!wants.length && Object.keys(store.state.answers?.values ?? {}).length) return more();
-    keep(rows, wants, ({ id }) => id, row, (element, want) => {
-      const offered = Object.entries(store.state.answers?.values ?? {}).map(([key, { label, unit }]) => ({ value: key, text: `${label ?? key}${unit ? ` [${unit}]` : ""}` }));
-      choices(element.querySelector("select"), offered, want.answer);
-    });
+    keep(
+      rows,
+      wants,
+      ({ id }) => id,
+      row,
+      (element, want) => {
+        const offered = Object.entries(store.state.answers?.values ?? {}).map(([key, { label, unit }]) => ({
+          value: key,
+          text: `${label ?? key}${unit ? ` [${unit}]` : ""}`,
+        }));
+        choices(element.querySelector("select"), offered, want.answer);
+      },
+    );
     const free = Object.keys(freeNames());
     none.hidden = free.length > 0;
-    keep(ticks, free, (name) => name, (name) => {
-      const tick = h("input", { type: "checkbox", checked: true });
-      tick.addEventListener("change", () => (tick.checked ? unticked.delete(name) : unticked.add(name)));
-      return h("label", { title: name }, tick, h("span", {}, name));
-    });
+    keep(
+      ticks,
+      free,
+      (name) => name,
+      (name) => {
+        const tick = h("input", { type: "checkbox", checked: true });
+        tick.addEventListener("change", () => (tick.checked ? unticked.delete(name) : unticked.add(name)));
+        return h("label", { title: name }, tick, h("span", {}, name));
+      },
+    );
     go.disabled = !free.length || !wants.length;
-    progress(store, running, Object.values(store.state.jobs).filter(({ kind }) => kind === "target").slice(-1));
+    progress(
+      store,
+      running,
+      Object.values(store.state.jobs)
+        .filter(({ kind }) => kind === "target")
+        .slice(-1),
+    );
     return undefined;
   }
   watch(store, ["document", "answers", "jobs"], update, root);
   update();
 }
-

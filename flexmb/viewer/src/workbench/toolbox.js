@@ -21,9 +21,35 @@ const PLAIN = [
   { kind: "measure", text: "Measure", key: "M", icon: "measure" },
 ];
 // Letters that the drawing takes for tools.
-const LETTERS = { beam: "B", rigid_body: "R", truss: "T", spring_damper: "P", fix: "H", force: "L", mass: "W", input: "I", output: "O", dof: "Q" };
+const LETTERS = {
+  beam: "B",
+  rigid_body: "R",
+  truss: "T",
+  spring_damper: "P",
+  fix: "H",
+  force: "L",
+  mass: "W",
+  input: "I",
+  output: "O",
+  dof: "Q",
+};
 // What most mechanisms are made of stands first.
-const FIRST = ["beam", "rigid_body", "rigid_beam", "truss", "leaf_spring", "hinge", "fix", "force", "moment", "gravity", "mass", "dof", "input", "output"];
+const FIRST = [
+  "beam",
+  "rigid_body",
+  "rigid_beam",
+  "truss",
+  "leaf_spring",
+  "hinge",
+  "fix",
+  "force",
+  "moment",
+  "gravity",
+  "mass",
+  "dof",
+  "input",
+  "output",
+];
 
 /** What the tool of a call is for a document: elements are drawn from node to node, all else is placed. */
 function toolOf(store, call, args = {}) {
@@ -38,7 +64,12 @@ function rank(call) {
 
 export function toolbox(store, { open }) {
   const root = byId("tools");
-  const search = h("input", { type: "search", class: "tool-search", placeholder: "Search: beam, force, pivot …", "aria-label": "Search what can be added" });
+  const search = h("input", {
+    type: "search",
+    class: "tool-search",
+    placeholder: "Search: beam, force, pivot …",
+    "aria-label": "Search what can be added",
+  });
   const plain = h("div", { role: "group", "aria-label": "Tools" });
   const groups = h("div", { class: "tools" });
   const none = h("p", { class: "soft", hidden: true }, "Nothing of that name.");
@@ -72,7 +103,13 @@ export function toolbox(store, { open }) {
   function matching() {
     const wanted = search.value.trim().toLowerCase();
     return Object.entries(store.state.catalogue ?? {})
-      .filter(([call, own]) => call !== "node" && fits(store, call) && (!wanted || `${call} ${own.title} ${own.group} ${own.doc ?? ""}`.toLowerCase().replaceAll("_", " ").includes(wanted)))
+      .filter(
+        ([call, own]) =>
+          call !== "node" &&
+          fits(store, call) &&
+          (!wanted ||
+            `${call} ${own.title} ${own.group} ${own.doc ?? ""}`.toLowerCase().replaceAll("_", " ").includes(wanted)),
+      )
       .map(([call, own]) => ({ call, ...own }));
   }
 
@@ -87,11 +124,18 @@ export function toolbox(store, { open }) {
       groups,
       filled,
       ({ group }) => group,
-      ({ group, text }) => h("details", { open: !["signal", "node"].includes(group), "data-group": group }, h("summary", {}, text), h("div")),
+      ({ group, text }) =>
+        h(
+          "details",
+          { open: !["signal", "node"].includes(group), "data-group": group },
+          h("summary", {}, text),
+          h("div"),
+        ),
       (details, { own }) => {
         if (searched) details.open = true;
         // Of two that are called the same, the element is the one that few ask for.
-        for (const one of own) one.twin = one.call.includes(".") && own.some((other) => other !== one && other.title === one.title);
+        for (const one of own)
+          one.twin = one.call.includes(".") && own.some((other) => other !== one && other.title === one.title);
         keep(details.lastChild, searched ? own : own.filter(({ twin }) => !twin), ({ call }) => call, toolButton);
       },
     );
@@ -135,7 +179,8 @@ function lastArgs(store, call) {
     if (["node", "nodes", "of", "element"].includes(kind)) continue;
     if (last?.args?.[name] !== undefined) args[name] = last.args[name];
     else if (["section", "material"].includes(kind) && !optional) args[name] = namesOf(store, [kind]).at(-1) ?? "";
-    else if (!optional && usual !== null && usual !== undefined) args[name] = Array.isArray(usual) ? usual.map(String) : String(usual);
+    else if (!optional && usual !== null && usual !== undefined)
+      args[name] = Array.isArray(usual) ? usual.map(String) : String(usual);
   }
   return args;
 }
@@ -160,13 +205,20 @@ export function toolForm(store) {
   const own = entry(store, tool.call);
   const placed = new Set(["node", "nodes", "of", "element"]);
   const fields = fieldsOf(store, tool.call).filter(({ kind }) => !placed.has(kind));
-  const head = h("div", { class: "head" }, icon(tool.call, own?.group), h("h2", {}, `Next: ${title(store, tool.call)}`));
+  const head = h(
+    "div",
+    { class: "head" },
+    icon(tool.call, own?.group),
+    h("h2", {}, `Next: ${title(store, tool.call)}`),
+  );
   const done = button("Done", () => store.setTool({ kind: "select" }));
   head.append(h("span", { class: "spring" }), done);
   const doc = h("p", { class: "soft" });
   say(doc, own?.doc ?? "");
   const send = (name, to) => store.setTool({ ...store.state.tool, args: { ...store.state.tool.args, [name]: to } });
-  const drawn = fields.map((field) => (own?.group === "block" && ["length", "along"].includes(field.name) ? { ...field, hint: "as drawn" } : field));
+  const drawn = fields.map((field) =>
+    own?.group === "block" && ["length", "along"].includes(field.name) ? { ...field, hint: "as drawn" } : field,
+  );
   const made = form(store, drawn, {
     get: (name) => store.state.tool.args?.[name],
     send,

@@ -19,7 +19,12 @@ export function ways(store) {
   const root = byId("ways");
   const select = h("select", { id: "ways-of" });
   select.addEventListener("change", () => store.want({ sensitivity_of: select.value || null }).catch(() => {}));
-  const kind = h("select", { "aria-label": "Names or all numbers" }, new Option("by name", "by_name"), new Option("by every number", "by_field"));
+  const kind = h(
+    "select",
+    { "aria-label": "Names or all numbers" },
+    new Option("by name", "by_name"),
+    new Option("by every number", "by_field"),
+  );
   kind.addEventListener("change", update);
   const text = h("p", { class: "soft" });
   const rows = h("div");
@@ -34,10 +39,12 @@ export function ways(store) {
   function update() {
     const { answers, ways: own, want, document: doc } = store.state;
     const offered = [{ value: "", text: "choose an answer …" }];
-    for (const [key, { label }] of Object.entries(answers?.values ?? {})) offered.push({ value: key, text: label ?? key });
+    for (const [key, { label }] of Object.entries(answers?.values ?? {}))
+      offered.push({ value: key, text: label ?? key });
     choices(select, offered, want.sensitivity_of ?? "");
     const ready = want.sensitivity_of && own && own.answer === want.sensitivity_of;
-    if (ready && kind.value === "by_name" && !Object.keys(doc?.names ?? {}).length && !kind.dataset.asked) kind.value = "by_field";
+    if (ready && kind.value === "by_name" && !Object.keys(doc?.names ?? {}).length && !kind.dataset.asked)
+      kind.value = "by_field";
     const slopes = ready ? (own[kind.value] ?? {}) : {};
     const shares = own?.relative?.[kind.value] ?? own?.relative ?? {};
     const all = Object.entries(slopes)
@@ -47,14 +54,21 @@ export function ways(store) {
       .slice(0, MOST);
     say(text, told(want, ready, own, all));
     const most = Math.max(...all.map(({ share }) => Math.abs(share ?? 0)), 1e-300);
-    keep(rows, all, ({ key }) => key, ({ key }) => wayRow(store, key), (row, one) => fill(row, one, most));
+    keep(
+      rows,
+      all,
+      ({ key }) => key,
+      ({ key }) => wayRow(store, key),
+      (row, one) => fill(row, one, most),
+    );
   }
 
   function told(want, ready, own, all) {
     if (!want.sensitivity_of) return "Choose an answer to see which numbers move it, and which way.";
     if (!ready || own.status === "computing") return "Computing …";
     if (own.message) return own.message;
-    if (!all.length) return kind.value === "by_name" ? "No name moves it. Look at every number, or give names." : "Nothing moves it.";
+    if (!all.length)
+      return kind.value === "by_name" ? "No name moves it. Look at every number, or give names." : "Nothing moves it.";
     return [...(own.words ?? []), "How much the answer changes where a number grows by 1 %."].join(" ");
   }
 
@@ -78,7 +92,13 @@ export function ways(store) {
 }
 
 function wayRow(store, key) {
-  const row = h("div", { class: "way", "data-way": key }, h("span"), h("div", { class: "bar" }, h("i")), h("data", { class: "number" }));
+  const row = h(
+    "div",
+    { class: "way", "data-way": key },
+    h("span"),
+    h("div", { class: "bar" }, h("i")),
+    h("data", { class: "number" }),
+  );
   row.addEventListener("click", () => {
     const id = key.split("/")[0];
     if (thing(store, id)) store.select([id]);
