@@ -133,7 +133,10 @@ export class Canvas {
     // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
     if (nodes.length > 1 && (other || (before === 0 && !this.drawn))) this.fit();
     this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
-    if (this.analysed && this.analysed.revision !== state.revision) this.live();
+    if (this.analysed && this.analysed.revision !== state.revision) {
+      this.live();
+      this.told();
+    }
     this.behind();
   }
 
@@ -264,6 +267,7 @@ export class Canvas {
   playView(view) {
     this.analysed = view && { view, revision: this.store.state.revision };
     this.live();
+    this.told();
     if (view) this.play();
   }
 
@@ -423,8 +427,9 @@ export class Canvas {
   /** What the tool waits for changed. */
   told() {
     const { prompt } = this.tool;
-    this.promptBox.hidden = !prompt;
-    this.promptBox.textContent = prompt;
+    const shown = prompt || (this.analysed ? "An analysis is shown; Esc brings the live picture back" : "");
+    this.promptBox.hidden = !shown;
+    this.promptBox.textContent = shown;
     this.scene.style.cursor = prompt ? "crosshair" : "default";
     this.dirty = true;
   }
