@@ -292,7 +292,7 @@ MISUSED = {
     "": "flexmb: Give a command (flexmb --help).",
     "sweet": "flexmb: No such command 'sweet'. Did you mean 'sweep'? (flexmb --help).",
     "--nope": "flexmb: No such option: --nope (flexmb --help).",
-    "edit none.dat --no-browser": "flexmb edit: cannot read 'none.dat': there is no such file.",
+    "edit none.dat --no-browser": "flexmb edit: cannot read 'none.dat': No such file or directory.",
     "fmu guide.dat": "flexmb fmu: Missing option '--to' (flexmb fmu --help).",
     "fmu guide.dat --to guide.zip": "flexmb fmu: --to writes .fmu, not 'guide.zip'.",
     "fmu guide.dat --to none/guide.fmu": "the folder of 'none/guide.fmu' does not exist",

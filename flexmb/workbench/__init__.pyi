@@ -1,4 +1,4 @@
 """Names that this room offers beside those of flexmb itself."""
 
 from .document import Document as Document
-from .server import Server as Server
+from .edit import Workbench as Workbench

@@ -19,8 +19,8 @@ from ..viewer.page import page_data
 from ..viewer.view import view
 from .asked import PICTURES, Analysis, Asked
 from .building import free_names, numbers_of
-from .targets import unit_of
 from .traced import traced
+from .wants import unit_of
 
 
 def _stroke(asked: Asked) -> dict[str, Any]:

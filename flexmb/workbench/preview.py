@@ -8,7 +8,7 @@ from typing import Any
 
 from .document import Document
 from .jobs import Job
-from .targets import number_like
+from .wants import number_like
 
 # Designs are shown no faster than this [s], with so many digits.
 PACE, DIGITS = 0.1, 6

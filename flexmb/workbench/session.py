@@ -23,7 +23,8 @@ from .live_answers import Wants
 from .open_file import OpenFile
 from .places import Place
 from .preview import Shown
-from .targets import label_of, meet
+from .targets import meet
+from .wants import label_of
 
 # How long a design that is pinned waits for its answers [s].
 LONGEST_WAIT = 5.0

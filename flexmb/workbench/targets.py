@@ -2,44 +2,41 @@
 
 from __future__ import annotations
 
-import dataclasses
-import re
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
-from ..arguments import shown
 from ..design.evaluate import layout_of
 from ..design.problem import Problem, Rows
 from ..design.scaling import Scaling
 from ..design.search import search
-from ..display import listed, measured, short
+from ..display import listed
 from ..errors import ModelError, clean
 from ..mechanics.loads import has_loads
 from ..plot.geometry import extent_of
 from ..progress import Stopped
 from ..results import RESULTS
-from ..spacar.arithmetic import value_of
-from .building import build, free_names, numbers_of, positions
+from .building import build, numbers_of, positions
 from .document import Document, apply
 from .traced import Traced, traced
+from .wants import Want, checked_free, number_like, text_of, unit_of, wants_of
 
-KINDS = {"equal": "=", "least": "≥", "most": "≤"}
 # Of a name without bounds, this many times up and down.
 WIDE = 5.0
 # Relative difference at which a target is met, at which it is met to round-off, and by which the search may miss it.
 MET, EXACT, NEARLY = 1e-9, 1e-12, 1e-6
 # Evaluations of a search, and steps that end it; of a search for what is nearest where nothing meets all.
 BUDGET, STEPS, BUDGET_NEAREST = 400, 12, 200
+# Parts of the way from the present answers to the targets.
+LEGS = 16
 # Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
-PACE, LONGEST_PAUSE = 0.03, 1.0
+PACE, LONGEST_PAUSE = 0.05, 1.2
 # A dimension this near to a bound, as a share of the range, is at it.
 AT_BOUND = 1e-6
-PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+# What there is under loads alone.
 OF_LOADS = ("multiplier", "stress", "utilisation", "displacement")
-UNITS = {"frequency": "Hz", "stress": "Pa", "mass": "kg", "displacement": "m"}
 
 
 class Watched(Protocol):
@@ -55,98 +52,6 @@ class Watched(Protocol):
         ...
 
 
-@dataclasses.dataclass(frozen=True)
-class Want:
-    """An answer that is to have a value.
-
-    Attributes:
-        key: Which answer.
-        kind: "equal", "least" or "most".
-        value: In its unit.
-        unit: SI, without a prefix.
-    """
-
-    key: str
-    kind: str
-    value: float
-    unit: str
-
-    def __str__(self) -> str:
-        return f"{self.key} {KINDS[self.kind]} {_text(self.value, self.unit)}"
-
-    def missed(self, value: float) -> float:
-        """By how much a value misses it, relative to it [-]; not above zero where it does not."""
-        off = (value - self.value) / (abs(self.value) or 1.0)
-        return {"equal": abs(off), "least": -off, "most": off}[self.kind]
-
-
-def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
-    """What is wanted, checked.
-
-    Args:
-        given: Each with "answer", "kind" and "value": a number, arithmetic of names, with or without its unit.
-        names: Values of the names.
-
-    Raises:
-        ValueError: Nothing is wanted, or what is no number.
-    """
-    found = []
-    for one in given:
-        key, kind = str(one.get("answer", "")), one.get("kind", "equal")
-        if kind not in KINDS:
-            raise ValueError(f"Target '{clean(key)}' must be equal, least or most, not {shown(kind)}.")
-        unit = unit_of(key)
-        found.append(Want(key, kind, _value(key, str(one.get("value", "")), unit, names), unit))
-    if not found:
-        raise ValueError("Say what is wanted, such as frequency 1 = 20 Hz.")
-    for key in {want.key for want in found}:
-        own = {want.kind: want.value for want in found if want.key == key}
-        if len(own) < sum(want.key == key for want in found) or ("equal" in own and len(own) > 1):
-            raise ValueError(
-                f"'{clean(key)}' is wanted twice: give it one value, or one from below and one from above."
-            )
-        if own.get("least", -np.inf) > own.get("most", np.inf):
-            raise ValueError(f"'{clean(key)}' cannot be at least {own['least']:g} and at most {own['most']:g}.")
-    return found
-
-
-def label_of(given: Sequence[Mapping[str, Any]]) -> str:
-    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
-    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
-    return clean(f"target {', '.join(parts)}")
-
-
-def unit_of(key: str) -> str:
-    """Unit of an answer by its key, SI without a prefix."""
-    kind, _, which = key.partition(" ")
-    if kind == "stiffness":
-        return "N m/rad" if which in ("phi", "rx", "ry", "rz") else "N/m"
-    if kind == "displacement" and which in ("phi", "rx", "ry", "rz"):
-        return "rad"
-    return UNITS.get(kind, "")
-
-
-def _value(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:
-    """A number from text such as "20", "20 Hz", "300 MPa", "2*f"."""
-    rest, factor = text.strip(), 1.0
-    if unit and rest.endswith(unit):
-        rest = rest.removesuffix(unit)
-        if rest and rest[-1] in PREFIXES and (len(rest) < 2 or not rest[-2].isalpha()):
-            rest, factor = rest[:-1], PREFIXES[rest[-1]]
-    try:
-        value = float(value_of(rest.strip(), names)) * factor
-    except ValueError as fault:
-        form = f"a number [{unit or '-'}]" + (f", such as 20 {unit} or 20 k{unit}" if unit else "")
-        raise ValueError(f"Target '{clean(key)}': '{clean(text)}' {fault}. Give {form}.") from None
-    if not np.isfinite(value):
-        raise ValueError(f"Target '{clean(key)}' must be finite, not '{clean(text)}'.")
-    return value
-
-
-def _text(value: float, unit: str) -> str:
-    return f"{short(value)} {unit}".strip() if unit in ("", "kg") else measured(value, unit)
-
-
 def meet(
     document: Document,
     wants: Sequence[Mapping[str, Any]],
@@ -160,7 +65,7 @@ def meet(
 
     Args:
         document: The document.
-        wants: See :func:`wants_of`.
+        wants: See :func:`flexmb.workbench.wants.wants_of`.
         free: Names that may change; all whose values are numbers if there are none.
         job: Told "design" (values of the free names by name), "values" (answers by key), "fraction" and "text".
         node: Node whose support stiffness and displacements are meant.
@@ -190,7 +95,7 @@ class _Tuning:
         names = {name: float(numbers[f"names/{name}/value"]) for name in document.names if _has(numbers, name)}
         self.document, self.job, self.node = document, job, node
         self.wants = wants_of(wants, names)
-        self.free = _checked_free(document, free)
+        self.free = checked_free(document, free)
         self.assumed: dict[str, tuple[float, float]] = {}
         bounds = {name: self._bounds(name, numbers) for name in self.free}
         self.start = np.array([names[name] for name in self.free])
@@ -261,7 +166,8 @@ class _Tuning:
             rank = missed if missed > EXACT else far * EXACT
             if self.best is None or rank < self.best[0]:
                 self.best = rank, x.copy(), values, slopes
-            self._tell(x, values, missed)
+                # Where a step goes too far nothing is to be seen of it.
+                self._tell(x, values, missed)
         else:
             self.failed = RESULTS.not_finite if code == RESULTS.successful else RESULTS(code)
         return values, slopes, code
@@ -280,7 +186,7 @@ class _Tuning:
             self.paused += wait
         self.told_at = time.monotonic()
         by_key = dict(zip(self.keys, values.tolist(), strict=True))
-        text = ", ".join(f"{key} {_text(value, unit_of(key))}" for key, value in by_key.items())
+        text = ", ".join(f"{key} {text_of(value, unit_of(key))}" for key, value in by_key.items())
         done = min(0.95, self.count / 40) if missed > MET else 0.98
         self.job.tell(fraction=done, text=text, design=dict(zip(self.free, x.tolist(), strict=True)), values=by_key)
 
@@ -297,7 +203,7 @@ class _Tuning:
         if self.missed(values) <= 0:
             return
         self._refuse_without_effect(values, slopes)
-        unit = self.scaling.to_unit(self.start)
+        unit = self.approach(values, slopes)
         search(self.problem(), self.kernel, _untraced, _none_refused, unit, None, NEARLY, BUDGET)
         self.finish()
         if self.best is not None and self.best[0] > MET:
@@ -308,7 +214,7 @@ class _Tuning:
         for want in self.wants:
             i = self.keys.index(want.key)
             if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
-                now = _text(float(values[i]), want.unit)
+                now = text_of(float(values[i]), want.unit)
                 raise ValueError(
                     f"{want} cannot be met: it is {now}, and {listed(self.free)} has no effect on it. Let another"
                     " dimension vary: write a name where a number stands."
@@ -336,6 +242,23 @@ class _Tuning:
         distance = Rows(near, start, tuple(self.free))
         return Problem(np.zeros(m + n), distance, rows(equal), rows(others, NEARLY))
 
+    def approach(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Follow the targets from where the answers are to where they shall be, so that the designs can be seen.
+
+        Returns:
+            Where that ended, scaled dimensions, (n,).
+        """
+        x, first = self.start, values
+        for part in np.linspace(0, 1, LEGS + 1)[1:]:
+            for _ in range(2):
+                step = self._step(x, values, slopes, first, float(part))
+                new = np.asarray(self.scaling.to_dimensions(np.clip(self.scaling.to_unit(x) + step, 0.0, 1.0)))
+                found = self.look(new)
+                if found[2] != RESULTS.successful or not np.all(np.isfinite(found[0])):
+                    return self.scaling.to_unit(x)
+                x, (values, slopes, _) = new, found
+        return self.scaling.to_unit(x)
+
     def finish(self) -> None:
         """Newton's steps to the targets that are missed, the shortest ones within the bounds."""
         for _ in range(STEPS):
@@ -343,33 +266,42 @@ class _Tuning:
             rank, x, values, slopes = self.best
             if rank <= EXACT:
                 return
-            unit = self.scaling.to_unit(x)
-            by_key = dict(zip(self.keys, values.tolist(), strict=True))
-            open_, right = [], []
-            for want in self.wants:
-                missed = want.missed(by_key[want.key])
-                if missed > 0 or (want.kind != "equal" and missed > -NEARLY):
-                    goal = want.value * (
-                        1 + {"equal": 0, "least": 1, "most": -1}[want.kind] * MET * np.sign(want.value)
-                    )
-                    open_.append(self.keys.index(want.key))
-                    right.append(goal - by_key[want.key])
-            scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
-            matrix, held, step = slopes[open_] * scale, np.zeros(len(unit), bool), np.zeros(len(unit))
-            weights = np.abs(np.array(right))[:, None] + np.abs(values[open_])[:, None]
-            for _ in range(len(unit)):
-                step = np.zeros(len(unit))
-                step[~held] = np.linalg.lstsq(matrix[:, ~held] / weights, np.array(right) / weights[:, 0], rcond=1e-12)[
-                    0
-                ]
-                out = ~held & ((unit + step < 0) | (unit + step > 1)) & ((unit <= 0) | (unit >= 1))
-                if not np.any(out):
-                    break
-                held |= out
-            new = np.asarray(self.scaling.to_dimensions(np.clip(unit + step, 0.0, 1.0)))
-            self.look(new)
+            step = self._step(x, values, slopes)
+            self.look(np.asarray(self.scaling.to_dimensions(np.clip(self.scaling.to_unit(x) + step, 0.0, 1.0))))
             if self.best[0] >= rank:
                 return
+
+    def _step(
+        self, x: np.ndarray, values: np.ndarray, slopes: np.ndarray, first: np.ndarray | None = None, part: float = 1.0
+    ) -> np.ndarray:
+        """The shortest step to the targets that are missed, linearised; with ``first`` a part of the way from there."""
+        unit, by_key = self.scaling.to_unit(x), dict(zip(self.keys, values.tolist(), strict=True))
+        open_, right = [], []
+        for want in self.wants:
+            i, missed = self.keys.index(want.key), want.missed(by_key[want.key])
+            if first is not None and want.missed(float(first[i])) > 0:
+                goal = float(first[i]) + part * (want.value - float(first[i]))
+            elif missed > 0 or (want.kind != "equal" and missed > -NEARLY):
+                inside = {"equal": 0.0, "least": 1.0, "most": -1.0}[want.kind]
+                goal = want.value * (1 + inside * MET * np.sign(want.value))
+            else:
+                continue
+            open_.append(i)
+            right.append(goal - by_key[want.key])
+        scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
+        # A step of equal relative changes is as long in every dimension.
+        size = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
+        matrix, held, step = slopes[open_] * scale / size, np.zeros(len(unit), bool), np.zeros(len(unit))
+        weights = np.abs(np.array(right)) + np.abs(values[open_]) + np.finfo(float).tiny
+        for _ in range(len(unit)):
+            step = np.zeros(len(unit))
+            own = np.linalg.lstsq(matrix[:, ~held] / weights[:, None], np.array(right) / weights, rcond=1e-12)[0]
+            step[~held] = own / size[~held]
+            out = ~held & ((unit + step < 0) | (unit + step > 1)) & ((unit <= 0) | (unit >= 1))
+            if not np.any(out):
+                break
+            held |= out
+        return step
 
     def nearest(self) -> None:
         """The design that misses what cannot be met by as little as possible."""
@@ -421,7 +353,7 @@ class _Tuning:
         """What is not met, how near it comes, and what limits it."""
         by_key, unit = dict(zip(self.keys, values.tolist(), strict=True)), self.scaling.to_unit(x)
         bad = [w for w in self.wants if w.missed(by_key[w.key]) > MET]
-        comes = [f"{want} is not reached: it comes to {_text(by_key[want.key], want.unit)}" for want in bad]
+        comes = [f"{want} is not reached: it comes to {text_of(by_key[want.key], want.unit)}" for want in bad]
         limits = []
         for name, u, low, high in zip(self.free, unit, self.scaling.lower, self.scaling.upper, strict=True):
             if min(u, 1 - u) < AT_BOUND:
@@ -453,48 +385,13 @@ class _Tuning:
             whole = self.everything.copy()
             whole[self.places] = list(values.values())
             after = self.answers(whole)[0] if found else None
-            if after is None or self.best is None or self.missed(after) <= MET:
+            if after is None or self.best is None or self.best[0] > MET or self.missed(after) <= MET:
                 break
         return found, values
 
 
-def number_like(text: str, value: float, digits: int) -> str:
-    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood.
-
-    Args:
-        text: The other number.
-        value: The number.
-        digits: Significant ones at most.
-    """
-    exponent = re.search(r"[eE]([-+]?\d+)\s*$", text)
-    plain = f"{value:.{digits}g}"
-    if exponent is None:
-        return plain
-    mantissa = f"{value / 10.0 ** int(exponent[1]):.{digits}g}"
-    return f"{mantissa}{exponent[0].strip()}" if "e" not in mantissa else plain
-
-
 def _has(numbers: Mapping[str, Any], name: str) -> bool:
     return f"names/{name}/value" in numbers
-
-
-def _checked_free(document: Document, free: Sequence[str]) -> list[str]:
-    """Names that may change."""
-    known = free_names(document)
-    for name in free:
-        if name not in document.names:
-            raise ValueError(f"There is no name '{clean(name)}' to change.")
-        if name not in known:
-            text = document.names[name]["value"]
-            raise ValueError(
-                f"'{clean(name)}' is '{clean(text)}': it follows from others. Choose from {listed(known)}."
-            )
-    chosen = list(dict.fromkeys(free)) or known
-    if not chosen:
-        raise ValueError(
-            "No dimension may change: write a name, such as t, where a number stands, and give it a value."
-        )
-    return chosen
 
 
 def _scaling(free: list[str], names: Mapping[str, float], bounds: Mapping[str, Any]) -> Scaling:

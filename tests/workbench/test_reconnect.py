@@ -1,6 +1,9 @@
 """The page in a browser: it finds the server again, and nothing that was changed meanwhile is lost."""
 
+import functools
+import http.server
 import signal
+import threading
 import time
 
 import pytest
@@ -18,12 +21,21 @@ from cases.workbench import (
     wait_for,
 )
 
+import flexmb as fm
+
 pytestmark = [needs_browser, pytest.mark.timeout(180)]
 NODE = "{op: 'add', thing: {call: 'node', name: 'NAME', args: {position: ['0', '0']}}}"
 
 
 def node(name):
     return NODE.replace("NAME", name)
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Serves a folder without a word."""
+
+    def log_message(self, *_):
+        """Say nothing."""
 
 
 @pytest.fixture(scope="module")
@@ -180,3 +192,32 @@ def test_the_page_says_when_the_server_has_ended(browser, tmp_path):
         own.end()
         until(page, "document.getElementById('disconnected')")
         assert "ended" in page.find_element("id", "disconnected").text
+
+
+def test_a_notebook_holds_the_page_in_a_frame(browser, tmp_path, monkeypatch):
+    """As a cell of a notebook does: in a page of another server, whose origin is another."""
+    monkeypatch.setenv("FLEXMB_STATE", str(tmp_path / "state"))
+    with fm.edit(browser=False) as own:
+        (tmp_path / "cell.html").write_text(f"<!doctype html><meta charset='utf-8'>{own._repr_html_()}")
+        handler = functools.partial(QuietHandler, directory=str(tmp_path))
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as notebook:
+            threading.Thread(target=notebook.serve_forever, daemon=True).start()
+            browser.get_log("browser")
+            browser.get(f"http://127.0.0.1:{notebook.server_port}/cell.html")
+            browser.switch_to.frame(0)
+            try:
+                until(browser, "window.workbench && s.state.connected && s.state.document")
+                wait_for(browser, f"s.edit([{node('A')}])")
+                assert own.document.things[0]["name"] == "A"
+                assert not [one for one in faults(browser) if "favicon" not in one]
+            finally:
+                browser.switch_to.default_content()
+                notebook.shutdown()
+
+
+def test_the_command_shows_in_no_frame(browser, tmp_path):
+    with served(state=tmp_path / "state") as own:
+        (tmp_path / "evil.html").write_text(f"<!doctype html><iframe src='{own.address}'></iframe>")
+        browser.get((tmp_path / "evil.html").as_uri())
+        until(browser, "document.querySelector('iframe')")
+        assert any("frame-ancestors" in one for one in faults(browser))

@@ -7,7 +7,7 @@ from cases.documents import planar_guide
 from scipy.optimize import brentq
 
 import flexmb as fm
-from flexmb.workbench import targets, traced
+from flexmb.workbench import targets, traced, wants
 from flexmb.workbench.building import build
 from flexmb.workbench.document import apply
 
@@ -186,11 +186,11 @@ def test_derivatives_agree_with_differences():
     ],
 )
 def test_values_with_and_without_units(text, unit, value):
-    assert targets._value("it", text, unit, {"f": 13.0}) == pytest.approx(value)
+    assert wants.value_in("it", text, unit, {"f": 13.0}) == pytest.approx(value)
 
 
 @pytest.mark.parametrize(
-    ("wants", "free", "said"),
+    ("given", "free", "said"),
     [
         ([], ["t"], "Say what is wanted"),
         ([want("frequency 1", "fast")], ["t"], "'fast' asks for 'fast'"),
@@ -207,14 +207,14 @@ def test_values_with_and_without_units(text, unit, value):
         ([want("frequency 1", "20")], ["d"], "has no effect on it"),
     ],
 )
-def test_what_cannot_be_asked_is_told_by_name(wants, free, said):
+def test_what_cannot_be_asked_is_told_by_name(given, free, said):
     document = apply(planar_guide(), [{"op": "name", "name": "L2", "to": {"value": "2*L"}}])[0]
     with pytest.raises(ValueError, match=said):
-        targets.meet(document, wants, free, Job())
+        targets.meet(document, given, free, Job())
 
 
 def test_numbers_are_written_as_they_were():
-    assert targets.number_like("0.5e-3", 0.00076919, 12) == "0.76919e-3"
-    assert targets.number_like("0.1", 1 / 3, 12) == "0.333333333333"
-    assert targets.number_like("5E+2", 1234.5, 12) == "12.345E+2"
-    assert float(targets.number_like("1e-9", 3e40, 17)) == 3e40
+    assert wants.number_like("0.5e-3", 0.00076919, 12) == "0.76919e-3"
+    assert wants.number_like("0.1", 1 / 3, 12) == "0.333333333333"
+    assert wants.number_like("5E+2", 1234.5, 12) == "12.345E+2"
+    assert float(wants.number_like("1e-9", 3e40, 17)) == 3e40

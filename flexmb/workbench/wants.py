@@ -1,0 +1,149 @@
+"""What is wanted of answers: read from texts with units, checked, and written as it was written."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..arguments import shown
+from ..display import listed, measured, short
+from ..errors import clean
+from ..spacar.arithmetic import value_of
+from .building import free_names
+from .document import Document
+
+KINDS = {"equal": "=", "least": "≥", "most": "≤"}
+PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+UNITS = {"frequency": "Hz", "stress": "Pa", "mass": "kg", "displacement": "m"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Want:
+    """An answer that is to have a value.
+
+    Attributes:
+        key: Which answer.
+        kind: "equal", "least" or "most".
+        value: In its unit.
+        unit: SI, without a prefix.
+    """
+
+    key: str
+    kind: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.key} {KINDS[self.kind]} {text_of(self.value, self.unit)}"
+
+    def missed(self, value: float) -> float:
+        """By how much a value misses it, relative to it [-]; not above zero where it does not."""
+        off = (value - self.value) / (abs(self.value) or 1.0)
+        return {"equal": abs(off), "least": -off, "most": off}[self.kind]
+
+
+def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
+    """What is wanted, checked.
+
+    Args:
+        given: Each with "answer", "kind" and "value": a number, arithmetic of names, with or without its unit.
+        names: Values of the names.
+
+    Raises:
+        ValueError: Nothing is wanted, or what is no number.
+    """
+    found = []
+    for one in given:
+        key, kind = str(one.get("answer", "")), one.get("kind", "equal")
+        if kind not in KINDS:
+            raise ValueError(f"Target '{clean(key)}' must be equal, least or most, not {shown(kind)}.")
+        unit = unit_of(key)
+        found.append(Want(key, kind, value_in(key, str(one.get("value", "")), unit, names), unit))
+    if not found:
+        raise ValueError("Say what is wanted, such as frequency 1 = 20 Hz.")
+    for key in {want.key for want in found}:
+        own = {want.kind: want.value for want in found if want.key == key}
+        if len(own) < sum(want.key == key for want in found) or ("equal" in own and len(own) > 1):
+            raise ValueError(
+                f"'{clean(key)}' is wanted twice: give it one value, or one from below and one from above."
+            )
+        if own.get("least", -np.inf) > own.get("most", np.inf):
+            raise ValueError(f"'{clean(key)}' cannot be at least {own['least']:g} and at most {own['most']:g}.")
+    return found
+
+
+def label_of(given: Sequence[Mapping[str, Any]]) -> str:
+    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
+    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
+    return clean(f"target {', '.join(parts)}")
+
+
+def unit_of(key: str) -> str:
+    """Unit of an answer by its key, SI without a prefix."""
+    kind, _, which = key.partition(" ")
+    if kind == "stiffness":
+        return "N m/rad" if which in ("phi", "rx", "ry", "rz") else "N/m"
+    if kind == "displacement" and which in ("phi", "rx", "ry", "rz"):
+        return "rad"
+    return UNITS.get(kind, "")
+
+
+def value_in(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:
+    """A number from text such as "20", "20 Hz", "300 MPa", "2*f"."""
+    rest, factor = text.strip(), 1.0
+    if unit and rest.endswith(unit):
+        rest = rest.removesuffix(unit)
+        if rest and rest[-1] in PREFIXES and (len(rest) < 2 or not rest[-2].isalpha()):
+            rest, factor = rest[:-1], PREFIXES[rest[-1]]
+    try:
+        value = float(value_of(rest.strip(), names)) * factor
+    except ValueError as fault:
+        form = f"a number [{unit or '-'}]" + (f", such as 20 {unit} or 20 k{unit}" if unit else "")
+        raise ValueError(f"Target '{clean(key)}': '{clean(text)}' {fault}. Give {form}.") from None
+    if not np.isfinite(value):
+        raise ValueError(f"Target '{clean(key)}' must be finite, not '{clean(text)}'.")
+    return value
+
+
+def text_of(value: float, unit: str) -> str:
+    """An answer with its unit, as it is told."""
+    return f"{short(value)} {unit}".strip() if unit in ("", "kg") else measured(value, unit)
+
+
+def number_like(text: str, value: float, digits: int) -> str:
+    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood.
+
+    Args:
+        text: The other number.
+        value: The number.
+        digits: Significant ones at most.
+    """
+    exponent = re.search(r"[eE]([-+]?\d+)\s*$", text)
+    plain = f"{value:.{digits}g}"
+    if exponent is None:
+        return plain
+    mantissa = f"{value / 10.0 ** int(exponent[1]):.{digits}g}"
+    return f"{mantissa}{exponent[0].strip()}" if "e" not in mantissa else plain
+
+
+def checked_free(document: Document, free: Sequence[str]) -> list[str]:
+    """Names that may change."""
+    known = free_names(document)
+    for name in free:
+        if name not in document.names:
+            raise ValueError(f"There is no name '{clean(name)}' to change.")
+        if name not in known:
+            text = document.names[name]["value"]
+            raise ValueError(
+                f"'{clean(name)}' is '{clean(text)}': it follows from others. Choose from {listed(known)}."
+            )
+    chosen = list(dict.fromkeys(free)) or known
+    if not chosen:
+        raise ValueError(
+            "No dimension may change: write a name, such as t, where a number stands, and give it a value."
+        )
+    return chosen
