@@ -118,7 +118,8 @@ def assemble(builder: Description) -> Model:
         stressed,
         tuple(name for name, *_ in elements if name in warm),
     )
-    return Model(*_on_device((topology, parameters)), labels)
+    topology, parameters = _on_device((topology, parameters))
+    return Model(topology, parameters, labels)
 
 
 def with_roles(model: Model, builder: Description) -> Model:

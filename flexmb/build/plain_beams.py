@@ -47,10 +47,12 @@ def warn_of_plain_beams(builder: Description) -> None:
         integrals of both compliances say; warping as :func:`flexmb.sections.warping_factor` has it.
     """
     found: dict[str, tuple[float, str, str]] = {}
+    # A section that many beams have is looked at once.
+    known: dict[int, Any] = {}
     for chain in _chains(builder):
         # Where a build is traced, what follows from known sizes is still a number.
         with jax.ensure_compile_time_eval():
-            left_out = _left_out(builder, chain)
+            left_out = _left_out(builder, chain, known)
         for what, share in left_out.items():
             if share > SHARE and share > found.get(what, (0.0,))[0]:
                 found[what] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
@@ -68,8 +70,12 @@ def warn_of_plain_beams(builder: Description) -> None:
     )
 
 
-def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
-    """By which share a stiffness changes with what is left out, by what."""
+def _left_out(builder: Description, chain: _Chain, known: dict[int, Any]) -> dict[str, float]:
+    """By which share a stiffness changes with what is left out, by what.
+
+    Args:
+        known: Rigidities of sections that do not vary, with shear, by their identity; more are added.
+    """
     member = builder.members[chain.names[0]]
     section: Section = member.properties["section"]
     pieces = pieces_of(section, chain.length)
@@ -81,7 +87,9 @@ def _left_out(builder: Description, chain: _Chain) -> dict[str, float]:
     first = sections[0]
     if not isinstance(first, Rectangle | Circle) or not is_concrete(sections):
         return {}
-    counted = [dataclasses.replace(one, shear=True).rigidity() for one in sections]
+    counted = [] if section.varies else known.setdefault(id(section), [])
+    if not counted:
+        counted += [dataclasses.replace(one, shear=True).rigidity() for one in sections]
     in_space, found = builder.dimension == 3, {}
     bendings = {"z": ("EIy", "shear_z"), "y": ("EIz", "shear_y")} if in_space else {"z": ("EIy", "shear_z")}
     for field, (axis, names) in enumerate(bendings.items(), 2 if in_space else 1):

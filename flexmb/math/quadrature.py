@@ -1,5 +1,7 @@
 """Legendre polynomials on [0, 1], their integrals, and quadrature nodes; constants on the host but for ``_at``."""
 
+import functools
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -104,14 +106,18 @@ def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
     return np.linalg.inv(legendre_values(len(nodes), nodes))
 
 
+@functools.cache
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
 
     Returns:
-        Nodes, (n,), and weights, (n,).
+        Nodes, (n,), and weights, (n,), not to be written to.
     """
     nodes, weights = legendre.leggauss(n)
-    return (nodes + 1) / 2, weights / 2
+    nodes, weights = (nodes + 1) / 2, weights / 2
+    for array in (nodes, weights):
+        array.flags.writeable = False
+    return nodes, weights
 
 
 def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -174,6 +174,9 @@ def test_bad_input_is_marked_at_its_field_and_the_last_good_answers_are_greyed(p
     # The message of the one who builds it, where a screen reader finds it.
     described = "document.getElementById(document.activeElement.getAttribute('aria-describedby'))?.textContent"
     until(page, f"({described} || '').includes('thickness')")
+    # Nothing is advised about what is left without the elements of this section.
+    assert not page.find_element("css selector", "#answers .advice").is_displayed()
+    assert "thickness" in page.find_element("id", "mobility").text
     # What was good stays, and is called stale.
     assert page.find_element("css selector", "#answers .stamp").text == "stale"
     kept = float(page.find_element("css selector", "[data-answer='frequency 1'] data").get_attribute("value"))
@@ -490,3 +493,17 @@ def test_an_analysis_runs_and_shows_its_picture(page):
     # A picture that the browser could read, and the multiplier of the table.
     until(page, "document.querySelector('#analysis .job img').naturalWidth > 0")
     assert "78.7" in ask(page, "document.querySelector('#analysis .job').textContent")
+
+
+def test_a_file_that_another_program_changed_is_offered(page, folder):
+    edit(page, *GUIDE)
+    assert wait_for(page, "s.ask('save', {path: 'watched.json'})")["saved"]
+    file = folder / "watched.json"
+    file.write_text(file.read_text().replace("210e9", "200e9"))
+    until(page, "document.getElementById('file-changed')?.textContent.includes('watched.json')")
+    steel = "s.state.document.things.find((t) => t.name === 'steel').args.E"
+    assert ask(page, steel) == "210e9"
+    page.find_element("xpath", "//*[@id='file-changed']//button[.='Take it']").click()
+    until(page, f"{steel} === '200e9' && !document.getElementById('file-changed')")
+    page.find_element("id", "undo").click()
+    until(page, f"{steel} === '210e9'")

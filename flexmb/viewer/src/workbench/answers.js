@@ -9,7 +9,11 @@ const KEPT = 60;
 const MOST_LABELS = 6;
 
 /** What the counts say, as a state to colour by and a sentence. */
-export function mobility(count) {
+export function mobility(count, problems = []) {
+  if (problems.length) {
+    const more = problems.length > 1 ? ` And ${problems.length - 1} more.` : "";
+    return { state: "failed", text: `Left out until it is right: ${problems[0].message}${more}` };
+  }
   if (!count) return { state: "waiting", text: "Counting …" };
   const { ndof, over, under, status, message } = count;
   const freedom = `${ndof ?? "–"} degree${ndof === 1 ? "" : "s"} of freedom`;
@@ -44,7 +48,7 @@ export function answers(store, { open }) {
 
   function counts() {
     const { count } = store.state;
-    const { state, text } = mobility(count);
+    const { state, text } = mobility(count, store.state.problems);
     status.dataset.state = state;
     say(status.firstChild, text);
     const labels = (count?.dofs ?? []).map((one) =>
@@ -61,7 +65,8 @@ export function answers(store, { open }) {
         }),
       ),
     );
-    advice.hidden = !advice.childElementCount;
+    // What is said about the rest is no advice while a part of it is left out.
+    advice.hidden = !advice.childElementCount || store.state.problems.length > 0;
     const dof = byId("dof");
     dof.dataset.state = state;
     const faults = [count?.over ? `${count.over} over` : "", count?.under ? `${count.under} under` : ""].filter(
@@ -96,7 +101,10 @@ export function answers(store, { open }) {
     stamp.title = stale ? "These are the answers to the drawing as it was before." : "";
     // What the count says already is not said twice.
     const told = own?.message || (own?.status === "failed" ? "No answer." : "");
-    say(message, told === count?.message ? "" : told);
+    say(
+      message,
+      told === count?.message || store.state.problems.some((one) => told?.startsWith(one.message)) ? "" : told,
+    );
     message.hidden = !message.textContent;
     const words = [...new Set([...(own?.words ?? []), ...(own?.warnings ?? []), ...(count?.warnings ?? [])])].filter(
       (one) => one !== told,
@@ -147,7 +155,7 @@ export function answers(store, { open }) {
     );
   }
 
-  store.on("count", counts);
+  watch(store, ["count", "problems"], counts);
   watch(store, ["answers", "count", "document", "connected", "pinned"], update);
   store.on("document", support.update);
   counts();

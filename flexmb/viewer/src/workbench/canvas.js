@@ -84,6 +84,8 @@ export class Canvas {
     store.on("scene", () => this.live());
     store.on("want", () => this.wanted());
     store.on("tool", () => this.choose(store.state.tool));
+    // What the server said is on the screen in this frame already, not in the next.
+    store.on("*", () => this.render());
     new ResizeObserver(() => this.eye.resize()).observe(this.host);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
     new MutationObserver(() => this.recolour()).observe(document.documentElement, { attributeFilter: ["data-theme", "class", "style"] });
@@ -131,7 +133,10 @@ export class Canvas {
     // Something that was opened is looked at as a whole; what is drawn here leaves the eye where it is.
     if (nodes.length > 1 && (other || (before === 0 && !this.drawn))) this.fit();
     this.waiters = (this.waiters ?? []).filter(({ revision, done }) => state.revision < revision || done());
-    if (this.analysed && this.analysed.revision !== state.revision) this.live();
+    if (this.analysed && this.analysed.revision !== state.revision) {
+      this.live();
+      this.told();
+    }
     this.behind();
   }
 
@@ -176,17 +181,24 @@ export class Canvas {
   frame(time) {
     const elapsed = Math.min((time - (this.last ?? time)) / 1000, 0.25);
     this.last = time;
-    if (this.stale) this.document();
     this.tool.dragging?.send();
     if (this.swing.advance(elapsed)) this.sceneDirty = true;
     if (this.swing.age(this.since ?? null, performance.now())) this.sceneDirty = this.dirty = true;
-    const { stage } = this.eye;
     if (this.sceneDirty || this.dirty || this.grounded) this.times = [...this.times.filter((other) => time - other < 1000), time];
+    this.render();
+    requestAnimationFrame((next) => this.frame(next));
+  }
+
+  /** Draw what has changed. */
+  render() {
+    if (this.stale) this.document();
+    const { stage } = this.eye;
     if (this.sceneDirty) stage.draw();
+    // Of which document the picture on the screen is.
+    if (this.sceneDirty) this.pictured = this.swing.data ? this.store.state.scene?.of_revision ?? null : null;
     if (this.grounded) this.ground.draw(this.eye, this.colours, stage.ratio, this.step);
     if (this.dirty) this.draw();
     this.sceneDirty = this.grounded = this.dirty = false;
-    requestAnimationFrame((next) => this.frame(next));
   }
 
   draw() {
@@ -255,6 +267,7 @@ export class Canvas {
   playView(view) {
     this.analysed = view && { view, revision: this.store.state.revision };
     this.live();
+    this.told();
     if (view) this.play();
   }
 
@@ -414,8 +427,9 @@ export class Canvas {
   /** What the tool waits for changed. */
   told() {
     const { prompt } = this.tool;
-    this.promptBox.hidden = !prompt;
-    this.promptBox.textContent = prompt;
+    const shown = prompt || (this.analysed ? "An analysis is shown; Esc brings the live picture back" : "");
+    this.promptBox.hidden = !shown;
+    this.promptBox.textContent = shown;
     this.scene.style.cursor = prompt ? "crosshair" : "default";
     this.dirty = true;
   }

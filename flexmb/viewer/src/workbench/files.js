@@ -39,7 +39,7 @@ export function files(store, canvas) {
     if (kind === "png") return picture();
     if (!SHAPED.has(kind)) return fetched(kind).catch(told);
     const tick = h("input", { type: "checkbox" });
-    const content = h("label", {}, tick, " deformed, as the drawing shows it");
+    const content = h("label", {}, tick, " deformed by its loads");
     return ask(`Export ${kind.toUpperCase()}`, content, "Export", () => fetched(kind, { deformed: tick.checked }));
   }
 

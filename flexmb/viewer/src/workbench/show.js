@@ -39,12 +39,29 @@ export function show(store, canvas) {
     one.addEventListener("click", () => canvas?.look?.(axis));
     look.append(one);
   }
+  // In space: the plane that is drawn on, and where it lies.
+  const plane = h("select", { id: "plane", "aria-label": "Plane to draw on" }, new Option("xy", "2"), new Option("zx", "1"), new Option("yz", "0"));
+  const height = h("input", { type: "text", id: "plane-height", size: 6, "aria-label": "Height of the plane [m]" });
+  const planes = h("label", { title: "The plane to draw on, and its height [m] (keys X Y Z, [ ])" }, "Plane", plane, height);
+  plane.addEventListener("change", () => canvas?.setPlane?.({ axis: Number(plane.value) }));
+  height.addEventListener("change", () => {
+    const value = canvas?.value?.(height.value);
+    if (Number.isFinite(value)) canvas.setPlane({ height: value });
+    planeIs();
+  });
+  byId("stage").addEventListener("plane", planeIs);
+  function planeIs() {
+    if (!canvas?.eye) return;
+    plane.value = String(canvas.eye.axis);
+    height.value = String(canvas.eye.height);
+  }
   root.append(
     h("label", {}, "Show", what),
     h("label", {}, "Colour", colour),
     h("label", {}, "Amplitude", amplitude),
     play,
     h("span", { class: "spring" }),
+    planes,
     look,
     fit,
   );
@@ -87,9 +104,10 @@ export function show(store, canvas) {
       offered.unshift({ value: now, text: `${word} ${(want.mode ?? 0) + 1}` });
     choices(what, offered, now);
     colour.value = want.colour ?? "";
-    look.hidden = own?.dimension !== 3;
+    look.hidden = planes.hidden = own?.dimension !== 3;
   }
   watch(store, ["answers", "want", "document"], update);
   playIcon();
+  planeIs();
   update();
 }
