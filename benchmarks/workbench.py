@@ -12,6 +12,7 @@ import shutil
 import sys
 import tempfile
 import time
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -283,6 +284,7 @@ def main() -> None:
     import flexmb as fm
 
     fm.enable_x64()
+    warnings.simplefilter("ignore", fm.BeamTheoryWarning)
     found: dict[str, Any] = {"updates": {}, "browser": None}
     for dimension, where in ((2, "the plane"), (3, "space")):
         for what, wants in (("all answers", {}), ("and sensitivities", {"sensitivity_of": "frequency 1"})):
