@@ -95,6 +95,15 @@ class Names:
                 return found
         return next((id for block, id in self._blocks if name.startswith(f"{block} ")), None)
 
+    def first(self, spaces: tuple[str, ...], name: str) -> str | None:
+        """The same where the first namespace counts in which there is such a name: parts of sensors are nodes first.
+
+        Args:
+            spaces: Namespaces in order.
+            name: As it is written.
+        """
+        return next((found for space in spaces if (found := self.thing((space,), name))), None)
+
     def exactly(self, spaces: tuple[str, ...], name: str) -> str | None:
         """The same of a thing's own name, or that of its rotation, its warping or its coordinates."""
         for plain in dict.fromkeys((name, _without_part(name))):
@@ -124,7 +133,7 @@ def part_of(names: Names, said: str) -> tuple[str, str, str]:
     words = of.split(" ")
     for count in range(len(words)):
         name = " ".join(words[count:])
-        if names.thing(("node", "element"), name):
+        if names.first(("node", "element"), name):
             before = " ".join(words[:count])
             return before + " " if before else "", name, f".{component}"
     return "", of, f".{component}"
@@ -136,7 +145,7 @@ def referred(names: Names, thing: dict[str, Any]) -> dict[str, str | None]:
     for address, spaces, written in references(thing):
         name = part_of(names, written)[1] if address.startswith("weights/") else written
         field = address.partition("/")[0]
-        known = names.thing(spaces, name)
+        known = (names.first if field == "weights" else names.thing)(spaces, name)
         if known == thing["id"] and field == "stage":
             # The node that a block makes itself.
             continue
@@ -155,8 +164,9 @@ def with_references(thing: dict[str, Any], names: Names, changed: Callable[[str,
     """
     args, own = thing["args"], {}
     for address, spaces, written in references(thing):
-        before, name, after = part_of(names, written) if address.startswith("weights/") else ("", written, "")
-        known = names.thing(spaces, name)
+        weight = address.startswith("weights/")
+        before, name, after = part_of(names, written) if weight else ("", written, "")
+        known = (names.first if weight else names.thing)(spaces, name)
         new = changed(known, name) if known else None
         if new is not None and new != name:
             own[address] = f"{before}{new}{after}"

@@ -133,6 +133,30 @@ def test_references_follow_a_name():
     assert list(other.names) == ["th"]
 
 
+def test_a_node_and_an_element_may_bear_the_same_name():
+    document = documents.drawn(
+        2,
+        {},
+        [
+            ("node", "1", {"position": ["0", "0"]}),
+            ("node", "2", {"position": ["0", "1"]}),
+            ("planar.beam", "1", {"nodes": ["1", "2"], "section": "s"}),
+            ("Rigidity", "s", {"EA": "1", "EIy": "1"}),
+            ("fix", None, {"node": "1"}),
+            ("mass", None, {"node": "2", "mass": "1", "inertia": "1"}),
+            ("output", "o", {"of": "1", "component": "1", "kind": "element"}),
+            ("sensor", "both", {"weights": [["2.y", "1"], ["velocity 2.x", "1"]]}),
+        ],
+    )
+    assert build(document).problems == []
+    other = edited(document, {"op": "rename", "id": "1", "to": "foot"}, {"op": "rename", "id": "3", "to": "arm"})
+    other = edited(other, {"op": "rename", "id": "2", "to": "top"})
+    assert build(other).problems == []
+    assert other.by_id["3"]["args"]["nodes"] == ["foot", "top"]
+    assert other.by_id["7"]["args"]["of"] == "arm"
+    assert other.by_id["8"]["args"]["weights"] == [["top.y", "1"], ["velocity top.x", "1"]]
+
+
 def test_arithmetic_is_renamed_by_names_alone():
     document = edited(
         GUIDE,
