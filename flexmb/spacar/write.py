@@ -105,6 +105,7 @@ class _Writer:
     def __init__(self, builder: Builder, settings: dict[str, Any], like: Builder | None = None):
         self.builder, self.settings = builder, settings
         self.concrete = like or builder
+        self.rigidities: dict[int, Any] = {}
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
@@ -346,7 +347,9 @@ class _Writer:
         if kind.sized:
             lines.append(line_of("SECTION", number, *_sizes(m.properties["section"])))
         elif section is not None:
-            s = section.rigidity()
+            # Many elements share a section, and a torsional rigidity is a long series.
+            s = self.rigidities.get(id(section)) or section.rigidity()
+            self.rigidities[id(section)] = s
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
                 [0.0 if n == NOTHING else one_of(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)

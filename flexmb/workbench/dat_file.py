@@ -12,6 +12,7 @@ from typing import Any
 from ..build.builder import Builder
 from ..build.description import Description
 from ..compilation.formulas import formulas
+from ..display import listed
 from ..errors import ModelError, SpacarError, clean
 from ..files import write_whole
 from ..spacar.arithmetic import names_in
@@ -170,12 +171,14 @@ def _called(document: Document, address: str) -> str:
 
 def _without_strength(builder: Builder) -> Builder:
     """A builder whose sections state no strength: the format has no word for it, and no motion depends on it."""
-    twin = builder.copy()
+    twin, known = builder.copy(), {}
     for member in twin.members.values():
         section: Any = member.properties.get("section")
         if getattr(section, "material", None) is not None:
-            material = dataclasses.replace(section.material, strength=None, fatigue=None)
-            member.properties = {**member.properties, "section": dataclasses.replace(section, material=material)}
+            if id(section) not in known:
+                material = dataclasses.replace(section.material, strength=None, fatigue=None)
+                known[id(section)] = dataclasses.replace(section, material=material)
+            member.properties = {**member.properties, "section": known[id(section)]}
     return twin
 
 
@@ -301,7 +304,8 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
 
     formulas_, values = formulas(traced, free)
     numbers = iter(zip((one.item() for one in formulas_), values, strict=True))
-    lines, lost = list(_signals(builder)), []
+    lines: list[str] = list(_signals(builder))
+    lost: dict[tuple[str, int], list[str]] = {}
     for line in found:
         if isinstance(line, str):
             lines.append(line)
@@ -313,16 +317,14 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
                 continue
             formula, number = next(numbers)
             if formula.text is None:
-                about = " ".join([line.keyword, *words[:1]])
-                lost.append(
-                    f"number {len(words)} of {about} follows from names by more than + - * / **, and stays as it is"
-                )
+                lost.setdefault((line.keyword, len(words)), []).append(words[0])
             named = formula.text is not None and set(names_in(formula.text)) - {"pi"}
             words.append(f"{{{formula.text}}}" if named else repr(float(number)))
         while line.keyword in ("ESTIFF", "EM", "EDAMP") and len(words) > 2 and words[-1] == "0.0":
             words.pop()
         lines.append(" ".join([line.keyword, *words]))
-    return lines, list(dict.fromkeys(lost))
+    how = "follows from names by more than + - * / **, and stays as it is"
+    return lines, [f"number {n} of {keyword} {listed(of)} {how}" for (keyword, n), of in lost.items()]
 
 
 def _signals(builder: Description) -> list[str]:
