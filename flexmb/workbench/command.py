@@ -110,7 +110,8 @@ def _session(path: Path | None, refuse: Callable[[str], NoReturn]) -> Session:
     except OSError as fault:
         refuse(f"flexmb edit: cannot read '{name or clean(fault.filename)}': {fault.strerror or fault}.")
     except ValueError as fault:
-        refuse(f"flexmb edit: {name}: {fault}")
+        named = path is not None and path.name in str(fault)
+        refuse(f"flexmb edit: {fault}" if named else f"flexmb edit: {name}: {fault}")
 
 
 def _close(server: Server) -> None:

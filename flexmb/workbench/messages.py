@@ -53,7 +53,7 @@ def guarded(work: Callable[..., Any], *arguments: Any) -> Any:
         raise
     except OSError as fault:
         raise Refused(f"'{clean(fault.filename)}': {fault.strerror}." if fault.filename else str(fault)) from fault
-    except (AnalysisError, ValueError, ModuleNotFoundError) as fault:
+    except (AnalysisError, ImportError, ValueError) as fault:
         raise Refused(str(fault), getattr(fault, "address", None)) from fault
     except Exception as fault:
         logging.getLogger("flexmb").debug("a request failed", exc_info=True)

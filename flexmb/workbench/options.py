@@ -20,11 +20,12 @@ Field = dict[str, Any]
 
 
 def _number(name: str, unit: str, default: str, doc: str, **more: Any) -> Field:
+    """A field for a number; one that is not optional is seen at once, and has its default where nothing is written."""
     return {"name": name, "kind": "number", "unit": unit, "default": default, "doc": doc, "optional": True} | more
 
 
-def _choice(name: str, choices: list[str], doc: str, default: str = "") -> Field:
-    return {"name": name, "kind": "choice", "choices": choices, "default": default, "doc": doc, "optional": True}
+def _choice(name: str, choices: list[str], doc: str, default: str = "", optional: bool = True) -> Field:
+    return {"name": name, "kind": "choice", "choices": choices, "default": default, "doc": doc, "optional": optional}
 
 
 def _coordinates(document: Document) -> list[str]:
@@ -41,7 +42,7 @@ def _coordinates(document: Document) -> list[str]:
 
 FIELDS: dict[str, Callable[[Document], list[Field]]] = {
     "times": lambda _: [
-        _number("end", "s", "1", "How long."),
+        _number("end", "s", "1", "How long.", optional=False),
         _number("steps", "", "200", "Output times.", whole=True),
         _number("rtol", "-", "1e-5", "Relative tolerance of the integration."),
     ],
@@ -51,21 +52,26 @@ FIELDS: dict[str, Callable[[Document], list[Field]]] = {
         _number("high", "Hz", "", "Highest frequency; by the poles unless given."),
     ],
     "trajectory": lambda document: [
-        _choice("coordinate", _coordinates(document), "What is led; the one degree of freedom unless given."),
-        _number("by", "m, rad", "0.001", "How far it goes from where it is."),
-        _number("duration", "s", "0.5", "In what time."),
+        _choice(
+            "coordinate", _coordinates(document), "What is led; the one degree of freedom unless given.", optional=False
+        ),
+        _number("by", "m, rad", "0.001", "How far it goes from where it is.", optional=False),
+        _number("duration", "s", "0.5", "In what time.", optional=False),
         _choice("law", ["quintic", "septic", "scurve"], "How it speeds up and slows down.", "quintic"),
     ],
     "stroke": lambda document: [
         _choice(
-            "coordinate", _coordinates(document), "What is driven; an input or the one degree of freedom unless given."
+            "coordinate",
+            _coordinates(document),
+            "What is driven; an input or the one degree of freedom unless given.",
+            optional=False,
         ),
-        _number("to", "m, rad", "0.001", "How far, to both sides."),
+        _number("to", "m, rad", "0.001", "How far, to both sides.", optional=False),
         _number("steps", "", "4", "Strokes to each side.", whole=True),
-        _choice("node", ["", *(t["name"] for t in document.things if t["call"] == "node")], "Whose stiffness is told."),
+        _choice("node", [t["name"] for t in document.things if t["call"] == "node"], "Whose stiffness is told."),
     ],
     "names": lambda document: [
-        _choice("name", free_names(document), "Which dimension varies."),
+        _choice("name", free_names(document), "Which dimension varies.", optional=False),
         _number("low", "", "", "From; its lower bound, or a half of it, unless given."),
         _number("high", "", "", "To; its upper bound, or twice it, unless given."),
         _number("points", "", "41", "How many values.", whole=True),

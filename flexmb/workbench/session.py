@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import secrets
 import threading
@@ -173,6 +174,7 @@ class Session:
             "file": self.history.file,
             "catalogue": catalogue(),
             "notes": self.notes,
+            "want": dataclasses.asdict(self.wants),
         }
 
     def do_edit(self, ops: list, label: str | None = None, merge: str | None = None, key: str | None = None) -> Any:
@@ -194,6 +196,7 @@ class Session:
     def do_want(self, **changes: Any) -> None:
         """Change what is computed and shown."""
         self.wants = self.wants.changed(changes)
+        self.tell({"tell": "want", **dataclasses.asdict(self.wants)})
         self.live.show(self.history.revision, self.history.document, self.wants)
 
     def do_advise(self, index: int, key: str | None = None) -> Any:

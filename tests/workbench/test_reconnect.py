@@ -163,6 +163,13 @@ def test_two_pages_and_no_request_elsewhere(browser, tmp_path):
         page.switch_to.window(first)
         until(page, "s.state.document.things.length === 1")
         assert names(page)[0].startswith("<script>alert(1)")
+        # What is shown is shown by all, also by one that is loaded anew.
+        wait_for(page, "s.want({state: 'equilibrium', mode: 2})")
+        page.switch_to.window(next(other for other in page.window_handles if other != first))
+        until(page, "s.state.want.mode === 2 && s.state.want.state === 'equilibrium'")
+        page.switch_to.window(first)
+        opened(page, own.address)
+        assert ask(page, "s.state.want.mode") == 2
         assert ask(page, "document.querySelectorAll('script').length") == 1
         # Of a third that is no browser, too.
         client = Client(own.address)

@@ -218,11 +218,15 @@ export class Store {
     this.connection.send(JSON.stringify({ id, do: "hello", page: this.page, run: this.run }));
   }
 
-  welcomed({ catalogue, notes, version, run }) {
-    if (this.run !== null && run !== this.run) this.restarted();
+  welcomed({ catalogue, notes, version, run, want }) {
+    const restarted = this.run !== null && run !== this.run;
+    if (restarted) this.restarted();
     this.run = run;
     this.put({ connected: true, reason: "", catalogue, notes, version });
     for (const { verb, text } of this.asked.values()) if (verb !== "hello") this.connection.send(text);
+    // All pages show one state of one mode: a new page takes it, and one whose server is new brings it.
+    if (restarted) this.want({}).catch(() => {});
+    else if (want) this.put({ want: { ...this.state.want, ...want } });
   }
 
   /** Another process answers now: what it never computed is gone. */
@@ -261,6 +265,9 @@ export class Store {
       this.put({ jobs: { ...this.state.jobs, [content.job]: content } });
     } else if (tell === "file") {
       this.put({ disk: content });
+    } else if (tell === "want") {
+      // While this page's own waits or is under way, that is the newer one.
+      if (!this.merging.has("want")) this.put({ want: { ...this.state.want, ...content } });
     } else if (tell === "analyses") {
       this.put(content);
     } else if (tell in this.state) {
