@@ -1,5 +1,6 @@
 /** The stage of the workbench: shows the document and what was computed of it, and changes it by mouse, pen, finger and keys. */
 import { valueOf } from "./arithmetic.js";
+import { around } from "./around.js";
 import { describe } from "./describe.js";
 import { nodesOf } from "./dragging.js";
 import { Drawing } from "./draw.js";
@@ -16,8 +17,6 @@ import * as space from "./space.js";
 import { Swing } from "./swing.js";
 import { toolOf } from "./tools.js";
 
-const LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ";
-
 export class Canvas {
   constructor({ scene, overlay, store }) {
     Object.assign(this, { scene, overlay, store });
@@ -29,7 +28,7 @@ export class Canvas {
     this.place = null;
     this.times = [];
     this.revision = null;
-    this.around(scene.parentElement);
+    Object.assign(this, around(scene.parentElement, scene));
     this.eye = new Eye(scene, store.state.document?.dimension ?? 2);
     this.eye.onChange = () => this.see();
     this.ground = new Ground(this.under);
@@ -45,34 +44,6 @@ export class Canvas {
     this.document();
     this.live();
     requestAnimationFrame((time) => this.frame(time));
-  }
-
-  /** Elements of the page beside the two canvases: what lies under them, a tip, a field for coordinates, spoken words. */
-  around(stage) {
-    const make = (tag, attributes, style) => {
-      const element = document.createElement(tag);
-      for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-      Object.assign(element.style, style);
-      return element;
-    };
-    this.host = stage;
-    const whole = { position: "absolute", inset: "0", width: "100%", height: "100%", display: "block" };
-    this.under = make("canvas", { "aria-hidden": "true", id: "ground" }, { ...whole, pointerEvents: "none" });
-    stage.insertBefore(this.under, stage.firstChild);
-    const box = { position: "absolute", padding: "3px 8px", borderRadius: "4px", font: "12px system-ui, sans-serif" };
-    this.tipBox = make("div", { id: "canvas-tip" }, { ...box, pointerEvents: "none", maxWidth: "24rem", zIndex: "3" });
-    this.promptBox = make("div", { id: "prompt" }, { ...box, pointerEvents: "none", left: "50%", top: "10px", transform: "translateX(-50%)" });
-    this.entry = make("input", { id: "entry", type: "text", "aria-label": "Coordinates", autocomplete: "off", spellcheck: "false" }, {
-      ...box, left: "50%", bottom: "34px", transform: "translateX(-50%)", width: "16rem", font: "14px ui-monospace, monospace", zIndex: "4",
-    });
-    this.entry.placeholder = "x, y   or   @dx, dy   or   length < angle";
-    const unseen = { position: "absolute", width: "1px", height: "1px", overflow: "hidden", clipPath: "inset(50%)", whiteSpace: "nowrap" };
-    this.spoken = make("div", { id: "spoken", role: "status", "aria-live": "polite" }, unseen);
-    this.entry.hidden = this.tipBox.hidden = this.promptBox.hidden = true;
-    stage.append(this.tipBox, this.promptBox, this.entry, this.spoken);
-    this.scene.setAttribute("role", "application");
-    this.scene.setAttribute("aria-label", "Drawing of the mechanism");
-    this.scene.style.touchAction = "none";
   }
 
   listen() {
@@ -336,22 +307,6 @@ export class Canvas {
     return this.plan.nodes.find(({ at }) => at.every((value, k) => Math.abs(value - point[k]) < near)) ?? null;
   }
 
-  freshName(taken = new Set()) {
-    const used = this.names(taken);
-    for (const letter of LETTERS) if (!used.has(letter)) return letter;
-    return this.freeName("N", taken, 1);
-  }
-
-  freeName(prefix, taken = new Set(), first = 1) {
-    const used = this.names(taken);
-    for (let k = first; ; k += 1) if (!used.has(`${prefix} ${k}`) && !used.has(`${prefix}${k}`)) return prefix.length > 1 ? `${prefix} ${k}` : `${prefix}${k}`;
-  }
-
-  names(taken) {
-    const { document: own, positions } = this.store.state;
-    return new Set([...taken, ...Object.keys(positions ?? {}), ...(own?.things ?? []).map(({ name }) => name)]);
-  }
-
   tell(id) {
     this.say(describe(this, id));
   }
@@ -365,36 +320,6 @@ export class Canvas {
       this.say(problem.message, true);
       return null;
     }
-  }
-
-  async remove() {
-    const ids = this.store.state.selection;
-    if (!ids.length) return;
-    const words = ids.length === 1 ? describe(this, ids[0]) : `${ids.length} things`;
-    const reply = await this.edit([{ op: "delete", ids: [...ids] }], `Delete ${ids.length === 1 ? this.thing(ids[0])?.name ?? "" : ids.length}`);
-    if (!reply) return;
-    const along = reply.also?.length ? ` With it ${reply.also.length} that hung on it.` : "";
-    this.say(`Deleted ${words}.${along}`);
-  }
-
-  /** Copy what is selected beside itself; the copies are then selected, to be moved. */
-  async duplicate(by, count = 1) {
-    const { document: own, selection } = this.store.state;
-    if (!selection.length) return this.say("Select what shall be copied.", true);
-    const step = String(Number((4 * this.step).toPrecision(12)));
-    const shift = by ?? (own.dimension === 2 ? [step, `-${step}`] : [step, "0", "0"]);
-    const reply = await this.edit([{ op: "copy", ids: [...selection], by: shift, count }], "Copy");
-    if (reply?.ids?.length) {
-      await this.reached(reply.revision);
-      this.store.select(reply.ids);
-      this.say(`${reply.ids.length} things copied.`);
-    }
-    return reply;
-  }
-
-  /** Mirror what is selected across an axis ("x" mirrors x coordinates) at a place. */
-  mirror(axis = "x", at = "0") {
-    return this.edit([{ op: "mirror", ids: [...this.store.state.selection], axis, at: String(at) }], "Mirror");
   }
 
   /** Ask the page for a dialog: "mirror", "repeat", "edit" or "keys". */
@@ -421,6 +346,10 @@ export class Canvas {
 
   /** Take the tool of a call in hand, with what the last thing of it was given. */
   take(call) {
+    if (!this.store.state.catalogue?.[call]) {
+      this.say(`There is no ${call} to draw.`, true);
+      return;
+    }
     takeTool(this.store, call).catch((problem) => this.say(problem.message, true));
   }
 
@@ -468,57 +397,6 @@ export class Canvas {
 
   movable() {
     return this.store.state.tool.kind === "select" ? nodesOf(this, this.store.state.selection) : [];
-  }
-
-  // The keyboard's cursor.
-
-  along(arrow, size) {
-    return space.along(this.eye, arrow, size);
-  }
-
-  moveCursor(delta) {
-    const { step } = this;
-    const next = this.cursor.map((value, k) => (delta[k] ? Number((Math.round((value + delta[k]) / step) * step).toPrecision(12)) : value));
-    this.setCursor(next);
-    const [x, y] = this.eye.project(next);
-    const place = this.snapAt(x, y, { free: true, lines: true });
-    this.say(place.kind === "node" || place.kind === "line" ? `${place.word}, ${this.words(next)}` : this.words(next));
-  }
-
-  setCursor(point) {
-    this.cursor = point.slice();
-    this.keyed = true;
-    this.place = this.placeAtCursor();
-    this.hovered = null;
-    this.dirty = true;
-  }
-
-  placeAtCursor() {
-    const [x, y] = this.eye.project(this.cursor);
-    const met = this.snapAt(x, y, { free: true, lines: true });
-    const near = met.point.every((value, k) => Math.abs(value - this.cursor[k]) < 3 * this.eye.scale);
-    if ((met.kind === "node" || met.kind === "line") && near) return met;
-    const point = this.cursor.slice();
-    const texts = point.slice(0, this.eye.planar ? 2 : 3).map((value) => String(Number(value.toPrecision(12)) || 0));
-    return { kind: "grid", point, texts, guides: [], word: this.words(point) };
-  }
-
-  /** Enter: a click where the cursor is. */
-  enter(shift) {
-    this.keyed = true;
-    this.clickAt(this.cursor, null, shift);
-  }
-
-  clickAt(point, texts = null, shift = false) {
-    this.cursor = point.slice();
-    const place = this.placeAtCursor();
-    if (texts && place.kind === "grid") place.texts = texts;
-    const [x, y] = this.eye.project(point);
-    const event = { x, y, shift, reach: 1 };
-    this.place = place;
-    this.tool.press(place, event);
-    this.tool.release(place, event);
-    this.dirty = true;
   }
 
   // Words.

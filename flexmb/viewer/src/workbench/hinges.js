@@ -1,4 +1,5 @@
 /** A hinge where elements meet: one of them gets a rotation of its own there, and the hinge joins the two. */
+import { freeName } from "./naming.js";
 import { listOf } from "./plan.js";
 
 /** Whether a call is drawn as a hinge: by its node, and the element that turns there. */
@@ -19,7 +20,7 @@ export function hinged(canvas, node, element, taken) {
   if (at < 0 || full.length !== 4) {
     throw new Error(`${element} has no end at ${node} that could turn there: click an element that ends at the node.`);
   }
-  const name = canvas.freeName(`${node} turn`, taken);
+  const name = freeName(canvas, `${node} turn`, taken);
   full[at + 1] = name;
   const ops = [
     { op: "add", thing: { call: "rotation", name, args: {} } },

@@ -1,6 +1,9 @@
 /** The stage by keyboard alone: a drawing cursor, letters for tools, coordinates that are typed. */
 import { valueOf } from "./arithmetic.js";
+import { duplicate, remove } from "./changes.js";
+import * as cursor from "./cursor.js";
 import { Dragging, nodesOf } from "./dragging.js";
+import { along } from "./space.js";
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 // Arrow keys pressed within this time are one step of the history [ms].
@@ -14,7 +17,7 @@ export const LETTERS = {
   b: (planar) => inPlane(planar, "beam"),
   r: (planar) => inPlane(planar, "rigid_body"),
   t: (planar) => inPlane(planar, "truss"),
-  p: (planar) => inPlane(planar, "spring_damper"),
+  p: (planar) => inPlane(planar, "leaf_spring"),
   h: place("fix"),
   l: place("force"),
   w: place("mass"),
@@ -54,10 +57,10 @@ export class Keys {
     const { canvas } = this;
     const { planar } = canvas.eye;
     const actions = {
-      Enter: () => canvas.enter(shiftKey),
+      Enter: () => cursor.click(canvas, canvas.cursor, { shift: shiftKey }),
       Escape: () => (this.leaving = !canvas.escape()),
-      Delete: () => canvas.remove(),
-      Backspace: () => canvas.remove(),
+      Delete: () => remove(canvas),
+      Backspace: () => remove(canvas),
       " ": () => canvas.play(!canvas.swing.playing),
       Home: () => canvas.fit(),
       PageUp: () => canvas.zoom(1.25),
@@ -65,7 +68,7 @@ export class Keys {
       "+": () => canvas.zoom(1.25),
       f: () => canvas.fit(),
       g: () => canvas.setGrid({ snap: !canvas.grid.snap }),
-      d: () => canvas.duplicate(),
+      d: () => duplicate(canvas),
       j: () => canvas.request("mirror"),
       a: () => canvas.request("repeat"),
       e: () => canvas.request("edit"),
@@ -101,12 +104,12 @@ export class Keys {
   arrow(arrow, steps) {
     const { canvas } = this;
     const { store } = canvas;
-    const delta = canvas.along(arrow, steps * canvas.step);
     const moves = store.state.tool.kind === "select" ? nodesOf(canvas, store.state.selection) : [];
     if (!moves.length) {
-      canvas.moveCursor(delta);
+      cursor.move(canvas, arrow, steps);
       return;
     }
+    const delta = along(canvas.eye, arrow, steps * canvas.step);
     const now = performance.now();
     const same = this.nudged.ids === store.state.selection && now - this.nudged.time < TOGETHER;
     if (!same) this.nudged = { ids: store.state.selection, dragging: new Dragging(canvas, moves), total: [0, 0, 0] };
@@ -134,7 +137,7 @@ export class Keys {
     }
     canvas.store.select([all[next]]);
     const place = canvas.placeOf(all[next]);
-    if (place) canvas.setCursor(place);
+    if (place) cursor.put(canvas, place);
     canvas.tell(all[next]);
     return true;
   }
@@ -179,14 +182,14 @@ export class Keys {
       return;
     }
     this.close();
-    canvas.setCursor(found.point);
+    cursor.put(canvas, found.point);
     const nodes = state.tool.kind === "select" ? nodesOf(canvas, state.selection) : [];
     const one = nodes.length === 1 && canvas.thing(nodes[0]);
     if (one) {
       canvas.edit([{ op: "set", address: `${one.id}/position`, to: found.texts }], `Move ${one.name}`);
       canvas.say(`${one.name} at ${canvas.words(found.point)}.`);
     } else if (state.tool.kind !== "select") {
-      canvas.clickAt(found.point, found.texts);
+      cursor.click(canvas, found.point, { texts: found.texts });
     }
   }
 }

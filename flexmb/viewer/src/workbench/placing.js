@@ -4,6 +4,7 @@ import { textOf } from "./arithmetic.js";
 import { thingAt } from "./snap.js";
 import { hinged, isHinge, SLOTS } from "./hinges.js";
 import { drawDimension, words } from "./measure.js";
+import { freeName, freshName } from "./naming.js";
 import * as symbols from "./symbols.js";
 
 const SLACK = 6;
@@ -210,7 +211,7 @@ export class Placing {
       if (!found) throw new Error(`Element ${place.line.name} was divided, but its new node is not found.`);
       return found.name;
     }
-    const name = canvas.freshName(taken);
+    const name = freshName(canvas, taken);
     taken.add(name);
     ops.push({ op: "add", thing: { call: "node", name, args: { position: place.texts } } });
     return name;
@@ -235,7 +236,7 @@ export class Placing {
         if (last) all[field.name] = last.name;
       }
       if (field.name === "stage") {
-        all.stage = canvas.freshName(taken);
+        all.stage = freshName(canvas, taken);
         taken.add(all.stage);
       }
     }
@@ -262,7 +263,7 @@ export class Placing {
     const { canvas, call } = this;
     const prefix = canvas.store.state.catalogue?.[call]?.name;
     if (!prefix) return null;
-    return canvas.freeName(prefix, taken);
+    return freeName(canvas, prefix, taken);
   }
 
   cancel() {
