@@ -24,7 +24,7 @@ from ..spacar.written import Line, text_of
 from .building import build, free_names, numbers_of
 from .document import Document, apply
 from .from_builder import document_of
-from .merged import called, merged
+from .merged import apart, called, merged
 from .references import call_of
 from .study_beside import names_beside, write_beside
 
@@ -48,8 +48,11 @@ class NoValueError(ValueError):
     """
 
     def __init__(self, file: str, names: list[str]):
-        shown, what = ", ".join(map(clean, names)), "that is" if len(names) == 1 else "they are"
-        super().__init__(f"{file} has {{{shown}}}, but no study beside it says what number {what}.")
+        shown, study = ", ".join(map(clean, names)), clean(Path(file).with_suffix(".toml").name)
+        super().__init__(
+            f"{file} has {{{shown}}}, but no study beside it says what number {'they are' if names[1:] else 'that is'}:"
+            f" write {study} with the lines model = '{file}', [parameters] and {clean(names[0])} = 1e-3 or the like."
+        )
         self.names = names
 
 
@@ -291,14 +294,14 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
     built = build(document)
     known: Any = numbers_of(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
-    builder = _without_strength(built.builder)
+    builder = apart(_without_strength(built.builder))
     plain = [*_signals(builder), *map(text_of, lines_of(builder, settings or {}))]
     if not free:
         return plain, []
     found: list[Line | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
-        other = _without_strength(build(document, numbers_of(document, names)).builder)
+        other = apart(_without_strength(build(document, numbers_of(document, names)).builder))
         found[:] = lines_of(other, settings or {}, like=builder)
         return [v for line in found if isinstance(line, Line) for v in line.values if not isinstance(v, int | str)]
 

@@ -122,10 +122,10 @@ class Live:
         if built.problems:
             more = f" There are {len(built.problems)} such problems." if len(built.problems) > 1 else ""
             self._failed(revision, f"{built.problems[0]['message']}{more}")
-            self._show(revision, self._scenes.of_count(found))
+            self._show(revision, lambda: self._scenes.of_count(found))
         elif found.model is None:
             self._failed(revision, found.message)
-            self._show(revision, self._scenes.of_count(found))
+            self._show(revision, lambda: self._scenes.of_count(found))
         else:
             self._answer(revision, found, document, wants)
 
@@ -174,7 +174,7 @@ class Live:
                     analyse()
                 except (AnalysisError, ModelError, NotImplementedError) as fault:
                     self._failed(revision, str(fault))
-                    self._show(revision, self._scenes.of_count(found))
+                    self._show(revision, lambda: self._scenes.of_count(found))
                     return
                 self._remember(key)
                 if is_new:
@@ -182,7 +182,7 @@ class Live:
                         return
                     self._computing(revision, **_so_far(revision, answers, said))
                     if name == "frequencies":
-                        self._show(revision, self._scenes.of_answers(answers))
+                        self._show(revision, lambda: self._scenes.of_answers(answers))
         self._good = _so_far(revision, answers, said)
         message = "" if answers.fault is None else str(answers.fault)
         if message and found.status == "loose":
@@ -195,7 +195,7 @@ class Live:
             told = self._ways.of(document, answers)
             self._say("ways", revision, **told)
             slopes, label = told["by_element"], f"{wants.sensitivity_of}: % per % of the section's sizes"
-        self._show(revision, self._scenes.of_answers(answers, slopes, label))
+        self._show(revision, lambda: self._scenes.of_answers(answers, slopes, label))
 
     def _computing(self, revision: int, **partial: Any) -> None:
         content = {**self._good, **partial}
@@ -207,7 +207,13 @@ class Live:
         with self._changed:
             return self._next is not None
 
-    def _show(self, revision: int, scene: dict[str, Any] | None) -> None:
+    def _show(self, revision: int, make: Callable[[], dict[str, Any] | None]) -> None:
+        """Tell a scene; one that cannot be drawn takes no answer with it."""
+        try:
+            scene = make()
+        except Exception:  # The answers stand, and the page keeps the picture that it has, as an older one.
+            logging.getLogger("flexmb").exception("scene of revision %s", revision)
+            return
         if scene is not None:
             self._say("scene", revision, of_revision=revision, **scene)
 

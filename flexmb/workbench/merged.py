@@ -38,6 +38,22 @@ def merged(builder: Builder) -> Builder:
     return _renamed(builder, lambda node: new.get(node, node), lambda element: element)
 
 
+def apart(builder: Builder) -> Builder:
+    """A builder in which the rotation of node 1 is node 2 again where no other is: the opposite of :func:`merged`.
+
+    Args:
+        builder: Not changed.
+    """
+    new: dict[str, str] = {}
+    for name in builder.nodes:
+        owner, _, part = name.rpartition(".")
+        if part == "rotation" and owner in builder.nodes and owner.isascii() and owner.isdecimal():
+            number = str(int(owner) + 1)
+            if number not in builder.nodes and number not in new.values():
+                new |= {name: number, f"{owner}.warping": f"{number}.warping"}
+    return _renamed(builder, lambda node: new.get(node, node), lambda element: element)
+
+
 def called(builder: Builder, legend: dict[str, dict[str, str]]) -> Builder:
     """A builder of a file whose numbers have the names that its comments tell.
 

@@ -68,6 +68,8 @@ def test_what_was_saved_is_opened_and_run_as_it_was(guide, tmp_path):
     saved.parent.mkdir()
     assert save_dat(document, saved) == []
     assert "ESTIFF 1 {210e9*w*t} {210e9*w*t**3/12}" in saved.read_text()
+    # Rotations have their numbers again.
+    assert saved.read_text().startswith("PLBEAM 1 1 2 3 4\nPLBEAM 2 3 4 5 6\nPLBEAM 3 5 6 7 8\n")
     numbers = {"t": 0.7e-3, "w": 0.02}
     both = [fm.read_spacar(one, numbers=numbers).builder.build() for one in (guide, saved)]
     np.testing.assert_allclose(*map(fm.frequencies, both[::-1]), rtol=1e-12)

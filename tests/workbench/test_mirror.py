@@ -127,7 +127,8 @@ def test_a_mirrored_arm_in_the_plane_has_the_same_frequencies(axis):
     assert image == pytest.approx(place, abs=1e-9)
 
 
-@pytest.mark.parametrize("axis", ["x", "y", "z"])
+# Across y the default y of two beams is turned round, across x it is not; each axis compiles anew.
+@pytest.mark.parametrize("axis", ["x", "y"])
 def test_a_mirrored_arm_in_space_has_the_same_frequencies(axis):
     document = skew_arm_in_space()
     here, place = loaded(document)

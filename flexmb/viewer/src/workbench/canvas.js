@@ -346,6 +346,10 @@ export class Canvas {
 
   /** Take the tool of a call in hand, with what the last thing of it was given. */
   take(call) {
+    if (!this.store.state.catalogue?.[call]) {
+      this.say(`There is no ${call} to draw.`, true);
+      return;
+    }
     takeTool(this.store, call).catch((problem) => this.say(problem.message, true));
   }
 

@@ -17,7 +17,7 @@ export const LETTERS = {
   b: (planar) => inPlane(planar, "beam"),
   r: (planar) => inPlane(planar, "rigid_body"),
   t: (planar) => inPlane(planar, "truss"),
-  p: (planar) => inPlane(planar, "spring_damper"),
+  p: (planar) => inPlane(planar, "leaf_spring"),
   h: place("fix"),
   l: place("force"),
   w: place("mass"),

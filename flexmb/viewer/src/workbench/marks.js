@@ -17,11 +17,11 @@ export function mark(drawing, own, taken) {
     nowhere(drawing, own, before);
     return;
   }
-  const colour = drawing.problems.has(own.id) ? colours.problem : colours[COLOURS[own.call]] ?? colours.mark;
+  const colour = drawing.problems.has(own.id) ? colours.problem : colours[COLOURS[own.kind]] ?? colours.mark;
   pen.strokeStyle = pen.fillStyle = colour;
   pen.lineWidth = 1.8;
   pen.setLineDash([]);
-  const spot = (SIGNS[own.call] ?? tag)(drawing, own, at, { colour, before }) ?? at;
+  const spot = (SIGNS[own.kind] ?? tag)(drawing, own, at, { colour, before }) ?? at;
   drawing.spot(own.id, spot);
   const chosen = drawing.selection.has(own.id);
   if (chosen || drawing.hovered === own.id) {
@@ -99,7 +99,7 @@ function prescribe(drawing, own, at) {
 
 /** Number with unit, or the arithmetic as it stands. */
 function sized(own, unit) {
-  const texts = listOf(own.args[own.call]);
+  const texts = listOf(own.args[own.kind]);
   const named = texts.filter((text) => !isPlain(text));
   if (named.length) return named.join(", ").slice(0, 24);
   const size = own.vector ? Math.hypot(...own.vector) : Number(texts[0]);
@@ -108,9 +108,9 @@ function sized(own, unit) {
 
 function load(drawing, own, at, { colour }) {
   const { pen, eye, words } = drawing;
-  const text = sized(own, own.call === "force" ? "N" : "N m");
+  const text = sized(own, own.kind === "force" ? "N" : "N m");
   const along = own.vector && seen(drawing, own.vector);
-  if (own.call === "moment" && eye.planar) {
+  if (own.kind === "moment" && eye.planar) {
     symbols.turn(pen, at, !String(own.args.moment ?? "").trim().startsWith("-"));
     words.write(text, at[0] + 20, at[1] - 14, colour);
     return [at[0], at[1] - 16];
@@ -125,7 +125,7 @@ function load(drawing, own, at, { colour }) {
   const far = [at[0] + (pushes ? -1 : 1) * LONG * along[0], at[1] + (pushes ? -1 : 1) * LONG * along[1]];
   const near = [at[0] + (pushes ? -6 : 6) * along[0], at[1] + (pushes ? -6 : 6) * along[1]];
   pen.lineWidth = 2.2;
-  symbols.arrow(pen, ...(pushes ? [far, near] : [near, far]), { heads: own.call === "moment" ? 2 : 1, size: 11 });
+  symbols.arrow(pen, ...(pushes ? [far, near] : [near, far]), { heads: own.kind === "moment" ? 2 : 1, size: 11 });
   const right = far[0] - at[0] >= -4;
   words.write(text, far[0] + (right ? 7 : -7), far[1] + (far[1] < at[1] ? -4 : 6), colour, right ? "left" : "right");
   return [(near[0] + far[0]) / 2, (near[1] + far[1]) / 2];
@@ -136,7 +136,7 @@ function lump(drawing, own, at, { before }) {
   symbols.mass(pen, at, colours.mark, colours.back);
   const told = own.args.mass ?? own.args.inertia;
   const unit = own.args.mass === undefined ? "kg m²" : "kg";
-  const text = Array.isArray(told) || told === undefined ? own.call : isPlain(told) ? `${shown(told)} ${unit}` : String(told).slice(0, 24);
+  const text = Array.isArray(told) || told === undefined ? own.kind : isPlain(told) ? `${shown(told)} ${unit}` : String(told).slice(0, 24);
   words.write(text, at[0] + 12, at[1] + 14 + 13 * Math.max(before - 1, 0), colours.soft);
   return at;
 }
@@ -149,8 +149,8 @@ function signal(drawing, own, at, { colour, before }) {
   pen.lineWidth = 1.6;
   if (!along || !own.node) {
     const turns = eye.planar && component.startsWith("phi");
-    if (turns && own.call !== "output" && own.call !== "sensor") symbols.turn(pen, at, true, 20);
-    return tag(drawing, { ...own, tag: `${WORDS[own.call] ?? own.call} ${component.replace("phi", "φ")}` }, at, { colour, before });
+    if (turns && own.kind !== "output" && own.kind !== "sensor") symbols.turn(pen, at, true, 20);
+    return tag(drawing, { ...own, tag: `${WORDS[own.kind] ?? own.kind} ${component.replace("phi", "φ")}` }, at, { colour, before });
   }
   // Beside the node, on the side where no element is, one above the other.
   const into = drawing.into(own.node.name);
@@ -161,10 +161,10 @@ function signal(drawing, own, at, { colour, before }) {
   const aside = 16 + 17 * rows;
   const shift = (by) => [at[0] + by * along[0] - side * aside * along[1], at[1] + by * along[1] + side * aside * along[0]];
   const [from, to] = [shift(10), shift(46)];
-  symbols.arrow(pen, from, to, own.call === "dof" ? { both: true, size: 8 } : { open: true, size: 8 });
+  symbols.arrow(pen, from, to, own.kind === "dof" ? { both: true, size: 8 } : { open: true, size: 8 });
   const flat = Math.abs(along[0]) > 0.5;
   const left = along[0] < -0.5;
-  const text = own.call === "dof" ? `DOF ${component}` : own.name ? cutTo(own.name, 16) : `${WORDS[own.call]} ${component}`;
+  const text = own.kind === "dof" ? `DOF ${component}` : own.name ? cutTo(own.name, 16) : `${WORDS[own.kind]} ${component}`;
   words.write(text, to[0] + (left ? -6 : flat ? 6 : 4), to[1] + (flat ? 0 : 7 * Math.sign(along[1])), colour, left ? "right" : "left");
   return shift(28);
 }
@@ -176,7 +176,7 @@ const cutTo = (text, most) => (text.length > most ? `${text.slice(0, most - 1)}�
 function tag(drawing, own, at, { colour, before }) {
   const x = at[0] + 14;
   const y = at[1] + 16 + 14 * before;
-  drawing.words.write(cutTo(own.tag ?? own.name ?? own.call, 20), x, y, colour);
+  drawing.words.write(cutTo(own.tag ?? own.name ?? own.kind, 20), x, y, colour);
   return [x + 8, y];
 }
 
@@ -185,12 +185,12 @@ function nowhere(drawing, own, before) {
   const { pen, eye, colours, words } = drawing;
   const at = [eye.stage.width - 34, 30 + 54 * before];
   const along = own.vector && seen(drawing, own.vector);
-  pen.strokeStyle = pen.fillStyle = colours[COLOURS[own.call]] ?? colours.load;
+  pen.strokeStyle = pen.fillStyle = colours[COLOURS[own.kind]] ?? colours.load;
   pen.lineWidth = 2;
   if (along) {
     const [from, to] = [-14, 14].map((by) => [at[0] + by * along[0], at[1] + by * along[1]]);
     symbols.arrow(pen, from, to, { size: 8 });
   }
-  words.write(own.call === "gravity" ? "g" : cutTo(own.name ?? own.call, 20), at[0] - 16, at[1], pen.fillStyle, "right");
+  words.write(own.kind === "gravity" ? "g" : cutTo(own.name ?? own.kind, 20), at[0] - 16, at[1], pen.fillStyle, "right");
   drawing.spot(own.id, at, 16);
 }

@@ -23,7 +23,7 @@ export function styleOf(call) {
   const last = call.split(".").pop();
   if (call.startsWith("blocks.")) return "block";
   if (/rigid/.test(last)) return "rigid";
-  if (/beam/.test(last)) return "beam";
+  if (/beam|leaf/.test(last)) return "beam";
   if (/truss|wire|cable/.test(last)) return "bar";
   if (/spring/.test(last)) return "spring";
   return /hinge/.test(last) ? "hinge" : "joint";
@@ -101,7 +101,8 @@ function lineOf(thing, byName, catalogue) {
 }
 
 function markOf(thing, { byName, byElement, values, catalogue }) {
-  const mark = { id: thing.id, name: thing.name, call: thing.call, args: thing.args, node: null, line: null };
+  const kind = thing.call.split(".").pop().replace("follower_", "");
+  const mark = { kind, id: thing.id, name: thing.name, call: thing.call, args: thing.args, node: null, line: null };
   for (const { name } of fieldsOf(catalogue, thing.call)) {
     for (const told of listOf(thing.args[name])) {
       mark.node ??= byName.get(told) ?? null;
@@ -110,13 +111,13 @@ function markOf(thing, { byName, byElement, values, catalogue }) {
     if (mark.node || mark.line) break;
   }
   mark.components = listOf(thing.args.components ?? thing.args.component);
-  mark.vector = vectorOf(thing, values);
+  mark.vector = vectorOf(kind, thing.args, values);
   return mark;
 }
 
 /** Direction of a load, with its size; null where it has none. */
-function vectorOf({ call, args }, values) {
-  const told = args[call] ?? args.acceleration;
+function vectorOf(kind, args, values) {
+  const told = args[kind] ?? args.acceleration;
   const list = listOf(told);
   if (list.length < 2) return null;
   const vector = list.map((text) => valueOf(text, values));

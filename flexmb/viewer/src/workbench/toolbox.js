@@ -25,7 +25,7 @@ const LETTERS = {
   beam: "B",
   rigid_body: "R",
   truss: "T",
-  spring_damper: "P",
+  leaf_spring: "P",
   fix: "H",
   force: "L",
   mass: "W",
