@@ -13,7 +13,7 @@ from ..design.problem import Problem, Rows
 from ..design.scaling import Scaling
 from ..design.search import search
 from ..display import listed
-from ..errors import ModelError, clean
+from ..errors import ModelError, clean, heard
 from ..mechanics.loads import has_loads
 from ..plot.geometry import extent_of
 from ..progress import Stopped
@@ -79,12 +79,14 @@ def meet(
         ValueError: What is wanted, or may change, is none.
         ModelError: The document builds no mechanism, or its answers are not there.
     """
-    tuning = _Tuning(document, wants, free, job, node)
-    try:
-        tuning.run()
-    except Stopped:
-        return tuning.told(stopped=True)
-    return tuning.told()
+    # What the package warns of is told beside the drawing.
+    with heard():
+        tuning, stopped = _Tuning(document, wants, free, job, node), False
+        try:
+            tuning.run()
+        except Stopped:
+            stopped = True
+        return tuning.told(stopped)
 
 
 class _Tuning:
@@ -335,7 +337,8 @@ class _Tuning:
             text = f"Stopped on the way to {wanted}; nearest so far {', '.join(changes) or 'as it is'}."
         else:
             text = self._why(x, values)
-        for name, (low, high) in self.assumed.items():
+        changed = {op["name"] for op in ops}
+        for name, (low, high) in [pair for pair in self.assumed.items() if pair[0] in changed]:
             text += f" '{clean(name)}' has no bounds: {low:.4g} to {high:.4g} were taken."
         return {
             "status": "done" if met else "stopped" if stopped else "failed",
