@@ -1,5 +1,5 @@
 /** The answers beside the drawing: degrees of freedom, advice, and numbers with the way they went over the last edits. */
-import { button, byId, h, keep, say, set, shown, watch } from "./dom.js";
+import { button, byId, h, keep, say, set, shown, signed, watch } from "./dom.js";
 import { toast } from "./dialogs.js";
 import { redraw, sparkline } from "./icons.js";
 
@@ -149,10 +149,8 @@ export function answers(store, { open }) {
     number.title = Number.isFinite(value) ? `${value} ${unit ?? ""}` : "";
     const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
     const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
-    say(
-      number.lastChild,
-      change === null ? "" : `${change >= 0 ? "+" : "−"}${Math.abs(100 * change).toPrecision(3)} % of pinned`,
-    );
+    say(number.lastChild, change === null ? "" : signed(100 * change));
+    number.lastChild.title = "Against the pinned design";
   }
 
   watch(store, ["count", "problems"], counts);

@@ -1,5 +1,5 @@
 /** A pinned design beside the present one. */
-import { button, byId, h, say, shown, watch } from "./dom.js";
+import { button, byId, h, say, shown, signed, watch } from "./dom.js";
 import { isStale } from "./answers.js";
 
 export function compare(store) {
@@ -52,20 +52,13 @@ export function compare(store) {
 const withUnit = (value, unit) =>
   value === null || value === undefined ? null : `${shown(value)} ${unit ?? ""}`.trim();
 
-/** Percent with as many digits as matter. */
-function signed(percent) {
-  const size = Math.abs(percent);
-  const text = size.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : 2);
-  return Number(text) ? `${percent > 0 ? "+" : "−"}${text} %` : "≈ same";
-}
-
 /** Without where it is: "3 MPa in 'left' at 1". */
 const short = (text) => String(text ?? "–").replace(/ (of|in) '.*$/s, "");
 
 function line({ label, before, now, percent, same }) {
   const none = percent === null || percent === undefined;
   const text = same || percent === 0 ? "same" : none ? "" : signed(percent);
-  const way = none || !percent ? "" : percent > 0 ? "more" : "less";
+  const way = none || signed(percent).startsWith("≈") ? "" : percent > 0 ? "more" : "less";
   return h(
     "tr",
     {},

@@ -67,6 +67,13 @@ export function shown(value, digits = 5) {
     .replace("-", "−");
 }
 
+/** Percent with as many digits as matter. */
+export function signed(percent) {
+  const size = Math.abs(percent);
+  const text = size.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : 2);
+  return Number(text) ? `${percent > 0 ? "+" : "−"}${text} %` : "≈ same";
+}
+
 /** A list of choices; what is chosen stays, even where it is no longer offered. */
 export function choices(select, offered, chosen) {
   const all = offered.some(({ value }) => value === chosen)

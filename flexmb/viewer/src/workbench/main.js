@@ -53,6 +53,7 @@ history();
 head();
 keys();
 requests();
+selected();
 notes();
 store.connect();
 
@@ -127,6 +128,14 @@ function notes() {
     const own = store.state.notes ?? [];
     off();
     if (own.length) ask("Opened, with notes", plainly(own), "", null);
+  });
+}
+
+/** What is chosen in the drawing or among the parts shows its properties. */
+function selected() {
+  store.on("selection", () => {
+    const elsewhere = byId("upper").contains(document.activeElement);
+    if (store.state.selection.length && byId("inspector").hidden && !elsewhere) open("inspector");
   });
 }
 
