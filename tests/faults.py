@@ -891,7 +891,7 @@ FAULTS = [
     Fault("math/linear.py", "(change.T if transposed else change)", "change", "math/test_linear.py -k derivative_of_a"),
     Fault(
         "math/subspace.py",
-        "if sizes[best] <= threshold:",
+        "if size <= threshold:",
         "if False:",
         "math/test_subspace.py",
     ),
@@ -1798,11 +1798,21 @@ FAULTS = [
     Fault("linear/modes.py", "if hertz >= 0 else", "if True else", "plot/test_plot.py -k say_so"),
     Fault("viewer/page.py", '.replace("<", "\\\\u003c")', "", "viewer/test_view.py -k names_cannot"),
     Fault("viewer/scene.py", "rate = 1 / (2 * step)", "rate = 1 / step", "viewer/test_view.py -k modes_move"),
+    Fault(
+        "workbench/live.py",
+        "message=message, stale=True, **self._good)",
+        "message=message, stale=False, **self._good)",
+        "workbench/test_live.py -k keeps_the_last",
+    ),
+    Fault("workbench/scene.py", "-1.0 if before @ shape < 0 else 1.0", "1.0", "workbench/test_scene.py -k side"),
+    Fault("workbench/counts.py", "over=0,\n", "over=1,\n", "workbench/test_counts.py -k tutorial"),
+    Fault("workbench/live_answers.py", "1 / own if own", "own if own", "workbench/test_live.py -k public_functions"),
+    Fault("workbench/ways.py", "0.0) + one / value", "0.0) + one", "workbench/test_ways.py -k powers"),
     Fault("files.py", "if name not in found:\n", "if True:\n", "answers/test_files.py"),
     Fault(
         "errors.py",
-        "if issubclass(one.category, FlexmbWarning):",
-        "if False:",
+        "        listening.append(text)\n        return\n",
+        "        pass\n",
         "test_cli.py -k warnings_of_the_package",
     ),
     Fault(

@@ -34,7 +34,7 @@ def node(name):
 class QuietHandler(http.server.SimpleHTTPRequestHandler):
     """Serves a folder without a word."""
 
-    def log_message(self, *_):
+    def log_message(self, format, *args):
         """Say nothing."""
 
 

@@ -208,6 +208,18 @@ def test_a_request_that_is_sent_again_is_done_once(server):
         page.close()
 
 
+def test_a_job_that_is_asked_for_again_is_started_once(server):
+    first = Client(server.address, page="one")
+    number = first.send("run", analysis="mobility")
+    job = first.reply(number)["job"]
+    first.close()
+    again = Client(server.address, page="one")
+    again.number = number - 1
+    assert again.ask("run", analysis="mobility")["job"] == job
+    assert again.ask("run", analysis="mobility")["job"] != job
+    again.close()
+
+
 def test_a_slow_page_gets_the_newest_and_holds_up_no_other(client, server):
     slow = Client(server.address, max_queue=1, close_timeout=0.5)
     # What the operating system takes in is not much beside what is pushed: 100 MB.
