@@ -104,9 +104,11 @@ class Driven:
             return Model(topology, parameters, model.labels)
 
         step: Any = {self.kind: jnp.asarray(unit)}
-        held = linearize(with_values(self.held, with_it, Loads(**step)), increment=stroke, throw=throw)
-        free = with_values(self.free, without, None)
-        found = _let_go(self.free, free.parameters, held.matrices, jnp.asarray(self.index), of=self.kind)
+        driven = with_values(self.held, with_it, Loads(**step))
+        held = linearize(driven, increment=stroke, throw=throw)
+        free, factors = with_values(self.free, without, None), load_factors(1.0, stroke)
+        structure = self.held, driven.parameters, factors
+        found = _let_go(self.free, free.parameters, structure, held.matrices, jnp.asarray(self.index), of=self.kind)
         return AtStroke(held, Linearization(found.matrices, free), found.force, found.stiffness, found.margins)
 
 
@@ -118,8 +120,12 @@ class _LetGo(NamedTuple):
 
 
 @jit
-def _let_go(topology: Topology, parameters: Parameters, held: Matrices, index, *, of: str) -> _LetGo:
-    """The held state in the structure in which the driven coordinate is a degree of freedom."""
+def _let_go(topology: Topology, parameters: Parameters, structure, held: Matrices, index, *, of: str) -> _LetGo:
+    """The held state in the structure in which the driven coordinate is a degree of freedom.
+
+    Args:
+        structure: That in which it is held, its numbers, and the factors of the loads.
+    """
     factors, near, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
     at, force = state(topology, parameters, factors, held.x, near), held.reactions[index]
     if of == "e":
@@ -135,8 +141,12 @@ def _let_go(topology: Topology, parameters: Parameters, held: Matrices, index, *
     more = Loads(loads.force, loads.gravity, loads.prestress, temperature=loads.temperature)
     if not jax.tree.leaves(more):
         return _LetGo(found, force, stiffness, None)
+    # The other loads grow while the stroke is held; it is let go to ask whether it stays.
+    structure, numbers, raised = structure
+    still = state(structure, numbers, raised, held.x, near)
     again = dataclasses.replace(parameters, increment=more)
-    margins = 1 + multipliers_of(*scaled_stiffness(topology, again, at, near))
+    grown = structure, dataclasses.replace(numbers, increment=more), still
+    margins = 1 + multipliers_of(*scaled_stiffness(topology, again, at, near, grown))
     return _LetGo(found, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
 
 

@@ -67,9 +67,9 @@ class Buckling(Shapes, Result, Record):
         return modal_summary("Buckling", self.states(), told, {} if told else {"load multipliers": "none"})
 
 
-def geometric_stiffness_of_increment(
+def curvature_of_increment(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
-) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_e"], Float[Array, "n_x"]]:
+) -> tuple[Float[Array, "n_x n_x"], Float[Array, "n_e"], Float[Array, "n_x"]]:
     """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry.
 
     Args:
@@ -77,7 +77,7 @@ def geometric_stiffness_of_increment(
         near: Deformations there, (n_e,) [m, rad].
 
     Returns:
-        (n_q, n_q) [N/m, N m/rad], the stresses (n_e,) [N, N m] and the displacements (n_x,) [m, rad, -].
+        In the coordinates, (n_x, n_x) [N/m, N m/rad]; stresses, (n_e,) [N, N m]; displacements, (n_x,) [m, rad, -].
     """
     no_preload = LoadFactors(0.0, 1.0)
     unloaded = dataclasses.replace(parameters, strain=None)
@@ -94,17 +94,21 @@ def geometric_stiffness_of_increment(
     turned = 0.0 if at.curvature is None else at.curvature @ dx
     sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force - turned)
     curvature = deformation_curvature(topology, parameters, at.x, near, sigma)
-    curvature = curvature - load_stiffness(topology, parameters, no_preload, at.x)
-    return at.transfer.DFx.T @ curvature @ at.transfer.DFx, sigma, dx
+    return curvature - load_stiffness(topology, parameters, no_preload, at.x), sigma, dx
 
 
 def scaled_stiffness(
-    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
+    topology: Topology,
+    parameters: Parameters,
+    at: State,
+    near: Float[Array, "n_e"],
+    raised: tuple[Topology, Parameters, State] | None = None,
 ) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_q n_q"], Float[Array, ""]]:
     """Stiffness that stays and stiffness that is scaled with the loads, about a state.
 
     Args:
         near: Deformations there, (n_e,) [m, rad].
+        raised: Structure, numbers and the same state in which the incremental loads grow, where that holds more.
 
     Returns:
         Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-].
@@ -116,7 +120,9 @@ def scaled_stiffness(
         stays, scaled, sigma, moved = at.K0, at.G0, at.sigma, sizes_of(topology, parameters)
     else:
         stays = at.K0 + at.G0
-        scaled, sigma, moved = geometric_stiffness_of_increment(topology, parameters, at, near)
+        grown = (topology, parameters, at) if raised is None else raised
+        curvature, sigma, moved = curvature_of_increment(*grown, near)
+        scaled = at.transfer.DFx.T @ curvature @ at.transfer.DFx
     tangent = at.x, near, at.jacobian, at.S, at.transfer.DFx
     return stays, scaled, jax.lax.stop_gradient(_noise(topology, parameters, tangent, stays, sigma, moved))
 
