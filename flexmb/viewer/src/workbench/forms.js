@@ -84,7 +84,7 @@ function scalar(store, field, own) {
     ? numberBox(store, { get, send, problem, rest })
     : box(store, { get, send, problem, rest, changed: () => update() });
   const unit = field.unit ? h("span", { class: "unit" }, field.unit) : null;
-  const body = h("div", { class: "boxes" }, made.element, unit, numeric ? made.value : null);
+  const body = h("div", { class: "boxes" }, made.element, numeric ? made.value : null, unit);
   const { element, note } = row(field, [made.element], body);
   made.element.addEventListener("input", () => update());
   function update() {
