@@ -126,6 +126,9 @@ def _close(server: Server) -> None:
     timer.start()
     server.close()
     timer.cancel()
+    # A thread that still compiles would be torn down with the interpreter, which the compiler answers with an abort.
+    if any(thread.name.startswith("flexmb ") for thread in threading.enumerate()):
+        gone()
 
 
 def _has_screen() -> bool:
