@@ -1,16 +1,32 @@
-"""What a leaf spring costs to compile beside a spectral beam with shear of the same order, from nothing.
+"""What first answers cost to compile, and a leaf spring beside a spectral beam with shear of the same order.
 
-``python benchmarks/compiling.py`` takes six minutes and writes results/compiling.json: processor time of a first
-linearisation in a fresh process, tracing and compiling together, without that of the imports.
+``python benchmarks/compiling.py`` takes ten minutes and writes results/compiling.json: processor time in a fresh
+process, tracing and compiling together, without that of the imports. Of the answers of one element and of a guide, less
+that of a second answer: from nothing, for a cache, and with it; ``python benchmarks/compiling.py answers`` measures
+these alone.
 """
 
+import json
 import os
 import statistics
 import subprocess
 import sys
+import tempfile
 import warnings
+from pathlib import Path
+from typing import Any
 
 RUNS = 7
+ANSWERS = (
+    "equilibrium of a spectral beam in space",
+    "path of a spectral beam in the plane",
+    "path of a spectral beam in space",
+    "motion of a guide in the plane",
+    "motion of a guide in space",
+    "motion of a beam in space",
+    "motion of a spectral beam in space",
+)
+WAYS = ("from nothing", "for a cache", "with it")
 CASES = ("plain", "fold", "taper", "loaded")
 KINDS = ("leaf_spring", "spectral_beam")
 
@@ -50,20 +66,105 @@ def first(case: str, kind: str) -> tuple[float, float]:
     return taken, float(fm.compliance(lin, end)[1, 1])
 
 
+def answered(what: str, folder: str = "") -> tuple[float, float]:
+    """Processor time of a first answer in this process less that of a second one [s], and a number of the answer.
+
+    Args:
+        what: One of ``ANSWERS``.
+        folder: Of the cache; empty: none.
+    """
+    import time
+
+    import numpy as np
+
+    import flexmb as fm
+    from flexmb import planar, spatial
+
+    fm.enable_x64()
+    if folder:
+        fm.enable_cache(folder)
+    warnings.simplefilter("ignore")
+    plane, space = "plane" in what, np.s_[:2] if "plane" in what else np.s_[:]
+    if "guide" in what:
+        from motion import guide
+
+        model = guide(plane)
+    else:
+        kind = planar if plane else spatial
+        b = fm.Builder()
+        b.node("a", (0.0, 0.0, 0.0)[space])
+        b.node("c", (0.3, 0.0, 0.0)[space])
+        section = fm.Rectangle(0.018, 0.0005, fm.Material(E=210e9, G=80e9, rho=7850.0))
+        element = kind.spectral_beam(5) if "spectral" in what else kind.beam
+        across: dict[str, Any] = {} if plane else {"y": (0, 1, 0)}
+        b.add(element, "a", "c", section=section, **across)
+        b.fix("a")
+        b.force("c", (0.1, 0.5, 1.0)[space])
+        model = b.build()
+    times = np.linspace(0, 1e-3, 11)
+    answers = {"equilibrium": fm.equilibrium, "path": fm.path, "motion": lambda model: fm.simulate(model, times)}
+
+    def once() -> tuple[float, np.ndarray]:
+        start = time.process_time()
+        found = np.asarray(answers[what.split()[0]](model).x)
+        return time.process_time() - start, found.reshape(-1, found.shape[-1])[-1]
+
+    (first, found), (second, _) = once(), once()
+    return first - second, float(np.sum(np.abs(found)))
+
+
+def _said(code: str, *words: str) -> list[float]:
+    """Numbers that a fresh process says."""
+    paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+    said = subprocess.run(
+        [sys.executable, "-c", f"import sys, compiling; print(*compiling.{code}(*sys.argv[1:]))", *words],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": paths},
+    )
+    return [float(word) for word in said.stdout.split()]
+
+
+def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
+    """Medians of the processor time of first answers, each way [s].
+
+    Args:
+        runs: How many of each.
+    """
+    medians = {}
+    for what in ANSWERS:
+        times: dict[str, list[float]] = {way: [] for way in WAYS}
+        for _ in range(runs):
+            with tempfile.TemporaryDirectory() as folder:
+                words = dict(zip(WAYS, ((), (folder,), (folder,)), strict=True))
+                found = {way: _said("answered", what, *own) for way, own in words.items()}
+            numbers = [number for _, number in found.values()]
+            assert max(numbers) - min(numbers) <= 1e-6 * max(numbers), (what, numbers)
+            for way, (taken, _) in found.items():
+                times[way].append(taken)
+        medians[what] = {way: statistics.median(own) for way, own in times.items()}
+        print(f"{what:<42}" + "".join(f"{taken:7.2f} s {way}" for way, taken in medians[what].items()), flush=True)
+    return medians
+
+
 def main() -> None:
     """Measure in fresh processes in turn, check that both kinds agree where they should, and save."""
-    from record import save
+    from record import RESULTS, save
 
-    code = "import sys, compiling; print(*compiling.first(*sys.argv[1:]))"
+    # ``answers 1``: a run of each.
+    runs = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    first_of_all = {"processor time of first answers [s]": first_answers(*runs), "runs of these": (*runs, RUNS)[0]}
+    if "answers" in sys.argv[1:]:
+        known = json.loads((RESULTS / "compiling.json").read_text())
+        save("compiling", {name: value for name, value in known.items() if name != "about"} | first_of_all)
+        return
     times: dict[tuple[str, str], list[float]] = {}
     for run in range(RUNS + 1):
         for case in CASES:
             sideways = {}
             for kind in KINDS:
-                said = subprocess.run(
-                    [sys.executable, "-c", code, case, kind], capture_output=True, text=True, check=True, env=os.environ
-                )
-                taken, sideways[kind] = map(float, said.stdout.split())
+                taken, sideways[kind] = _said("first", case, kind)
                 # The first run only fills the machine's caches.
                 if run:
                     times.setdefault((case, kind), []).append(taken)
@@ -73,7 +174,7 @@ def main() -> None:
     for case in CASES:
         leaf, beam = (found[f"{case}, {kind}"] for kind in KINDS)
         print(f"{case:<8}{leaf:6.2f} s beside {beam:.2f} s: {leaf / beam:.2f}")
-    save("compiling", {"processor time [s]": found})
+    save("compiling", {"processor time [s]": found} | first_of_all)
 
 
 if __name__ == "__main__":
