@@ -136,8 +136,8 @@ def _along(tangents: Float[np.ndarray, "n places 3"]) -> Float[np.ndarray, "n pl
         steps[:, 1:, k, j] += axis[..., i]
         steps[:, 1:, j, k] -= axis[..., i]
     # Products of all steps up to each place in as many multiplications as it takes to double them to the length.
-    reach = 1
-    while reach < steps.shape[1]:
+    reach, count = 1, tangents.shape[1]
+    while reach < count:
         steps[:, reach:] = steps[:, reach:] @ steps[:, :-reach]
         reach *= 2
     return steps

@@ -34,7 +34,7 @@ def settle(**changed):
 
 
 def scattered(deviation=0.1, **options):
-    return fm.tolerances(same, {"y": double}, START, {"a": deviation}, **options)
+    return fm.design.tolerances(same, {"y": double}, START, {"a": deviation}, **options)
 
 
 WRONG = [
