@@ -90,7 +90,10 @@ CASES = {
         lambda: fm.sensitivities(cart, answer, {"stiffness": 100.0}),
         ["0.79577, 0.5 % per % of stiffness"],
     ),
-    "Tolerances": (lambda: fm.design.tolerances(cart, answer, {"mass": 4.0}, {"mass": 0.04}), ["± 0.0039", "100 % from mass"]),
+    "Tolerances": (
+        lambda: fm.design.tolerances(cart, answer, {"mass": 4.0}, {"mass": 0.04}),
+        ["± 0.0039", "100 % from mass"],
+    ),
     "Lean": (lambda: fm.lean(shipped("pf2d3dof"), bandwidth=21.0), ["1 of 3", "3.x", "frequencies: 10.645 Hz"]),
     "SpacarModel": (lambda: fm.read_spacar(mechanism_path("elevator")), ["elevator.dat", "settings: ", "TIMESTEP"]),
     "LightResults": (light, ["1 load step, ndof 1", "largest stress: 0 to 0 Pa", "frequencies"]),
