@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import jax
 import numpy as np
 
 from ..arguments import check_choice, check_whole
@@ -95,7 +96,7 @@ class Answers:
         self.buckled: Buckling | None = None
         self.stress: Stress | None = None
         self.fault: Exception | None = None
-        self.loaded = has_loads(model.topology, model.parameters)
+        self.loaded = _is_loaded(model)
         # As the public functions take it: without incremental loads, which buckling scales.
         self.increment = None if model.parameters.increment is None else 0.0
 
@@ -232,3 +233,11 @@ class Answers:
             worst = int(np.argmax(used))
             text = f"{used[worst]:.4g} in '{found.names[worst]}'"
             self._add("utilisation", used[worst], "", "stress over strength", text)
+
+
+def _is_loaded(model: Model) -> bool:
+    """Whether anything acts: loads that are all zero, such as a motion that is prescribed but not given yet, do not."""
+    own = model.parameters
+    given = [np.asarray(leaf) for leaf in jax.tree.leaves((own.loads, own.increment, own.strain))]
+    elements = any(block.element.force is not None for block in model.topology.blocks)
+    return has_loads(model.topology, own) and (elements or any(np.any(leaf) for leaf in given))

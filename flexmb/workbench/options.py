@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import clean
 from ..spacar.arithmetic import value_of
-from .building import free_names, numbers_of
+from .building import free_names, numbers_of, positions
 from .document import Document
 from .references import call_of
 
@@ -28,6 +28,11 @@ def _choice(name: str, choices: list[str], doc: str, default: str = "", optional
     return {"name": name, "kind": "choice", "choices": choices, "default": default, "doc": doc, "optional": optional}
 
 
+def _nodes(document: Document) -> list[str]:
+    """Nodes with a position, those that building blocks make after those that are drawn."""
+    return list(positions(document))
+
+
 def _coordinates(document: Document) -> list[str]:
     """Coordinates of nodes that are not fixed altogether."""
     fixed = {
@@ -35,7 +40,7 @@ def _coordinates(document: Document) -> list[str]:
         for thing in document.things
         if thing["call"] == "fix" and not str(thing["args"].get("components", "")).strip()
     }
-    names = [thing["name"] for thing in document.things if thing["call"] == "node" and thing.get("name") not in fixed]
+    names = [name for name in _nodes(document) if name not in fixed]
     axes = ("x", "y", "phi") if document.dimension == 2 else ("x", "y", "z")
     return [f"{name}.{axis}" for name in names[:MOST_NODES] for axis in axes]
 
@@ -68,7 +73,7 @@ FIELDS: dict[str, Callable[[Document], list[Field]]] = {
         ),
         _number("to", "m, rad", "0.001", "How far, to both sides.", optional=False),
         _number("steps", "", "4", "Strokes to each side.", whole=True),
-        _choice("node", [t["name"] for t in document.things if t["call"] == "node"], "Whose stiffness is told."),
+        _choice("node", _nodes(document), "Whose stiffness is told."),
     ],
     "names": lambda document: [
         _choice("name", free_names(document), "Which dimension varies.", optional=False),

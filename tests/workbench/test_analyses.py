@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 from cases import mechanisms
-from cases.documents import planar_guide, spatial_guide
+from cases.documents import drawn, planar_guide, spatial_guide
 
 import flexmb as fm
 from flexmb.answers.answers import modes
@@ -46,6 +46,20 @@ def ran(document, analysis, job=None, **options):
 
 def floats(text):
     return np.frombuffer(base64.b64decode(text), "<f4")
+
+
+def test_what_a_building_block_carries_may_be_driven():
+    things = [
+        ("Material", "steel", {"E": "210e9", "G": "80e9", "rho": "7850"}),
+        ("Rectangle", "leaf", {"width": "0.02", "thickness": "0.5e-3", "material": "steel"}),
+        ("node", "A", {"position": ["0", "0"]}),
+        ("fix", None, {"node": "A"}),
+        ("blocks.cross_pivot", "pivot", {"base": "A", "stage": "B", "section": "leaf", "length": "0.1"}),
+    ]
+    fields = {field["name"]: field for field in analyses.offered(drawn(2, {}, things))["stroke"]["fields"]}
+    assert "B.phi" in fields["coordinate"]["choices"]
+    assert not any(choice.startswith("A.") for choice in fields["coordinate"]["choices"])
+    assert {"A", "B"} <= set(fields["node"]["choices"])
 
 
 def test_every_mode_of_the_command_line_is_offered_and_no_second_list():

@@ -132,6 +132,22 @@ def test_unstable_and_loose_mechanisms_are_named(page):
     assert "no buckling" in " ".join(last(told, "answers")["words"])
 
 
+def test_loads_that_are_zero_yet_are_none(page):
+    # A motion that is prescribed and not given yet moves nothing: round-off is no displacement, stress or multiplier.
+    for value, there in ((0.0, False), (1e-3, True)):
+        b = fm.Builder()
+        b.node("A", (0, 0))
+        b.node("B", (0, 0.1))
+        b.add(planar.beam, "A", "B", name="leaf", section=mechanisms.leaf())
+        b.mass("B", 0.1)
+        b.fix("A")
+        b.prescribe("B", "x", value)
+        told = last(page.show(b), "answers")
+        assert ({"displacement", "stress"} <= set(told["values"])) is there
+        assert ("no buckling" in " ".join(told["words"])) is not there
+    assert told["values"]["displacement"]["value"] == pytest.approx(1e-3, rel=1e-2)
+
+
 def test_the_newest_wins_and_there_are_no_more_answers_than_documents():
     entered, go = threading.Event(), threading.Event()
 
