@@ -184,6 +184,23 @@ def test_bad_input_is_marked_at_its_field_and_the_last_good_answers_are_greyed(p
     write(box, "t")
     until(page, "!document.querySelector('#inspector [aria-invalid=true]')")
     assert answered(page)["frequency 1"] == pytest.approx(good["frequency 1"], rel=1e-12)
+    # What is half typed is no design: "1" never was, so what stays is what was there before.
+    write(box, "1/0")
+    until(page, "document.querySelector('#inspector [aria-invalid=true]')")
+    until(page, "document.getElementById('answers').classList.contains('stale')")
+    kept = float(page.find_element("css selector", "[data-answer='frequency 1'] data").get_attribute("value"))
+    assert kept == pytest.approx(good["frequency 1"], rel=1e-12)
+
+
+def test_a_unit_behind_a_number_is_told_and_makes_no_name(page):
+    edit(page, *GUIDE)
+    answered(page)
+    select(page, "leaf")
+    write(field(page, "width"), "18 mm")
+    until(
+        page, "[...document.querySelectorAll('#inspector .problem')].some((e) => e.textContent.includes('write 18e-3'))"
+    )
+    assert not page.find_elements("css selector", "#inspector .problem button")
 
 
 def test_an_unknown_name_becomes_one(page):

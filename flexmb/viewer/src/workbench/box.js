@@ -1,6 +1,9 @@
 /** A text box that sends what is typed and shows what the document holds, and never takes the words out of a mouth. */
 import { h, newId, say, set } from "./dom.js";
 
+// Typing has paused after this long [ms]: a number that is half typed is no design.
+const PAUSE = 400;
+
 /**
  * @param store The store.
  * @param own `get()` gives the text that the document holds; `send(text, visit)` sends another one and gives the reply's
@@ -18,7 +21,10 @@ export function box(store, { get, send, problem = () => null, rest = {}, lazy = 
   let visit = newId();
   input.addEventListener("focus", () => (visit = newId()));
 
+  let timer = null; // Runs while a text is typed and not sent yet.
   function go() {
+    clearTimeout(timer);
+    timer = null;
     const text = input.value;
     turn += 1;
     const mine = turn;
@@ -42,7 +48,7 @@ export function box(store, { get, send, problem = () => null, rest = {}, lazy = 
 
   function update() {
     const held = String(get() ?? "");
-    if (waiting || (store.state.revision ?? 0) < awaited) return;
+    if (timer || waiting || (store.state.revision ?? 0) < awaited) return;
     const moved = held !== last;
     last = held;
     if (moved) refused = null;
@@ -52,6 +58,8 @@ export function box(store, { get, send, problem = () => null, rest = {}, lazy = 
   }
 
   function reset() {
+    clearTimeout(timer);
+    timer = null;
     refused = null;
     waiting = false;
     turn += 1;
@@ -60,10 +68,19 @@ export function box(store, { get, send, problem = () => null, rest = {}, lazy = 
     changed();
   }
 
-  input.addEventListener(lazy ? "change" : "input", go);
+  if (lazy) input.addEventListener("change", go);
+  else {
+    input.addEventListener("input", () => {
+      clearTimeout(timer);
+      timer = setTimeout(go, PAUSE);
+    });
+    input.addEventListener("blur", () => timer && go());
+  }
   input.addEventListener("keydown", (event) => {
+    // Also what a shortcut does, such as to save, is done to the text that stands here.
+    if (timer && (event.key === "Enter" || event.ctrlKey || event.metaKey)) go();
     if (event.key === "Enter" && lazy && input.value !== String(get() ?? "")) go();
-    if (event.key === "Escape" && (refused || lazy)) {
+    if (event.key === "Escape" && (timer || refused || lazy)) {
       event.stopPropagation();
       reset();
     }

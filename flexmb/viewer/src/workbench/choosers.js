@@ -125,7 +125,9 @@ export function chips(store, field, own) {
     problem: () => own.problem(field.name),
     changed: () => update(),
     rest: {
-      placeholder: filled(field.default) ? String(field.default) : field.kind === "components" ? "all" : "as usual",
+      placeholder:
+        field.hint ??
+        (filled(field.default) ? String(field.default) : field.kind === "components" ? "all" : "as usual"),
     },
   });
   const row_ = h("div", { class: "chips" });

@@ -2,7 +2,7 @@
 import { box, remark } from "./box.js";
 import { chips, choice, flag, FROM, many, nodes, reference, weights } from "./choosers.js";
 import { button, h, say, shown } from "./dom.js";
-import { countOf, evaluate, isNumber, problemAt, thing, unknown, words } from "./model.js";
+import { countOf, evaluate, isNumber, problemAt, thing, unitAdvice, unknown, words } from "./model.js";
 import { filled, list, mark, row } from "./rows.js";
 
 const AXES = ["x", "y", "z"];
@@ -64,7 +64,7 @@ function numberBox(store, { get, send, problem, rest }) {
 
 /** Buttons that make names of those that are not known yet. */
 function makeNames(store, texts, guess) {
-  const names = [...new Set(texts.flatMap((text) => unknown(store, text)))];
+  const names = [...new Set(texts.flatMap((text) => (unitAdvice(text) ? [] : unknown(store, text))))];
   return names.slice(0, 3).map((name) =>
     button(`Make “${name.length > 24 ? `${name.slice(0, 24)}…` : name}” a name`, () => {
       const value = String(guess() || 1);
@@ -91,7 +91,8 @@ function scalar(store, field, own) {
     made.update();
     const fault = made.fault();
     if (numeric && !fault) good = evaluate(store, made.text()) ?? good;
-    note.tell(fault, ...(numeric && fault ? makeNames(store, [made.text()], () => good) : []));
+    const advice = numeric && fault ? unitAdvice(made.text()) : null;
+    note.tell(advice ?? fault, ...(numeric && fault ? makeNames(store, [made.text()], () => good) : []));
   }
   update();
   return { element, update };
@@ -150,7 +151,7 @@ function vector(store, field, own) {
     const own_ = own.problem(field.name);
     const fault = bad[0]?.fault() ?? own_;
     note.tell(
-      fault,
+      (bad[0] && unitAdvice(bad[0].text())) ?? fault,
       ...(fault
         ? makeNames(
             store,

@@ -79,6 +79,19 @@ export function unknown(store, text) {
   return [...new Set(names)].filter((name) => name !== "pi" && !Object.hasOwn(known, name));
 }
 
+// Powers of ten of the units that are written behind numbers.
+const UNITS = { m: 0, mm: -3, um: -6, µm: -6, μm: -6, nm: -9, kN: 3, mN: -3, N: 0, Pa: 0, kPa: 3, MPa: 6, GPa: 9, kg: 0, g: -3 };
+
+/** What to write where a number stands before a unit, or null. */
+export function unitAdvice(text) {
+  const [, number, unit] = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([a-zµμ]+|°)\s*$/i.exec(text) ?? [];
+  if (!number) return null;
+  if (unit === "deg" || unit === "°") return `Numbers are in SI units here: write ${number}*pi/180.`;
+  if (!Object.hasOwn(UNITS, unit)) return null;
+  const power = UNITS[unit] ? (/e/i.test(number) ? `*1e${UNITS[unit]}` : `e${UNITS[unit]}`) : "";
+  return `Numbers are in SI units here: write ${number}${power}.`;
+}
+
 /** Value of a text: a number, or arithmetic with + - * / ** and parentheses of names; null where it has none.
  *
  * Only for what is shown beside a field while it is typed; what is computed with is the server's.

@@ -216,9 +216,12 @@ export function toolForm(store) {
   const doc = h("p", { class: "soft" });
   say(doc, own?.doc ?? "");
   const send = (name, to) => store.setTool({ ...store.state.tool, args: { ...store.state.tool.args, [name]: to } });
-  const drawn = fields.map((field) =>
-    own?.group === "block" && ["length", "along"].includes(field.name) ? { ...field, hint: "as drawn" } : field,
-  );
+  // What placing.js gives where nothing is chosen is said before the click.
+  const starts = ["dof", "input", "output", "prescribe"].includes(tool.call);
+  const drawn = fields.map((field) => {
+    if (own?.group === "block" && ["length", "along"].includes(field.name)) return { ...field, hint: "as drawn" };
+    return starts && field.kind === "components" ? { ...field, hint: "x at a node, 1 of an element" } : field;
+  });
   const made = form(store, drawn, {
     get: (name) => store.state.tool.args?.[name],
     send,
