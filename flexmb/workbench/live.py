@@ -45,7 +45,7 @@ class Live:
         self._next: tuple[int, Any, Wants] | None = None
         self._busy = self._stopped = False
         self._compiled: dict[Any, None] = {}
-        self._good: dict[str, Any] = {"of_revision": None, "values": {}, "words": [], "warnings": []}
+        self._good = _nothing()
         self._scenes, self._ways = Scenes(), Ways(self._again)
         self._shown: tuple[int, Any, Wants] | None = None
         self.counted: dict[str, Any] = {}
@@ -118,6 +118,9 @@ class Live:
 
     def _evaluate(self, revision: int, document: Any, wants: Wants) -> None:
         built = self._build(document)
+        if not built.builder.nodes and not built.problems:
+            # Of an empty drawing no answer stays: the next mechanism is another one.
+            self._good = _nothing()
         found = self._count(revision, built, document.things)
         if built.problems:
             more = f" There are {len(built.problems)} such problems." if len(built.problems) > 1 else ""
@@ -228,3 +231,8 @@ def _structure(model: Model) -> Any:
     """What an analysis is compiled for: structure, and the shapes of all arrays."""
     leaves, structure = jax.tree.flatten((model.topology, model.parameters))
     return structure, tuple(leaf.shape for leaf in leaves)
+
+
+def _nothing() -> dict[str, Any]:
+    """Answers where there are none."""
+    return {"of_revision": None, "values": {}, "words": [], "warnings": []}

@@ -132,6 +132,11 @@ def test_unstable_and_loose_mechanisms_are_named(page):
     assert "no buckling" in " ".join(last(told, "answers")["words"])
 
 
+def test_an_empty_drawing_keeps_no_answer_of_the_last_mechanism(page):
+    assert last(page.show(guide()), "answers")["values"]
+    assert last(page.show(fm.Builder()), "answers")["values"] == {}
+
+
 def test_loads_that_are_zero_yet_are_none(page):
     # A motion that is prescribed and not given yet moves nothing: round-off is no displacement, stress or multiplier.
     for value, there in ((0.0, False), (1e-3, True)):
