@@ -75,6 +75,21 @@ def jets(function: Callable[..., Any], motion: tuple[Array, ...], aside: Array |
     return jax.tree.unflatten(jax.tree.structure(like), leaves)
 
 
+def length(function: Callable[..., Any], x: Array) -> int:
+    """Number of operations of a function of one array, those of programs within it included.
+
+    Args:
+        function: ``f(x)``.
+        x: Its argument, (n,).
+    """
+    return _length(jax.make_jaxpr(function)(jax.typeof(x)).jaxpr)
+
+
+def _length(jaxpr: Jaxpr) -> int:
+    within = [getattr(each, "jaxpr", each) for equation in jaxpr.eqns for each in equation.params.values()]
+    return len(jaxpr.eqns) + sum(_length(each) for each in within if isinstance(each, Jaxpr))
+
+
 class Algebra:
     """How polynomials are computed with.
 

@@ -12,13 +12,16 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..compilation.jets import jets
+from ..compilation.jets import jets, length
 from ..compilation.program import split
 from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+
+# Functions of an element of so few operations run quicker, and compile as quickly, differentiated time after time.
+SHORT = 100
 
 
 class PreparedBlock(Record):
@@ -209,14 +212,34 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
     return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
 
 
+def _second_rate(function, x, v, a):
+    """Value of a function of coordinates and its first and second rate of change along a motion."""
+
+    def first(x, v):
+        return jax.jvp(function, (x,), (v,))
+
+    (value, rate), (_, second) = jax.jvp(first, (x, v), (v, a))
+    return value, rate, second
+
+
 def _rates(f, x, v, a, falling):
     """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
+    if length(f, x) <= SHORT:
+        y, yd, (edd, sdd) = _second_rate(f, x, v, a)
+        if falling is not None and sdd is not None:
+            sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
+        return y, yd, (edd, sdd)
     rows = jets(f, (x, v, a), falling, directed=False)
     return _of_orders(rows, 3, falling, lambda rows: rows[0])
 
 
 def _with_jacobians(f, x, v, a, falling):
     """As :func:`_rates`, and the Jacobians of e and s."""
+    if length(f, x) <= SHORT:
+        (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
+        ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
+        sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
+        return (y, (ed, None), (edd, sdd)), (d, j)
     rows = jets(f, (x, v), None, directed=True)
     (y, (ed, _)), ((d, j), (dd, jd)) = (_of_orders(rows, 2, None, of) for of in (lambda rows: rows[0], _by_directions))
     edd = None if d is None else d @ a + dd @ v
@@ -226,6 +249,8 @@ def _with_jacobians(f, x, v, a, falling):
 
 def _derived_rates(f, x, v, a, falling):
     """As :func:`_rates`, and their derivatives by the coordinates."""
+    if length(f, x) <= SHORT:
+        return _jacobian(lambda x: _rates(f, x, v, a, falling))(x)
     rows = jets(f, (x, v, a), falling, directed=True)
     return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
 
