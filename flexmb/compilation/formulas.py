@@ -198,4 +198,4 @@ def _joined(a: Formula, sign: str, b: Formula, rank: int) -> Formula:
 
 
 def _inside(a: Formula, least: int) -> str:
-    return a.text if a.rank >= least else f"({a.text})"  # type: ignore[return-value]
+    return f"{a.text}" if a.rank >= least else f"({a.text})"

@@ -28,14 +28,8 @@ from ..statics.equilibrium import load_factors_of
 from ..statics.solve import held_values, solve_state
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
 from .shapes import Shapes
-from .sparse_buckling import sparse_multipliers
+from .sparse_buckling import ROUND_OFF, UNBOUNDED, sparse_multipliers
 from .spectrum import is_real
-
-# Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
-UNBOUNDED = 1e9
-# So are those that the round-off of a stress would give: that of a deformation beside what the whole mechanism's extent
-# would make of it, and that of a constraint force beside the largest of the forces that it balances.
-ROUND_OFF = 1e-15
 
 
 class Buckling(Shapes, Result, Record):

@@ -15,9 +15,8 @@ from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import work_of_weight
-from ..mechanics.loads import LoadFactors, scaled_loads
-from ..mechanics.stress_resultants import stiffness_pieces, stress_of_strain
+from ..mechanics.loads import LoadFactors
+from ..mechanics.stress_resultants import stiffness_pieces
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -30,11 +29,14 @@ from ..statics.sparse import (
     elastic_stress,
     refuse_traced,
     refuse_what_is_not_sparse,
+    second_variation,
     unknowns,
 )
 
-# Multipliers beyond this many times the smallest are unbounded, and those that the round-off of a stress would give.
+# Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
+# So are those that the round-off of a stress would give: that of a deformation beside what the whole mechanism's extent
+# would make of it, and that of a constraint force beside the largest of the forces that it balances.
 ROUND_OFF = 1e-15
 # Stiffness of an element below zero by more than this share is negative.
 NEGATIVE = 1e-9
@@ -179,24 +181,8 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
 @jit
 def _quotient(topology, parameters, factors, at: Balanced, near, motion, multipliers, value) -> Float[Array, ""]:
     """Second variation of the Lagrangian along a mode, its stresses scaled, whose derivative gives the multiplier's."""
-    free, _, held = unknowns(topology)
-    phi = put(jnp.zeros(topology.n_x), free, motion)
-
-    def rates(x):
-        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
-
-    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
-    geometric = sigma @ second
-    gravity = scaled_loads(parameters, factors).gravity
-    if gravity is not None:
-
-        def slope(x):
-            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
-
-        geometric = geometric - jax.jvp(slope, (at.x,), (phi,))[1]
-    return first @ stress + value * geometric + 2 * multipliers @ first[held]
+    elastic, geometric, rates = second_variation(topology, parameters, factors, at, near, motion)
+    return elastic + value * geometric + 2 * multipliers @ rates
 
 
 @_load_multipliers.defjvp

@@ -9,9 +9,8 @@ from ..compilation.threads import one_thread
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..mechanics.deformation import deformations, zero_near
-from ..mechanics.inertia import kinetic_energy, work_of_weight
-from ..mechanics.loads import LoadFactors, scaled_loads
-from ..mechanics.stress_resultants import stress_of_strain
+from ..mechanics.inertia import kinetic_energy
+from ..mechanics.loads import LoadFactors
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -22,6 +21,7 @@ from ..statics.sparse import (
     elastic_stress,
     refuse_traced,
     refuse_what_is_not_sparse,
+    second_variation,
     unknowns,
 )
 from .spectrum import Lowest, lowest_of_sparse
@@ -46,24 +46,10 @@ def _at_balance(topology, parameters, factors, at: Balanced, count) -> Lowest:
 @jit
 def _rayleigh(topology, parameters, factors, at: Balanced, near, motion, multipliers, value) -> Float[Array, ""]:
     """Second variation of the Lagrangian along a mode, whose derivative is that of the eigenvalue."""
-    free, _, held = unknowns(topology)
-    phi = put(jnp.zeros(topology.n_x), free, motion)
-
-    def rates(x):
-        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
-
-    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
-    total = first @ stress + sigma @ second + 2 * multipliers @ first[held]
-    gravity = scaled_loads(parameters, factors).gravity
-    if gravity is not None:
-
-        def slope(x):
-            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
-
-        total = total - jax.jvp(slope, (at.x,), (phi,))[1]
-    return total - 2 * value * kinetic_energy(topology, parameters, at.x, phi)
+    elastic, geometric, rates = second_variation(topology, parameters, factors, at, near, motion)
+    phi = put(jnp.zeros(topology.n_x), unknowns(topology)[0], motion)
+    kinetic = kinetic_energy(topology, parameters, at.x, phi)
+    return elastic + geometric + 2 * multipliers @ rates - 2 * value * kinetic
 
 
 @_eigenvalues.defjvp

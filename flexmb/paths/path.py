@@ -1,7 +1,7 @@
 """Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, NamedTuple, TypeVar, overload
+from typing import Any, ClassVar, Literal, NamedTuple, TypeVar, overload
 
 import jax
 import jax.core
@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_flag, check_number, check_whole, shown
 from ..compilation.record import Record, static
-from ..display import AT_MOST, Result, States, Summary, course, short
+from ..display import Result, short
 from ..errors import AnalysisError, heard, warn
 from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
@@ -27,16 +27,17 @@ from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
-from ..results import RESULTS, check, told
+from ..results import RESULTS, check
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
+from .over_load import OverLoad
 from .sparse_path import SparsePath, walk_of_sparse
 from .stepper import Ramp
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
 
 
-class Path(ByName, AboutState, Along, Result, Record):
+class Path(OverLoad, ByName, AboutState, Along, Result, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
@@ -66,11 +67,7 @@ class Path(ByName, AboutState, Along, Result, Record):
     model: Model
     stopped_by: str | None = static(default=None)
     one_axis = "load_factor"
-
-    @property
-    def labels(self):
-        """Names."""
-        return self.model.labels
+    picture: ClassVar[str | None] = "path"
 
     @property
     def frequencies(self) -> Float[Array, "steps n"]:
@@ -123,24 +120,6 @@ class Path(ByName, AboutState, Along, Result, Record):
     def stressed(self) -> Stressed:
         """What the stress of all steps is computed from."""
         return Stressed(self.x, self.sigma, self.felt, self.e)
-
-    def states(self) -> States:
-        """The equilibria, over the load factor."""
-        return States(self.model, self.x, "path", self.load_factor, "load factor [-]")
-
-    def summary(self) -> Summary:
-        """Outcome, steps, load factor and critical points."""
-        points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
-        stable = np.asarray(self.stable)
-        rows = {
-            "result": told(self.result),
-            "steps": f"{len(stable)}, {int(np.sum(stable))} of them stable",
-            "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
-            "critical points": ", ".join(points[:AT_MOST]) or "none",
-        }
-        if self.stopped_by is not None:
-            rows["stopped by"] = f"{self.stopped_by}, at load factor {short(self.load_factor[-1])}"
-        return Summary(f"Path: {course(self.states())}", rows, "path")
 
 
 def _factors(model: Model, load: Any) -> LoadFactors:

@@ -1,6 +1,6 @@
 """Equilibrium paths of large mechanisms, by sparse factors."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -8,18 +8,19 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
-from ..display import AT_MOST, Result, States, Summary, course, short
+from ..display import Result
 from ..model.by_name import ByName
-from ..model.model import Labels, Model
-from ..results import RESULTS, told
+from ..model.model import Model
+from ..results import RESULTS
 from ..statics.sparse import refuse_what_is_not_sparse
 from .critical import CriticalPoint
+from .over_load import OverLoad
 from .sparse_walk import SparseEquations
 from .stops import Stops
 from .walk import Walker
 
 
-class SparsePath(ByName, Result, Record):
+class SparsePath(OverLoad, ByName, Result, Record):
     """Equilibria along a path of a large mechanism, steps first.
 
     Attributes:
@@ -47,28 +48,7 @@ class SparsePath(ByName, Result, Record):
     model: Model
     stopped_by: str | None = static(default=None)
     one_axis = "load_factor"
-
-    @property
-    def labels(self) -> Labels:
-        """Names."""
-        return self.model.labels
-
-    def states(self) -> States:
-        """The equilibria, over the load factor."""
-        return States(self.model, self.x, "path", self.load_factor, "load factor [-]")
-
-    def summary(self) -> Summary:
-        """Outcome, steps, load factor and critical points."""
-        points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
-        rows = {
-            "result": told(self.result),
-            "steps": f"{len(self.stable)}, {int(np.sum(self.stable))} of them stable",
-            "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
-            "critical points": ", ".join(points[:AT_MOST]) or "none",
-        }
-        if self.stopped_by is not None:
-            rows["stopped by"] = f"{self.stopped_by}, at load factor {short(self.load_factor[-1])}"
-        return Summary(f"SparsePath: {course(self.states())}", rows, None)
+    picture: ClassVar[str | None] = None
 
 
 @one_thread()

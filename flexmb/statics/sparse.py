@@ -21,7 +21,7 @@ from ..math.sparse import SparseFactors, sparse_matrix
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import Felt, mass_pieces, weight, weight_pieces
+from ..mechanics.inertia import Felt, mass_pieces, weight, weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import (
     free_deformations,
@@ -134,6 +134,32 @@ def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) 
     m = sparse_matrix((n_x, n_x), found["mass"])[free][:, free] if mass else None
     geometric = geometric[free][:, free]
     return Assembled(tangent.tocsc(), coupling, geometric, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
+
+
+def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
+    """How the energy changes to second order along a motion of the coordinates that move.
+
+    Returns:
+        Its elastic part and that of stress resultants and weight, () [N m]; rates of the held deformations, (h,).
+    """
+    free, _, held = unknowns(topology)
+    phi = put(jnp.zeros(topology.n_x), free, motion)
+
+    def rates(x):
+        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
+
+    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
+    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
+    geometric = sigma @ second
+    gravity = scaled_loads(parameters, factors).gravity
+    if gravity is not None:
+
+        def slope(x):
+            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
+
+        geometric = geometric - jax.jvp(slope, (at.x,), (phi,))[1]
+    return first @ stress, geometric, first[held]
 
 
 def refuse_traced(*trees) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -235,9 +235,3 @@ def traced(document: Document, model: Model, keys: Sequence[str], node: str | No
         while len(_KEPT) > MOST:
             del _KEPT[next(iter(_KEPT))]
     return found
-
-
-def values_at(names: Mapping[str, float], document: Document) -> dict[str, float]:
-    """All names' values where free ones have others."""
-    found = numbers_of(document, names)
-    return {name: float(found[f"names/{name}/value"]) for name in document.names if f"names/{name}/value" in found}

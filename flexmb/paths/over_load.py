@@ -1,0 +1,35 @@
+"""What every path tells of itself, whichever equations it was found by."""
+
+from typing import Any
+
+import numpy as np
+
+from ..display import AT_MOST, States, Summary, course, short
+from ..results import told
+
+
+class OverLoad:
+    """Base class of results that hold equilibria over a load factor."""
+
+    @property
+    def labels(self: Any):
+        """Names."""
+        return self.model.labels
+
+    def states(self: Any) -> States:
+        """The equilibria, over the load factor."""
+        return States(self.model, self.x, "path", self.load_factor, "load factor [-]")
+
+    def summary(self: Any) -> Summary:
+        """Outcome, steps, load factor and critical points."""
+        points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
+        stable = np.asarray(self.stable)
+        rows = {
+            "result": told(self.result),
+            "steps": f"{len(stable)}, {int(np.sum(stable))} of them stable",
+            "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
+            "critical points": ", ".join(points[:AT_MOST]) or "none",
+        }
+        if self.stopped_by is not None:
+            rows["stopped by"] = f"{self.stopped_by}, at load factor {short(self.load_factor[-1])}"
+        return Summary(f"{type(self).__name__}: {course(self.states())}", rows, self.picture)
