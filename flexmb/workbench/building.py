@@ -19,7 +19,7 @@ from ..model.model import Model
 from .content import Document
 from .edits import texts
 from .fields import ENDS_IN_WORDS, Call
-from .references import call_of, part_of, referred
+from .references import call_of, referred
 from .values import evaluated
 from .values import free_names as free_names
 from .values import numbers_of as numbers_of
@@ -345,22 +345,6 @@ class _Building:
         given = thing["args"]
         said = [key for key in quoted if key in given] or [key for key in words if key in given] or quoted
         return f"{id}/{said[0]}" if said else id
-
-
-def problem_of(document: Document, fault: Exception) -> dict[str, str]:
-    """What a model that cannot be built says, as a problem: at the first thing that its message names.
-
-    Args:
-        document: The document.
-        fault: What :meth:`flexmb.Builder.build` raised.
-    """
-    message = str(fault)
-    known = document.known
-    for name in re.findall(r"'([^']+)'", message):
-        for spaces in (("element",), ("node",), ("input",), ("output",)):
-            if id := known.thing(spaces, name) or known.thing(spaces, part_of(known, name)[1]):
-                return {"address": id, "message": message}
-    return {"address": "", "message": message}
 
 
 def _sentence(fault: Exception) -> str:

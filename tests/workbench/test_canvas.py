@@ -24,32 +24,12 @@ from cases.drawing import (
     typed,
 )
 from cases.mechanisms import leaf
-from cases.workbench import ask, browsing, faults, needs_browser, opened, served, until
+from cases.workbench import ask, faults, needs_browser, opened, until
 
 import flexmb as fm
 from flexmb import planar
 
 pytestmark = [needs_browser, pytest.mark.timeout(240)]
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with browsing(tmp_path_factory.mktemp("browser")) as driver:
-        yield driver
-
-
-@pytest.fixture(scope="module")
-def workbench(tmp_path_factory):
-    with served(folder=tmp_path_factory.mktemp("work")) as own:
-        yield own
-
-
-@pytest.fixture
-def page(browser, workbench):
-    """An empty page in the plane."""
-    opened(browser, workbench.address)
-    yield blank(browser, 2)
-    assert not faults(browser)
 
 
 def test_a_drag_that_is_left_by_escape_changes_nothing(page):

@@ -6,7 +6,6 @@ from cases.drawing import (
     PLAIN_GUIDE,
     actions,
     answer,
-    blank,
     click,
     drag,
     edit,
@@ -22,7 +21,7 @@ from cases.drawing import (
     write,
 )
 from cases.mechanisms import BAR, COIL, LENGTH, WIDTH, leaf
-from cases.workbench import ask, browsing, faults, needs_browser, opened, served, until
+from cases.workbench import ask, needs_browser, until
 
 import flexmb as fm
 from flexmb import planar
@@ -31,26 +30,6 @@ pytestmark = [needs_browser, pytest.mark.timeout(240)]
 
 # Tutorial, section 3.1, as printed: the first frequency [Hz] and the buckling load [N] of the planar guide.
 FREQUENCY, BUCKLING = 10.6448, 78.75
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with browsing(tmp_path_factory.mktemp("browser")) as driver:
-        yield driver
-
-
-@pytest.fixture(scope="module")
-def workbench(tmp_path_factory):
-    with served(folder=tmp_path_factory.mktemp("work")) as own:
-        yield own
-
-
-@pytest.fixture
-def page(browser, workbench):
-    """An empty page in the plane."""
-    opened(browser, workbench.address)
-    yield blank(browser, 2)
-    assert not faults(browser)
 
 
 def guide(corner=(0.1, 0.1), force=(0, -1)):

@@ -3,7 +3,7 @@
 import pytest
 from cases import documents
 
-from flexmb.workbench.building import build, numbers_of, positions, problem_of, structure
+from flexmb.workbench.building import build, numbers_of, positions, structure
 from flexmb.workbench.document import Document, EditError, apply
 from flexmb.workbench.fields import calls
 
@@ -63,22 +63,6 @@ def test_no_field_of_a_call_breaks_the_building(name):
             structure(other)
             positions(other, built)
             numbers_of(other)
-
-
-def test_what_a_model_says_is_told_at_the_thing_it_names():
-    document = documents.planar_guide()
-    document, _ = apply(document, [{"op": "set", "address": "14/components", "to": "x y"}])
-    built = build(document)
-    assert built.problems == []
-    with pytest.raises(ValueError, match="cannot move") as fault:
-        built.model()
-    problem = problem_of(document, fault.value)
-    assert problem["message"] == str(fault.value)
-    held = {"call": "input", "args": {"of": "left0", "component": "x"}}
-    document, _ = apply(documents.planar_guide(), [{"op": "add", "thing": held}])
-    with pytest.raises(ValueError, match="left0") as fault:
-        build(document).model()
-    assert problem_of(document, fault.value)["address"] in ("15", "3")
 
 
 def test_a_document_of_another_version_is_kept_and_told():
