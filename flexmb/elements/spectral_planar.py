@@ -166,6 +166,13 @@ def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section=None, curvature=
     return p + axes @ _to_place(c, length, order, section, curvature, place)[1]
 
 
+def _passage(p, rot_p, q, rot_q, c, *, ref, order, section=None, curvature=None):
+    """End q seen from end p."""
+    _, axes, _, stretched, rule = _line(jnp.zeros(1), c, ref, order, section, curvature)
+    turn = (ref.rot_q - ref.rot_p) + rule.turn @ c.reshape(2, -1)[CURVATURE]
+    return axes @ (rule.weights @ stretched), turn
+
+
 def _check(*, ref, section=None, curvature=None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
     return faults or check_section(section, ref, curvature)
@@ -179,6 +186,7 @@ spectral_beam = Element(
     resultants=_resultants,
     thermal=_thermal,
     shape=_shape,
+    passage=_passage,
     check=_check,
     series=_fields,
 )

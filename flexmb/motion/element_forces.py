@@ -18,7 +18,7 @@ from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Block, Topology
 
 # Functions of an element of so few operations run quicker, and compile as quickly, differentiated time after time.
 SHORT = 100
@@ -63,33 +63,72 @@ class PreparedBlock(Record):
 
 def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
     """All elements that deform or carry mass, with what does not change in a motion worked out."""
-    found = []
-    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        deformation, known = companion_of(block, properties, "deformation")
-        inertia, own = companion_of(block, properties, "inertia")
-        own = known if inertia is None else own
-        if not block.e.shape[1]:
-            deformation = None
-        if deformation is None and inertia is None:
-            continue
-        counts = deformation is not None and block.element.tracks_angle
-        ref = parameters.reference[block.x]
+    pairs = zip(topology.blocks, parameters.properties, strict=True)
+    found = (prepared_block(block, properties, parameters.reference) for block, properties in pairs)
+    return tuple(one for one in found if one is not None)
 
-        def both(x, *rest, deformation=deformation, inertia=inertia, counts=counts):
-            *near, ref, own = rest
-            e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
-            return e, None if inertia is None else inertia(x, ref, own)[0]
 
-        first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
-        like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
-        varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
-        early, late = split(both, varying, first)
-        kept = jax.vmap(early)(ref, own)
-        mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, own)
-        # Another block computes the deformations of elements whose companions differ.
-        measured = block.e if deformation is not None else block.e[:, :0]
-        found.append(PreparedBlock(late, block.x, measured, kept, mass, counts))
-    return tuple(found)
+def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
+    """Elements of one block, with what does not change in a motion worked out; None if they neither deform nor weigh.
+
+    Args:
+        properties: Their stacked properties.
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+    """
+    deformation, known = companion_of(block, properties, "deformation")
+    inertia, own = companion_of(block, properties, "inertia")
+    own = known if inertia is None else own
+    if not block.e.shape[1]:
+        deformation = None
+    if deformation is None and inertia is None:
+        return None
+    counts = deformation is not None and block.element.tracks_angle
+    ref = reference[block.x]
+
+    def both(x, *rest):
+        *near, ref, own = rest
+        e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
+        return e, None if inertia is None else inertia(x, ref, own)[0]
+
+    first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
+    like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
+    varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
+    early, late = split(both, varying, first)
+    kept = jax.vmap(early)(ref, own)
+    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
+    # Another block computes the deformations of elements whose companions differ.
+    measured = block.e if deformation is not None else block.e[:, :0]
+    return PreparedBlock(late, block.x, measured, kept, mass, counts)
+
+
+def without_last_end(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
+    """As :func:`prepared_block`, of beams with strain series whose last end follows from the first and the strains.
+
+    Their deformations are their coefficients alone, and what they do depends on the first end and on these.
+
+    Args:
+        properties: Their stacked properties.
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+    """
+    inertia, own = companion_of(block, properties, "inertia")
+    deforms = "deformation" in block.companions
+    if inertia is None and not deforms:
+        return None
+    ends, first = block.splits[1], block.splits[-1]
+    closure = block.e.shape[1] - (block.x.shape[1] - first)
+    ref = reference[block.x]
+
+    def both(near, ref, own):
+        x = jnp.concatenate([near[:ends], ref[ends:first], near[ends:]])
+        return near[ends:] if deforms else None, None if inertia is None else inertia(x, ref, own)[0]
+
+    columns = [*range(ends), *range(first, block.x.shape[1])]
+    x = block.x[:, columns]
+    shapes = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
+    early, late = split(both, (jax.ShapeDtypeStruct((len(columns),), ref.dtype),), shapes)
+    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
+    e = block.e[:, closure:] if deforms else block.e[:, :0]
+    return PreparedBlock(late, x, e, jax.vmap(early)(ref, own), mass, False)
 
 
 def _jacobian(f):

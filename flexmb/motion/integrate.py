@@ -10,6 +10,7 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
+from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
 from .controlled_form import ControlledForm, Feedback
@@ -20,6 +21,7 @@ from .integrator import Integrator
 from .loop import controlled_form, measuring, under_inputs
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
+from .tree_form import TreeForm, tree_form
 
 # Smallest step, as share of the time.
 SMALLEST_STEP = 1e-12
@@ -36,6 +38,7 @@ class Problem(Record):
         feedback: Controller, or None.
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
+        tree: Beams whose last ends are computed, for the form "tree".
     """
 
     model: Model
@@ -43,6 +46,7 @@ class Problem(Record):
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
+    tree: Tree | None = None
 
 
 class Start(NamedTuple):
@@ -171,10 +175,12 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
     return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm:
+def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm | TreeForm:
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":
         return reduced_form(mechanism)
+    if form == "tree" and problem.tree is not None:
+        return tree_form(mechanism, problem.tree)
     if isinstance(problem.feedback, Feedback):
         return controlled_form(problem.model, mechanism, problem.feedback, problem.measured_from)
     return mechanism

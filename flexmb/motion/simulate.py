@@ -18,6 +18,7 @@ from ..compilation.record import Record
 from ..errors import ModelError
 from ..linear.loose import without_mass
 from ..mechanics.signals import terms_of
+from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
@@ -46,7 +47,7 @@ class Keywords(TypedDict, total=False):
     jumps: ArrayLike | None
     control: Any
     reference: Callable | None
-    form: Literal["coordinates", "reduced"]
+    form: Literal["auto", "coordinates", "reduced", "tree"]
     rtol: float
     atol: float | None
     solver: diffrax.AbstractSolver | None
@@ -137,6 +138,8 @@ def simulate(
     jumps = jump_times(drives, driven)
     name = "Rodas5P" if integrator.solver is None else type(integrator.solver).__name__
     integrator = integrator.checked(controlled=loop.control is not None, jumps=jumps is not None)
+    tree = tree_of(top) if integrator.form in ("auto", "tree") else None
+    integrator = integrator.on(tree, controlled=loop.control is not None)
     start = _initial(model, initial)
     if progress and not is_concrete((model, times, start, drives.loads)):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
@@ -144,6 +147,8 @@ def simulate(
     # No number of the program where no rotation in space is measured.
     rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
     problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None)
+    if integrator.form == "tree":
+        problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
     none = jnp.zeros(len(model.labels.inputs))
