@@ -9,8 +9,8 @@ import numpy as np
 LARGE = 450
 # Pivots this much smaller than the largest, of a matrix scaled to entries of one, are round-off.
 SINGULAR = 1e-14
-# A diagonal entry is a pivot where it is this share of the largest in its column. It may well be small where stiffnesses
-# are far apart; rows that change places would fill the factors.
+# A diagonal entry is a pivot where it is this share of the largest in its column. It may be small where stiffnesses are
+# far apart; rows that change places would fill the factors.
 DIAGONAL = 1e-8
 
 
