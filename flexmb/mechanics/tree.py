@@ -7,6 +7,7 @@ end, unless that is held, or given by another beam already. What is left are the
 from __future__ import annotations
 
 import collections
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 import jax
@@ -20,7 +21,7 @@ from ..compilation.record import Record, static
 from ..elements.nodes import unit_norm
 from ..math.indices import put
 from ..math.rigid import compose_turns
-from ..math.rotation import rotation_matrix, rotation_plane
+from ..math.rotation import cosine_and_sine, rotation_matrix
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import deforming, element_function, with_rigidities
@@ -28,11 +29,11 @@ from .blocks import deforming, element_function, with_rigidities
 CONJUGATE = np.array([1.0, -1, -1, -1])
 
 
-class Tree(Record):
-    """Which poses are computed, and from what; beams in the order of their blocks.
+class Poses(Record):
+    """Poses that beams give, and from what; beams in the order of their blocks.
 
     Attributes:
-        rows: Of each block the elements whose last end is computed, and those that stay as they are.
+        rows: Of each block the beams that give them.
         ends: Coordinates of the position that each beam gives, (beams, d).
         turns: Those of the rotation, (beams, r).
         whence: Coordinates of the position that the chain of each beam starts from, (beams, d).
@@ -42,12 +43,9 @@ class Tree(Record):
         before: Beam whose turn comes before that of each, one before, two before, four before, ..; their number where
             there is none, (levels, beams).
         back: Whether a beam starts from its last end, (beams,).
-        kept: Free coordinates that are not computed, (n,).
-        kept_places: Their places among the free ones, (n,).
-        held_places: Places, among the held deformations, of those that do not hold by themselves, (m,).
     """
 
-    rows: tuple[tuple[Int[Array, "_s"], Int[Array, "_w"]], ...]
+    rows: tuple[Int[Array, "_s"], ...]
     ends: Int[Array, "beams d"]
     turns: Int[Array, "beams r"]
     whence: Int[Array, "beams d"]
@@ -56,6 +54,23 @@ class Tree(Record):
     along: Float[Array, "beams beams"]
     before: Int[Array, "levels beams"]
     back: Bool[Array, "beams"]
+
+
+class Tree(Record):
+    """Beams whose last end is computed.
+
+    Attributes:
+        rows: Of each block the elements that do without their last end, and those that stay as they are.
+        poses: All poses that are computed.
+        felt: Those of them on which something acts or depends; None where there are none.
+        kept: Free coordinates that are not computed, (n,).
+        kept_places: Their places among the free ones, (n,).
+        held_places: Places, among the held deformations, of those that do not hold by themselves, (m,).
+    """
+
+    rows: tuple[tuple[Int[Array, "_s"], Int[Array, "_w"]], ...]
+    poses: Poses
+    felt: Poses | None
     kept: Int[Array, "n"]
     kept_places: Int[Array, "n"]
     held_places: Int[Array, "m"]
@@ -80,30 +95,48 @@ class _Walked(NamedTuple):
     turned_after: int | None
 
 
-def tree_of(topology: Topology) -> Tree | None:
-    """The beams whose last end can be computed; None where there are none, or where the topology is traced."""
+def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | None:
+    """The beams whose last end can be computed; None where there are none, or where the topology is traced.
+
+    Args:
+        acted: Coordinates that loads act on; None: all.
+    """
     if not is_concrete(topology):
         return None
-    beams = list(_beams(topology))
-    walked = _walk(beams, set(np.asarray(topology.x.free).tolist()))
+    walked = _walk(list(_beams(topology)), set(np.asarray(topology.x.free).tolist()))
     if not walked:
         return None
+    poses = _poses(topology, walked)
+    computed = {*poses.ends.ravel().tolist(), *poses.turns.ravel().tolist()}
+    rows, closed = _rows(topology, {one.beam.closure[0] for one in walked}, computed)
+    closed |= {e for one in walked for e in one.beam.closure}
+    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    kept_places = np.flatnonzero(~np.isin(free, list(computed)))
+    felt = _felt(walked, computed if acted is None else _read(topology, rows) | set(acted))
+    return Tree(
+        rows,
+        poses,
+        _poses(topology, felt) if felt else None,
+        free[kept_places],
+        kept_places,
+        np.flatnonzero(~np.isin(held, list(closed))),
+    )
+
+
+def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
+    """Poses of beams, the beams before them among these."""
     order = sorted(range(len(walked)), key=lambda i: walked[i].beam[:2])
     place = {i: k for k, i in enumerate(order)} | {None: None}
     walked = [walked[i] for i in order]
     after, turned_after = ([place[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
     nodes = {name: np.array([_at(one, name) for one in walked]) for name in ("ends", "turns", "near", "base")}
     whence, turned_from = (
-        np.array([nodes[own][_first(before, i)] for i in range(len(walked))])
+        np.array([nodes[own][_way(before, i)[-1]] for i in range(len(walked))])
         for own, before in (("near", after), ("base", turned_after))
     )
-    computed = set(nodes["ends"].ravel().tolist()) | set(nodes["turns"].ravel().tolist())
-    rows, closed = _rows(topology, {one.beam.closure[0] for one in walked}, computed)
-    closed |= {e for one in walked for e in one.beam.closure}
-    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
-    kept_places = np.flatnonzero(~np.isin(free, list(computed)))
-    return Tree(
-        rows,
+    blocks = range(len(topology.blocks))
+    return Poses(
+        tuple(np.array([one.beam.row for one in walked if one.beam.block == k], int) for k in blocks),
         nodes["ends"],
         nodes["turns"],
         whence,
@@ -112,10 +145,33 @@ def tree_of(topology: Topology) -> Tree | None:
         np.array([np.isin(np.arange(len(walked)), _way(after, i)) for i in range(len(walked))], float),
         _jumps(turned_after),
         np.array([one.back for one in walked]),
-        free[kept_places],
-        kept_places,
-        np.flatnonzero(~np.isin(held, list(closed))),
     )
+
+
+def _read(topology: Topology, rows) -> set[int]:
+    """Coordinates that elements depend on; beams whose last end is computed do not depend on that."""
+    found: set[int] = set()
+    for block, (short, whole) in zip(topology.blocks, rows, strict=True):
+        x = np.asarray(block.x)
+        found |= set(x[whole].ravel().tolist())
+        if short.shape[0]:
+            found |= set(x[short, : block.splits[1]].ravel().tolist())
+    return found
+
+
+def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
+    """Beams that give what is read, and those before them, numbered anew."""
+    needed: set[int] = set()
+    for i in reversed(range(len(walked))):
+        one = walked[i]
+        if i in needed or read.intersection((*_at(one, "ends"), *_at(one, "turns"))):
+            needed |= {i} | ({one.after, one.turned_after} - {None})
+    number = {i: k for k, i in enumerate(sorted(needed))} | {None: None}
+    return [
+        one._replace(after=number[one.after], turned_after=number[one.turned_after])
+        for i, one in enumerate(walked)
+        if i in needed
+    ]
 
 
 def _at(one: _Walked, name: str) -> tuple[int, ...]:
@@ -171,10 +227,6 @@ def _way(before: list[int | None], last: int) -> list[int]:
     return way
 
 
-def _first(before: list[int | None], last: int) -> int:
-    return _way(before, last)[-1]
-
-
 def _jumps(before: list[int | None]) -> np.ndarray:
     """The beam one before each, two before, four before, and so on, as long as there is one."""
     none = len(before)
@@ -223,16 +275,20 @@ class Passages(Record):
         kept: Constants of each.
     """
 
-    function: Any = static()
+    function: Callable[..., Any] = static()
     c: Int[Array, "beams coefficients"]
     kept: tuple[Array, ...]
 
+    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "d+r"]:
+        """Way and turn of one beam, side by side."""
+        return jnp.concatenate(self.function(c, *kept))
 
-def passages(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[Passages, ...]:
-    """Of each block whose beams are in a tree what gives the poses of their ends, with what stays worked out."""
+
+def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[Passages, ...]:
+    """Of each block whose beams give poses what these follow from, with what stays worked out."""
     found = []
-    for block, properties, (rows, _) in zip(topology.blocks, parameters.properties, tree.rows, strict=True):
-        if not rows.shape[0] or "deformation" not in block.companions:
+    for block, properties, rows in zip(topology.blocks, parameters.properties, poses.rows, strict=True):
+        if not rows.shape[0]:
             continue
         block, properties = some_of(block, properties, rows)
         own = with_rigidities(deforming(block, properties))
@@ -249,30 +305,39 @@ def passages(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[Pa
     return tuple(found)
 
 
-def placed_on_tree(tree: Tree, found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
-    """Nodal coordinates with those computed that the beams give.
+def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams d+r"]:
+    """Way and turn from the first to the last end of each beam, side by side.
 
     Args:
-        tree: Which.
         found: Of :func:`passages`.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+    """
+    return jnp.concatenate([jax.vmap(one.along)(x[one.c], *one.kept) for one in found])
+
+
+def linked(poses: Poses, passed: Float[Array, "beams d+r"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
+    """Nodal coordinates with those computed that beams give.
+
+    Args:
+        poses: Which.
+        passed: Way and turn of each beam.
         x: Nodal coordinates, of which those that are computed are not read, (n_x,) [m, rad, -].
 
     Source:
         THEORY.md 9 (d), eq. (9.7).
     """
-    own = [jax.vmap(one.function)(x[one.c], *one.kept) for one in found]
-    ways, turns = (jnp.concatenate(part) for part in zip(*own, strict=True))
+    ways, turns = jnp.split(passed, [poses.ends.shape[1]], axis=1)
     spatial = turns.shape[1] == 4
     compose, turned = (compose_turns, _turned) if spatial else (jnp.add, _turned_in_plane)
     inverse = turns * CONJUGATE if spatial else -turns
-    back = tree.back[:, None]
+    back = poses.back[:, None]
     # A way back starts at the last end.
     ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
     none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
-    for before in tree.before:
+    for before in poses.before:
         turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
-    x = put(x, tree.turns, compose(x[tree.turned_from], turns))
-    return put(x, tree.ends, x[tree.whence] + tree.along @ turned(x[tree.base], ways))
+    x = put(x, poses.turns, compose(x[poses.turned_from], turns))
+    return put(x, poses.ends, x[poses.whence] + poses.along @ turned(x[poses.base], ways))
 
 
 def _turned(turns, vectors):
@@ -280,4 +345,5 @@ def _turned(turns, vectors):
 
 
 def _turned_in_plane(turns, vectors):
-    return jnp.einsum("nij,nj->ni", jax.vmap(lambda turn: rotation_plane(turn[0]))(turns), vectors)
+    c, s = cosine_and_sine(turns[:, 0])
+    return jnp.stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1)

@@ -251,7 +251,7 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
     return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
 
 
-def _second_rate(function, x, v, a):
+def second_rate(function, x, v, a):
     """Value of a function of coordinates and its first and second rate of change along a motion."""
 
     def first(x, v):
@@ -264,7 +264,7 @@ def _second_rate(function, x, v, a):
 def _rates(f, x, v, a, falling):
     """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
     if length(f, x) <= SHORT:
-        y, yd, (edd, sdd) = _second_rate(f, x, v, a)
+        y, yd, (edd, sdd) = second_rate(f, x, v, a)
         if falling is not None and sdd is not None:
             sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
         return y, yd, (edd, sdd)
@@ -406,16 +406,29 @@ def force_derivatives(
         Derivative of :func:`acting_forces`.
     """
     n_e, n_x = at.near.shape[0], at.x.shape[0]
+    kinematics, sigma, found = element_derivatives(elements, at, falling, stress, tangents)
+    rows = [(block.e, block.x, rows) for block, rows, _ in found if rows is not None]
+    by_e = scatter_matrices((n_e, n_x), rows, 3)
+    forces = scatter_matrices((n_x, n_x), [(block.x, block.x, squares) for block, _, squares in found], 3)
+    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)
+
+
+def element_derivatives(elements, at: Moving, falling, stress, tangents=None):
+    """As :func:`force_derivatives`, of each element by itself; arguments as there.
+
+    Returns:
+        Kinematics, stress resultants, and of each block it, the derivatives of deformations, rates and second rates by
+        the element's coordinates (None where it does not deform), and those of the forces by coordinates, velocities
+        and accelerations.
+    """
     found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
-    rows, squares = [], []
+    derived = []
     for block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) in found:
         by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
         by_v = mass = jnp.zeros_like(by_x)
-        if d is not None:
-            rows.append((block.e, block.x, (d, dd, d2)))
         if d is not None and stiffness is not None:
             strained = multiplied(_own(block, stiffness), d)
             if damping is not None:
@@ -428,7 +441,5 @@ def force_derivatives(
             every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
             mass, more_v, more_x = jnp.split(lever.mT @ every, 3, axis=2)
             by_x, by_v = by_x + more_x, by_v + more_v
-        squares.append((block.x, block.x, (by_x, by_v, mass)))
-    by_e = scatter_matrices((n_e, n_x), rows, 3)
-    forces = scatter_matrices((n_x, n_x), squares, 3)
-    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)
+        derived.append((block, None if d is None else (d, dd, d2), (by_x, by_v, mass)))
+    return kinematics, sigma, derived

@@ -24,7 +24,7 @@ from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from .controllers import Sampled
-from .drives_by_name import Drives, driven_by, jump_times
+from .drives_by_name import Drives, acted_on, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, as_feedback
@@ -138,7 +138,7 @@ def simulate(
     jumps = jump_times(drives, driven)
     name = "Rodas5P" if integrator.solver is None else type(integrator.solver).__name__
     integrator = integrator.checked(controlled=loop.control is not None, jumps=jumps is not None)
-    tree = tree_of(top) if integrator.form in ("auto", "tree") else None
+    tree = tree_of(top, acted_on(model, driven)) if integrator.form in ("auto", "tree") else None
     integrator = integrator.on(tree, controlled=loop.control is not None)
     start = _initial(model, initial)
     if progress and not is_concrete((model, times, start, drives.loads)):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
@@ -13,7 +14,7 @@ from ..math.indices import accumulate, put
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
-from ..mechanics.tree import Passages, Tree, passages, placed_on_tree, some_of
+from ..mechanics.tree import Passages, Tree, linked, passages, passed, some_of
 from .coordinates_form import CoordinatesForm, Whole, bordered
 from .element_forces import (
     Moving,
@@ -21,8 +22,9 @@ from .element_forces import (
     acting_forces,
     acting_matrices,
     deformed,
-    force_derivatives,
+    element_derivatives,
     prepared_block,
+    second_rate,
     strained,
     without_last_end,
 )
@@ -36,14 +38,17 @@ class _Carried(NamedTuple):
         at: Coordinates and their rates, with what is driven.
         x: Derivative of the coordinates; of the velocities by the velocities and of the accelerations by the
             accelerations too, (n_x, n).
-        v: Derivative of the velocities by the positions; of the accelerations by the velocities it is twice this.
+        v: Derivative of the velocities by the positions; of the accelerations by the velocities it is twice this. None
+            where the coordinates are what moves.
         a: Derivative of the accelerations by the positions.
+        passed: Derivative of way and turn of each beam.
     """
 
     at: Whole
     x: Float[Array, "n_x n"]
-    v: Float[Array, "n_x n"]
-    a: Float[Array, "n_x n"]
+    v: Float[Array, "n_x n"] | None
+    a: Float[Array, "n_x n"] | None
+    passed: Float[Array, "beams d+r n"] | None
 
 
 class TreeForm(Record):
@@ -56,12 +61,14 @@ class TreeForm(Record):
         form: Equations in all coordinates, but that those alone move by themselves that are not computed.
         tree: What is computed.
         passages: By what.
+        felt: By what those are that something acts or depends on.
         mobility: Inverse masses of what moves, (n,).
     """
 
     form: CoordinatesForm
     tree: Tree
     passages: tuple[Passages, ...]
+    felt: tuple[Passages, ...]
     mobility: Float[Array, "n"]
 
     @property
@@ -79,41 +86,88 @@ class TreeForm(Record):
         return self.form.state_of(x, xd, near)
 
     def placed(self, x):
-        """Nodal coordinates with those computed that the beams give, (n_x,)."""
-        return placed_on_tree(self.tree, self.passages, x)
+        """Nodal coordinates with those computed that something acts or depends on, (n_x,)."""
+        return x if self.tree.felt is None else linked(self.tree.felt, passed(self.felt, x), x)
 
     def whole(self, t, u, w, a) -> Whole:
-        """All coordinates from those that move; arguments as of :meth:`CoordinatesForm.whole`."""
+        """Coordinates and their rates, those computed that something acts or depends on.
+
+        Arguments as of :meth:`CoordinatesForm.whole`.
+        """
         at = self.form.whole(t, u, w, a)
+        if self.tree.felt is None:
+            return at
 
-        def first(x, v):
-            return jax.jvp(self.placed, (x,), (v,))
-
-        (x, v), (_, acc) = jax.jvp(first, (at.x, at.v), (at.v, at.a))
+        x, v, acc = second_rate(self.placed, at.x, at.v, at.a)
         return at._replace(x=x, v=v, a=acc)
 
     def along(self, t, u) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves."""
+        if self.tree.felt is None:
+            return self.places
         none = jnp.zeros(self.size)
         return jax.jacfwd(lambda u: self.placed(self.form.whole(t, u, none, none).x))(u)
 
+    @property
+    def places(self) -> Float[Array, "n_x n"]:
+        """Derivative of the coordinates by what moves, where nothing is computed."""
+        return jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(
+            self.form.sizes
+        )
+
     def carried(self, t, u, w, a) -> _Carried:
-        """All coordinates, and their derivatives by what moves."""
+        """Coordinates and their rates as :meth:`whole`, and their derivatives by what moves.
 
-        def rates(u):
-            at = self.whole(t, u, w, a)
-            return (at.x, at.v, at.a), at
+        Of each beam way and turn are differentiated by its own coefficients, and what the tree makes of them by all.
+        """
+        poses, places = self.tree.felt, self.places
+        at = self.form.whole(t, u, w, a)
+        if poses is None:
+            return _Carried(at, places, None, None, None)
+        found = [_passage_rates(one, at) for one in self.felt]
+        ways = tuple(jnp.concatenate(rows) for rows in zip(*(ways for ways, _ in found), strict=True))
+        own = ([slope @ places[one.c] for slope in slopes] for one, (_, slopes) in zip(self.felt, found, strict=True))
+        slopes = [jnp.concatenate(rows) for rows in zip(*own, strict=True)]
 
-        derivatives, at = jax.jacfwd(rates, has_aux=True)(u)
-        return _Carried(at, *derivatives)
+        def rates(x, y):
+            return second_rate(lambda xy: linked(poses, xy[1], xy[0]), *zip(x, y, strict=True))
+
+        none = jnp.zeros(at.x.shape)
+
+        def along(place, *slope):
+            return jax.jvp(rates, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
+
+        (x, v, acc) = rates((at.x, at.v, at.a), ways)
+        derivatives = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
+        return _Carried(at._replace(x=x, v=v, a=acc), *derivatives, slopes[0])
+
+    def turned(self, t, u, to: _Carried, force):
+        """Derivative by what moves of what nodal forces, (n_x,) [N, N m], do along it, (n, n)."""
+        poses, places = self.tree.felt, self.places
+        x = self.form.whole(t, u, u, u).x
+
+        def pulled(x, y):
+            return jax.vjp(lambda x, y: linked(poses, y, x), x, y)[1](force)
+
+        y = passed(self.felt, x)
+        of_x, of_y = jax.vmap(lambda *own: jax.jvp(pulled, (x, y), own)[1], (1, 2), (1, 2))(places, to.passed)
+        found = places.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
+        weights, first = pulled(x, y)[1], 0
+        for one in self.felt:
+            own = weights[first : first + one.c.shape[0]]
+            first += one.c.shape[0]
+            bent = jax.vmap(lambda c, own, *kept: _bent(one, c, own, kept))(x[one.c], own, *one.kept)
+            found = found + jnp.einsum("bkn,bkl,blm->nm", places[one.c], bent, places[one.c])
+        return found
 
     def whole_motion(self, t, state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
-        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        at = self.form.whole(t, state.u, state.w, jnp.zeros(self.size))
+        x, v = jax.jvp(lambda x: linked(self.tree.poses, passed(self.passages, x), x), (at.x,), (at.v,))
         near = state.memory
         if not near.shape[0]:
-            near = strained(self.form.elements, at.x, zero_near(self.form.topology))
-        return WholeMotion(at.x, at.v, near, jnp.zeros(0))
+            near = strained(self.form.elements, x, zero_near(self.form.topology))
+        return WholeMotion(x, v, near, jnp.zeros(0))
 
     def stress_of(self, t, multipliers):
         """As :meth:`CoordinatesForm.stress_of`, of the multipliers that there are."""
@@ -136,6 +190,8 @@ class TreeForm(Record):
 
     def pulled(self, t, u, force):
         """Forces along what moves, (n,) [N m], of nodal forces, (n_x,) [N, N m]."""
+        if self.tree.felt is None:
+            return force[self.form.free] * self.form.sizes
         none = jnp.zeros(self.size)
         return jax.vjp(lambda u: self.placed(self.form.whole(t, u, none, none).x), u)[1](force)[0]
 
@@ -169,24 +225,37 @@ class TreeForm(Record):
         def following(e, ed):
             return [None if of is None else put(of, form.held, 0.0) for of in form.tangents(t, e, ed)]
 
-        by = force_derivatives(form.elements, moving, form.falling, self.stress_of(t, z[n:]), following)
-        drive = form.drive(t)
-        by_x = by.by_x - load_stiffness(form.topology, form.parameters, LoadFactors(1.0, drive.increment), at.x)
-        if drive.turning is not None:
-            by_x = by_x - drive.turning
-        _, force = self.forces(t, at, state.memory, z[n:])
-        turned = jax.jacfwd(lambda u: self.pulled(t, u, force))(state.u)
-        by_u = to.x.T @ (by_x @ to.x + by.by_v @ to.v + by.mass @ to.a) + turned
-        by_w = to.x.T @ (by.by_v @ to.x + 2 * by.mass @ to.v)
-        mass, rows = to.x.T @ by.mass @ to.x, self.held(by.e) @ to.x
-        if rows.shape[0]:
-            edd_by_u = self.held(by.edd) @ to.x + 2 * self.held(by.ed) @ to.v + self.held(by.e) @ to.a
-            edd_by_w = 2 * (self.held(by.ed) @ to.x + self.held(by.e) @ to.v)
+        stress = self.stress_of(t, z[n:])
+        _, _, found = element_derivatives(form.elements, moving, form.falling, stress, following)
+        every = sum(_along(to, block.x, squares) for block, _, squares in found)
+        by_u, by_w, mass = jnp.split(every, 3, axis=1)
+        loads = self.by_loads(t, at.x)
+        if loads is not None:
+            by_u = by_u - to.x.T @ loads @ to.x
+        if to.v is not None:
+            _, force = self.forces(t, at, state.memory, z[n:])
+            by_u = by_u + self.turned(t, state.u, to, force)
+        rows = jnp.zeros((0, n))
+        if self.tree.held_places.shape[0]:
+            pieces = [(block.e, _rows_along(to, block.x, own)) for block, own, _ in found if own is not None]
+            every = jnp.zeros((form.topology.n_e, 3 * n))
+            for e, own in pieces:
+                every = accumulate(every, e, own)
+            edd_by_u, edd_by_w, rows = jnp.split(self.held(every), 3, axis=1)
             by_u, by_w = jnp.concatenate([by_u, edd_by_u]), jnp.concatenate([by_w, edd_by_w])
         by_t = None
         if form.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(by_u, by_w, bordered(mass, rows, self.mobility), by_t)
+
+    def by_loads(self, t, x):
+        """Derivative of the nodal forces of loads by the nodal coordinates, (n_x, n_x), or None where there is none."""
+        form, drive = self.form, self.form.drive(t)
+        top, parameters = form.topology, form.parameters
+        if parameters.increment is None and all(block.element.force is None for block in top.blocks):
+            return drive.turning
+        found = load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), x)
+        return found if drive.turning is None else found + drive.turning
 
     @jit_beside_options
     def acceleration(self, t, state: MotionState):
@@ -247,6 +316,44 @@ class TreeForm(Record):
         return MotionState(u, w, memory)
 
 
+def _passage_rates(one: Passages, at: Whole):
+    """Way and turn of beams, rates and second rates, (beams, d + r) each; and their derivatives by the coefficients."""
+
+    def rates(c, v, a, *kept):
+        found = second_rate(lambda c: one.along(c, *kept), c, v, a)
+        return found, found
+
+    slopes, found = jax.vmap(jax.jacfwd(rates, has_aux=True))(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
+    return found, slopes
+
+
+def _bent(one: Passages, c, weights, kept):
+    """Second derivative of way and turn of one beam, times weights."""
+    return jax.jacfwd(jax.grad(lambda c: weights @ one.along(c, *kept)))(c)
+
+
+def _along(to: _Carried, x, squares):
+    """Sum over elements of the derivatives of their forces, by what moves, its rates and second rates, (n, 3 n)."""
+    by_x, by_v, mass = squares
+    own = to.x[x]
+    every = by_x @ own, by_v @ own, mass @ own
+    if to.v is not None and to.a is not None:
+        v, a = to.v[x], to.a[x]
+        every = every[0] + by_v @ v + mass @ a, every[1] + 2 * mass @ v, every[2]
+    return jnp.einsum("ekn,ekm->nm", own, jnp.concatenate(every, axis=2))
+
+
+def _rows_along(to: _Carried, x, rows):
+    """Derivatives of second rates of elements' deformations, by what moves, its rates and second rates."""
+    d, dd, d2 = rows
+    own = to.x[x]
+    every = d2 @ own, 2 * dd @ own, d @ own
+    if to.v is not None and to.a is not None:
+        v, a = to.v[x], to.a[x]
+        every = every[0] + 2 * dd @ v + d @ a, every[1] + 2 * d @ v, every[2]
+    return jnp.concatenate(every, axis=2)
+
+
 def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     """Equations of motion of a model in the coordinates that its beams do not give.
 
@@ -267,7 +374,8 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
         sizes=form.sizes[tree.kept_places],
         mobility=form.mobility[tree.kept_places],
     )
-    found = TreeForm(own, tree, passages(top, parameters, tree), own.mobility)
+    felt = () if tree.felt is None else passages(top, parameters, tree.felt)
+    found = TreeForm(own, tree, passages(top, parameters, tree.poses), felt, own.mobility)
     return dataclasses.replace(found, mobility=_mobility(found, form)) if tree.held_places.shape[0] else found
 
 
