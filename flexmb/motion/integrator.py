@@ -125,7 +125,7 @@ class Integrator(Record):
         if self.form == "tree" and tree is None:
             raise ModelError(
                 'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, in a'
-                ' mechanism whose connections are not traced. Leave `form` out, and what serves is chosen.'
+                " mechanism whose connections are not traced. Leave `form` out, and what serves is chosen."
             )
         if self.form != "auto":
             return self

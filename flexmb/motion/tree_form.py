@@ -111,8 +111,8 @@ class TreeForm(Record):
     @property
     def places(self) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves, where nothing is computed."""
-        return jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(
-            self.form.sizes
+        return (
+            jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(self.form.sizes)
         )
 
     def carried(self, t, u, w, a) -> _Carried:
@@ -156,7 +156,7 @@ class TreeForm(Record):
         for one in self.felt:
             own = weights[first : first + one.c.shape[0]]
             first += one.c.shape[0]
-            bent = jax.vmap(lambda c, own, *kept: _bent(one, c, own, kept))(x[one.c], own, *one.kept)
+            bent = _bent(one, x[one.c], own)
             found = found + jnp.einsum("bkn,bkl,blm->nm", places[one.c], bent, places[one.c])
         return found
 
@@ -327,9 +327,13 @@ def _passage_rates(one: Passages, at: Whole):
     return found, slopes
 
 
-def _bent(one: Passages, c, weights, kept):
-    """Second derivative of way and turn of one beam, times weights."""
-    return jax.jacfwd(jax.grad(lambda c: weights @ one.along(c, *kept)))(c)
+def _bent(one: Passages, c, weights):
+    """Second derivatives of way and turn of beams, times weights, (beams, coefficients, coefficients)."""
+
+    def gradient(c, weights, *kept):
+        return jax.grad(lambda c: weights @ one.along(c, *kept))(c)
+
+    return jax.vmap(jax.jacfwd(gradient))(c, weights, *one.kept)
 
 
 def _along(to: _Carried, x, squares):
