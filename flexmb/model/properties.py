@@ -97,5 +97,7 @@ def _put(tree: Any, keys: list[str], rows: np.ndarray, values: Any) -> Any:
     """A tree with other numbers in some rows of the array at the end of a path."""
     if not keys:
         return jnp.asarray(values) if len(rows) == len(tree) else jnp.asarray(tree).at[rows].set(values)
-    changed = {keys[0]: _put(tree[keys[0]] if isinstance(tree, dict) else getattr(tree, keys[0]), keys[1:], rows, values)}
+    changed = {
+        keys[0]: _put(tree[keys[0]] if isinstance(tree, dict) else getattr(tree, keys[0]), keys[1:], rows, values)
+    }
     return {**tree, **changed} if isinstance(tree, dict) else dataclasses.replace(tree, **changed)
