@@ -58,9 +58,7 @@ class Bordered:
         # Row and column are brought to the middle of the stiffnesses, for the choice of pivots.
         middle = float(np.exp(np.mean(np.log(pivots)))) if len(pivots) else 1.0
         entire = np.append(self._row, self._corner)
-        self._by_row, self._by_column = (
-            middle / max(float(np.max(np.abs(v))), 1e-300) for v in (entire, self._column)
-        )
+        self._by_row, self._by_column = (middle / max(float(np.max(np.abs(v))), 1e-300) for v in (entire, self._column))
         border = scipy.sparse.csc_array(np.asarray(self._by_column * self._column)[:, None])
         entire[-1] *= self._by_column
         below = scipy.sparse.csc_array(self._by_row * entire[None])

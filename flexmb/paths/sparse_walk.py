@@ -198,9 +198,9 @@ class SparseEquations:
         border = np.concatenate([weight * phi, rest])
         bordered = Bordered(tangent.at.tangent, tangent.at.factors(), border, border, 0.0)
         along, _ = bordered.solve(-tangent.by_load, 0.0)
-        moved = self._change(np.zeros(len(self.fast)), phi), self._change(tangent.following, along)
-        one, other = (self._toward(tangent, *found) for found in zip(moved, (0 * m, along[n:]), (0.0, 1.0), strict=True))
-        return one, other
+        still = self._change(np.zeros(len(self.fast)), phi)
+        loaded = self._change(tangent.following, along)
+        return self._toward(tangent, still, 0 * m, 0.0), self._toward(tangent, loaded, along[n:], 1.0)
 
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers among them [N, N m]."""
