@@ -261,7 +261,7 @@ def second_rate(function, x, v, a):
     return value, rate, second
 
 
-def _rates(f, x, v, a, falling):
+def rates_along(f, x, v, a, falling=None):
     """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
     if length(f, x) <= SHORT:
         y, yd, (edd, sdd) = second_rate(f, x, v, a)
@@ -273,7 +273,7 @@ def _rates(f, x, v, a, falling):
 
 
 def _with_jacobians(f, x, v, a, falling):
-    """As :func:`_rates`, and the Jacobians of e and s."""
+    """As :func:`rates_along`, and the Jacobians of e and s."""
     if length(f, x) <= SHORT:
         (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
         ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
@@ -286,10 +286,10 @@ def _with_jacobians(f, x, v, a, falling):
     return (y, (ed, None), (edd, sdd)), (d, j)
 
 
-def _derived_rates(f, x, v, a, falling):
-    """As :func:`_rates`, and their derivatives by the coordinates."""
+def derived_rates(f, x, v, a, falling=None):
+    """As :func:`rates_along`, and their derivatives by the coordinates."""
     if length(f, x) <= SHORT:
-        return _jacobian(lambda x: _rates(f, x, v, a, falling))(x)
+        return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
     rows = jets(f, (x, v, a), falling, directed=True)
     return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
 
@@ -348,7 +348,7 @@ def acting_forces(
     Source:
         THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
     """
-    found = [(block, block.over(_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, block.over(rates_along, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics(found, at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces = []
@@ -421,7 +421,7 @@ def element_derivatives(elements, at: Moving, falling, stress, tangents=None):
         the element's coordinates (None where it does not deform), and those of the forces by coordinates, velocities
         and accelerations.
     """
-    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)

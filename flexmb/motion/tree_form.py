@@ -1,7 +1,7 @@
 """Motion in the coordinates that no beam with strain series gives: ends of such beams are computed, not solved for."""
 
 import dataclasses
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,8 +22,10 @@ from .element_forces import (
     acting_forces,
     acting_matrices,
     deformed,
+    derived_rates,
     element_derivatives,
     prepared_block,
+    rates_along,
     second_rate,
     strained,
     without_last_end,
@@ -98,7 +100,8 @@ class TreeForm(Record):
         if self.tree.felt is None:
             return at
 
-        x, v, acc = second_rate(self.placed, at.x, at.v, at.a)
+        ways = _joined([_passage_rates(one, at) for one in self.felt])
+        x, v, acc = self._linked((at.x, at.v, at.a), ways)
         return at._replace(x=x, v=v, a=acc)
 
     def along(self, t, u) -> Float[Array, "n_x n"]:
@@ -115,6 +118,11 @@ class TreeForm(Record):
             jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(self.form.sizes)
         )
 
+    def _linked(self, x, ways):
+        """Coordinates, rates and second rates of the whole, of the same of what moves and of the beams' ways."""
+        poses: Any = self.tree.felt
+        return second_rate(lambda both: linked(poses, both[1], both[0]), *zip(x, ways, strict=True))
+
     def carried(self, t, u, w, a) -> _Carried:
         """Coordinates and their rates as :meth:`whole`, and their derivatives by what moves.
 
@@ -124,20 +132,16 @@ class TreeForm(Record):
         at = self.form.whole(t, u, w, a)
         if poses is None:
             return _Carried(at, places, None, None, None)
-        found = [_passage_rates(one, at) for one in self.felt]
-        ways = tuple(jnp.concatenate(rows) for rows in zip(*(ways for ways, _ in found), strict=True))
-        own = ([slope @ places[one.c] for slope in slopes] for one, (_, slopes) in zip(self.felt, found, strict=True))
-        slopes = [jnp.concatenate(rows) for rows in zip(*own, strict=True)]
-
-        def rates(x, y):
-            return second_rate(lambda xy: linked(poses, xy[1], xy[0]), *zip(x, y, strict=True))
-
+        found = [_derived_passage_rates(one, at) for one in self.felt]
+        ways = _joined([ways for ways, _ in found])
+        own = zip(self.felt, [slopes for _, slopes in found], strict=True)
+        slopes = _joined([[slope @ places[one.c] for slope in slopes] for one, slopes in own])
         none = jnp.zeros(at.x.shape)
 
         def along(place, *slope):
-            return jax.jvp(rates, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
+            return jax.jvp(self._linked, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
 
-        (x, v, acc) = rates((at.x, at.v, at.a), ways)
+        x, v, acc = self._linked((at.x, at.v, at.a), ways)
         derivatives = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
         return _Carried(at._replace(x=x, v=v, a=acc), *derivatives, slopes[0])
 
@@ -316,15 +320,27 @@ class TreeForm(Record):
         return MotionState(u, w, memory)
 
 
+def _joined(rows):
+    """Of several blocks of beams one array of each kind."""
+    return tuple(jnp.concatenate(own) for own in zip(*rows, strict=True))
+
+
 def _passage_rates(one: Passages, at: Whole):
-    """Way and turn of beams, rates and second rates, (beams, d + r) each; and their derivatives by the coefficients."""
+    """Way and turn of beams, rates and second rates, (beams, d + r) each."""
 
     def rates(c, v, a, *kept):
-        found = second_rate(lambda c: one.along(c, *kept), c, v, a)
-        return found, found
+        return [y for y, _ in rates_along(lambda c: (one.along(c, *kept), None), c, v, a)]
 
-    slopes, found = jax.vmap(jax.jacfwd(rates, has_aux=True))(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
-    return found, slopes
+    return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
+
+
+def _derived_passage_rates(one: Passages, at: Whole):
+    """As :func:`_passage_rates`, and their derivatives by the coefficients."""
+
+    def rates(c, v, a, *kept):
+        return [[y for y, _ in rows] for rows in derived_rates(lambda c: (one.along(c, *kept), None), c, v, a)]
+
+    return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
 
 
 def _bent(one: Passages, c, weights):
