@@ -649,8 +649,8 @@ FAULTS = [
     ),
     Fault(
         "motion/coordinates_form.py",
-        "return z - factors.solve(residual + left), regular",
-        "return z, regular",
+        "return z - factors.solve(residual + left), self.regular(matrix)",
+        "return z, self.regular(matrix)",
         "motion/test_simulate.py -k pendulum",
     ),
     Fault("motion/motion.py", "form = under_inputs(model, undriven, u)", "form = undriven", "motion/test_loop.py"),
