@@ -16,14 +16,12 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..statics.sparse import (
     Balanced,
-    assemble,
     balanced,
-    elastic_stress,
     refuse_traced,
     refuse_what_is_not_sparse,
     second_variation,
-    unknowns,
 )
+from ..statics.tangent import assemble, elastic_stress, unknowns
 from .spectrum import Lowest, lowest_of_sparse
 
 
