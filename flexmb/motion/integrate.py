@@ -107,7 +107,7 @@ def _marched(parts: float, equations: Equations, integrator: Integrator, jumps, 
     def first(fast):
         return _first_step(integrator, fast, t1 - t0, parts, False)
 
-    allowed = integrator.rtol, integrator.atol
+    allowed: Any = (integrator.rtol, integrator.atol)
     return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
 
 

@@ -187,15 +187,18 @@ class DenseEquations:
         if not begins_undeformed(topology, parameters):
             return None
         ramp, x, zero = jax.device_get((ramp_of(topology, parameters), parameters.reference, zero_near(topology)))
-        none, sizes = np.zeros(()), np.asarray(sizes_of(topology, parameters))
+        none: Any = np.zeros(())
+        one: Any = np.ones(())
+        sizes: Any = np.asarray(sizes_of(topology, parameters))
         still = Direction(np.zeros_like(x), zero, none)
-        rising = Plane(np.zeros_like(x), np.ones(()))
-        step = self.advance(ramp, Scale(sizes, np.ones_like(sizes)), Point(x, zero, zero, none), still, none, rising)
+        rising = Plane(np.zeros_like(x), one)
+        alike = Scale(sizes, sizes**0)
+        step = self.advance(ramp, alike, Point(x, zero, zero, none), still, none, rising)
         if not step.converged or not step.regular:
             return None
         scale = scale_of(topology, parameters, step.tangent)
         point = step.point._replace(x=x, near=zero, load=none)
-        step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=np.ones(()))
+        step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
         return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
