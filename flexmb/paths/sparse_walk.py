@@ -20,7 +20,8 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE
 from ..statics.solve import held_values
-from ..statics.sparse import Assembled, assemble, balanced, elastic_stress, unknowns
+from ..statics.sparse import balanced
+from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
 from .stepper import Direction, Plane, Point, Ramp, Scale, product, ramp_of, scale_of, unit
 from .walk import Step
 

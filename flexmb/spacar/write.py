@@ -154,7 +154,8 @@ class _Writer:
         if not found:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
             raise ModelError(
-                f"Element '{name}' ({member.element.name}) has no keyword in a SPACAR input file; it has: {known}."
+                f"Element '{name}' ({member.element.name}) has no keyword in a SPACAR input file; it has: {known}. A"
+                " body that is clamped at both ends is a beam there that has no section and releases nothing."
             )
         if member.element.options.get("second_order", True) is not True:
             raise ModelError(

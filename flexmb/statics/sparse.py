@@ -17,17 +17,13 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
-from ..math.sparse import SparseFactors, sparse_matrix
-from ..mechanics.blocks import scatter_vector
-from ..mechanics.deformation import curvature_pieces, deformations, jacobian_pieces, zero_near
+from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import Felt, mass_pieces, weight, weight_pieces, work_of_weight
+from ..mechanics.inertia import Felt, weight, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import (
     free_deformations,
     is_nonlinear,
-    stiffness_pieces,
-    strain_of,
     stress_of_strain,
 )
 from ..model.parameters import Parameters
@@ -35,6 +31,7 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
 from .solve import held_values
+from .tangent import assemble, elastic_stress, unknowns
 
 
 class Balanced(NamedTuple):
@@ -51,89 +48,11 @@ class Balanced(NamedTuple):
     iterations: Any = 0
 
 
-def unknowns(topology: Topology) -> tuple[Array, Array, Array]:
-    """Coordinates that move, coordinates that do not, and deformations that are held."""
-    return jnp.sort(topology.x.free), topology.x.held, topology.e.held
-
-
-@jit
-def elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Float[Array, "n_e"]):
-    """Stress resultants of linear elements, without the multipliers of held deformations."""
-    loads = scaled_loads(parameters, factors)
-    sigma = stress_of_strain(topology, parameters, strain_of(topology, parameters, loads, e))
-    return sigma if loads.prestress is None else sigma + loads.prestress
-
-
 @jit
 def _held_and_free(topology: Topology, parameters: Parameters, factors: LoadFactors):
     """What is held, and the deformations at which elements are free of stress, (n_e,)."""
     free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
     return held_values(topology, parameters, factors), jnp.zeros(topology.n_e) if free is None else free
-
-
-@jit
-def _matrices(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma, *, mass: bool = False):
-    """Element matrices for the host, with nodal forces and the stress that deformations have there."""
-    values, jacobian = jacobian_pieces(topology, parameters, x, near)
-    e = scatter_vector(topology.n_e, values)
-    gravity = scaled_loads(parameters, factors).gravity
-    found = {
-        "jacobian": jacobian,
-        "stiffness": stiffness_pieces(topology, parameters),
-        "curvature": curvature_pieces(topology, parameters, x, near, sigma),
-        "weight": [] if gravity is None else weight_pieces(topology, parameters, x, gravity),
-        "mass": mass_pieces(topology, parameters, x) if mass else [],
-    }
-    force = nodal_forces(topology, parameters, factors, x)
-    return found, e, elastic_stress(topology, parameters, factors, e), force
-
-
-class Assembled(NamedTuple):
-    """Tangent of the equilibrium, and what belongs to it.
-
-    Attributes:
-        tangent: Derivative by the coordinates that move and the multipliers, sparse, symmetric.
-        coupling: The same by the coordinates that do not move, sparse.
-        geometric: Part of the tangent that stress resultants and weight have, of the coordinates that move, sparse.
-        mass: Mass of the coordinates that move, sparse, or None.
-        jacobian: D_x, sparse, (n_e, n_x).
-        e: Deformations, (n_e,) [m, rad].
-        sigma: Stress resultants without the multipliers, (n_e,) [N, N m].
-        force: Nodal forces of the loads, (n_x,) [N, N m].
-    """
-
-    tangent: Any
-    coupling: Any
-    geometric: Any
-    mass: Any
-    jacobian: Any
-    e: np.ndarray
-    sigma: np.ndarray
-    force: np.ndarray
-
-
-def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) -> Assembled:
-    """Tangent of the equilibrium at a state with stress resultants ``sigma``, on the host; with its mass if asked."""
-    import scipy.sparse
-
-    found, e, elastic, force = _matrices(
-        topology, parameters, factors, *(jnp.asarray(v) for v in (x, near, sigma)), mass=mass
-    )
-    n_x, n_e = topology.n_x, topology.n_e
-    free, fast, held = (np.asarray(i) for i in unknowns(topology))
-    d = sparse_matrix((n_e, n_x), found["jacobian"])
-    keep = np.ones(n_e)
-    keep[held] = 0.0
-    kept = scipy.sparse.diags_array(keep)
-    s = kept @ sparse_matrix((n_e, n_e), found["stiffness"]) @ kept
-    geometric = sparse_matrix((n_x, n_x), found["curvature"]) - sparse_matrix((n_x, n_x), found["weight"])
-    k = d.T @ s @ d + geometric
-    rows = d[held]
-    tangent = scipy.sparse.block_array([[k[free][:, free], rows[:, free].T], [rows[:, free], None]])
-    coupling = scipy.sparse.vstack([k[free][:, fast], rows[:, fast]])
-    m = sparse_matrix((n_x, n_x), found["mass"])[free][:, free] if mass else None
-    geometric = geometric[free][:, free]
-    return Assembled(tangent.tocsc(), coupling, geometric, m, d, *(np.asarray(v) for v in (e, elastic * keep, force)))
 
 
 def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
@@ -194,7 +113,7 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
             at = assemble(topology, parameters, factors, x, near, sigma)
             shift = wanted_x[fast] - x[fast]
             right = np.concatenate([(at.force - at.jacobian.T @ at.sigma)[free], wanted_e[held] - at.e[held]])
-            factored = SparseFactors(at.tangent)
+            factored = at.factors()
             regular = factored.regular
             if not regular:
                 break
@@ -248,7 +167,7 @@ def _balance_jvp(primals, tangents):
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
     sigma = put(elastic_stress(topology, parameters, factors, near), held, solved.multipliers)
-    factored = SparseFactors(assemble(topology, parameters, factors, solved.x, near, sigma).tangent)
+    factored = assemble(topology, parameters, factors, solved.x, near, sigma).factors()
 
     def matvec(z):
         def along(x, multipliers):
