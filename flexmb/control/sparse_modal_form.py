@@ -63,20 +63,13 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
     own = np.array(kept)
     values, shapes = found.values[own], found.motions[:, own]
     forces = whole.B[0][elements.free]
-    border = times(elements.mass, shapes, n_x)[elements.free]
+    border = times(elements.mass, shapes, size=n_x)[elements.free]
     right = jnp.concatenate([forces, jnp.zeros((h, forces.shape[1]))])
     follows = spread(elements, solved(elements, right, border)[: forces.shape[0]])
     d = whole.D.at[0].add(whole.C[0] @ follows)
-    form = SecondOrder(
-        jnp.eye(len(own)),
-        between(elements.damping, shapes, shapes),
-        jnp.diag(values),
-        *(shapes.T @ of for of in whole.B),
-        *(of @ shapes for of in whole.C),
-        *d,
-        whole.orders,
-        whole.moves,
-    )
+    parts: list[Any] = [jnp.eye(len(own)), between(elements.damping, shapes, shapes), jnp.diag(values)]
+    parts += [*(shapes.T @ of for of in whole.B), *(of @ shapes for of in whole.C), *d]
+    form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
     return ByModes(form, whole, kept, hertz)
 
 

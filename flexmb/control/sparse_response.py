@@ -8,6 +8,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Complex, Float
 
+from ..compilation.compile import jit
 from ..linear.sparse_solve import on_host, spread
 from ..math.element_matrices import ElementMatrices, Whole, times, times_transposed
 from ..math.indices import put
@@ -32,10 +33,10 @@ def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Flo
     if lossy is not None:
         elements = elements._replace(loss=lossy.elements.stiffness)
         for part, own in zip(range(3), lossy[1:4], strict=True):
-            polynomials[part] = polynomials[part] + 1j * own
+            polynomials[part] = polynomials[part] + lax.complex(jnp.zeros_like(own), own)
     b, c, d = polynomials
-    powers = (1j * w[:, None]) ** np.arange(3)
-    return _transfer(elements, w, b, c) + jnp.einsum("fp,pij->fij", powers, d)
+    powers = _powers(lax.complex(jnp.zeros_like(w), w))
+    return _transfer(elements, w, b, c) + jnp.einsum("pf,pij->fij", powers, d)
 
 
 @jax.custom_jvp
@@ -85,33 +86,40 @@ def _balance(elements: ElementMatrices, s, z) -> Any:
     n_x, n_e, n = elements.sizes.shape[0], elements.kept.shape[0], elements.unknowns[0]
     v = spread(elements, z[:n])
     multipliers = put(jnp.zeros((n_e, z.shape[1]), z.dtype), elements.held, z[n:])
-    forces = times_transposed(elements.constraints, multipliers, n_x)
+    forces = times_transposed(elements.constraints, multipliers, size=n_x)
     parts = (elements.stiffness, elements.damping, elements.mass, elements.loss)
     for factor, pieces in zip((1.0, s, s**2, 1j), parts, strict=True):
         if pieces:
-            forces = forces + factor * times(pieces, v, n_x)
-    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, n_e)[elements.held]])
+            forces = forces + factor * times(pieces, v, size=n_x)
+    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, size=n_e)[elements.held]])
+
+
+def _powers(s: Complex[Array, "*f"]) -> Complex[Array, "3 *f"]:
+    """The first three powers."""
+    return jnp.stack([jnp.ones_like(s), s, s**2])
+
+
+@jit
+def _by_solutions(elements: ElementMatrices, w, b, c, moved) -> Complex[Array, "n_f n_y n_u"]:
+    """C X + Y^T (B - Z X) at each frequency."""
+    n, n_u = elements.unknowns[0], b.shape[2]
+
+    def one(at):
+        s, (x, y) = lax.complex(jnp.zeros_like(at[0]), at[0]), jnp.split(at[1], [n_u], axis=1)
+        powers = _powers(s)
+        right = jnp.tensordot(powers, b, 1)[elements.free]
+        left = jnp.tensordot(powers, c, 1)[:, elements.free]
+        balance = _balance(elements, s, x)
+        out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
+        return left @ x[:n] + y.T @ out_of_balance
+
+    return lax.map(one, (w, moved))
 
 
 @_transfer.defjvp
 def _transfer_jvp(primals, tangents):
     """As (14.32): with X = Z^-1 B and Y = Z^-1 C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
-    elements, w, b, c = primals
-    n, n_u = elements.unknowns[0], b.shape[2]
-    moved = solutions(elements, w, b, c)
-
-    def bysolutions(elements, w, b, c):
-        def one(at):
-            s, (x, y) = 1j * at[0], jnp.split(at[1], [n_u], axis=1)
-            powers = jnp.stack([jnp.ones_like(s), s, s**2])
-            right = jnp.tensordot(powers, b, 1)[elements.free]
-            left = jnp.tensordot(powers, c, 1)[:, elements.free]
-            balance = _balance(elements, s, x)
-            out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
-            return left @ x[:n] + y.T @ out_of_balance
-
-        return lax.map(one, (w, moved))
-
-    found, change = jax.jvp(by_solutions, primals, tangents)
-    regular = jnp.any(moved != 0, axis=(1, 2))[:, None, None] | ~jnp.any(b)
-    return jnp.where(regular, found, jnp.inf + 0j), change
+    moved = solutions(*primals)
+    found, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)
+    regular = jnp.any(moved != 0, axis=(1, 2))[:, None, None] | ~jnp.any(primals[2])
+    return jnp.where(regular, found, jnp.inf + 0j), jnp.where(regular, change, 0j)

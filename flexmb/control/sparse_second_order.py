@@ -84,8 +84,8 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
         if s.order is not None:
             motions[held.index(held_of(s)), j] = 1.0
     still = jnp.zeros((n_x, len(held)))
-    parts = [still if lossy is None else times(own.stiffness, carried, n_x)]
-    parts += [times(pieces, carried, n_x) for pieces in (own.damping, own.mass)]
+    parts = [still if lossy is None else times(own.stiffness, carried, size=n_x)]
+    parts += [times(pieces, carried, size=n_x) for pieces in (own.damping, own.mass)]
     by_p = [-part @ motions for part in parts]
     by_p[0] = by_p[0] + forces
     between_held = [between(pieces, carried, carried) for pieces in (own.stiffness, own.damping, own.mass)]
@@ -148,7 +148,7 @@ def _force(s: Signal, lin: SparseLinearization) -> Float[Array, "n_x"]:
 
 def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
     """Derivative of a sum of deformations by the coordinates."""
-    return times_transposed(lin.elements.constraints, weights[:, None], lin.x.shape[0])[:, 0]
+    return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
 
 
 def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_stress: bool) -> list[Any]:
@@ -158,7 +158,7 @@ def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_st
     if s.quantity == "stress":
         unit = unit.at[s.index].set(1.0)
         for rate, pieces in enumerate((own.elastic, own.viscous)):
-            found[rate] = _of_deformation(lin, times_transposed(pieces, unit, lin.e.shape[0])[:, 0])
+            found[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
     elif only_stress:
         return found
     elif s.quantity.startswith("deformation"):
@@ -176,8 +176,8 @@ def _carried(lin: SparseLinearization, held: tuple[Held, ...]) -> Float[Array, "
         return jnp.zeros((lin.x.shape[0], 0))
     elements, (n_x, n_e) = lin.elements, (lin.x.shape[0], lin.e.shape[0])
     by_x, by_e = seeds(lin.model.topology, lin.x, held)
-    forces = times(elements.stiffness, by_x, n_x)[elements.free]
-    excess = (times(elements.constraints, by_x, n_e) - by_e)[elements.held]
+    forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
+    excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
     moved = solved(elements, -jnp.concatenate([forces, excess]))
     return by_x + spread(elements, moved[: elements.unknowns[0]])
 

@@ -360,7 +360,7 @@ def _refuse_rates(lin: Any, late: np.ndarray, orders: tuple[int, ...]) -> None:
     )
 
 
-def _is_along_motion(model: Model | Linearization) -> TypeGuard[Linearization]:
+def _is_along_motion(model: Model | Linearization | SparseLinearization) -> TypeGuard[Linearization]:
     return isinstance(model, Linearization) and model.matrices.M0.ndim > 2
 
 

@@ -407,7 +407,10 @@ class Where(NamedTuple):
 
 
 def linearized(
-    given: Model | Linearization, function: str, throw: bool = True, where: Where | None = None
+    given: Model | Linearization | SparseLinearization,
+    function: str,
+    throw: bool = True,
+    where: Where | None = None,
 ) -> Linearization:
     """What a public function of a model or of its linearisation is asked about.
 
@@ -423,6 +426,8 @@ def linearized(
     """
     where = where or Where()
     where.refuse(function, given=isinstance(given, Linearization))
+    if isinstance(given, SparseLinearization):
+        raise TypeError(f"fm.{function} takes no sparse linearisation: give fm.linearize(model), which is dense.")
     if where.at is not None:
         given = where.linearization(as_model(given, function), function)
     if not isinstance(given, Linearization):

@@ -1,5 +1,7 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
+from typing import Any
+
 import jax.core
 import jax.numpy as jnp
 import numpy as np
@@ -167,7 +169,7 @@ def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array,
     return _frequencies_at(lin.matrices, count=None)
 
 
-def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
+def check_spectrum(result, throw: bool, model: Any) -> None:
     """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
     about = ""
     if throw and not isinstance(result, jax.core.Tracer):
@@ -252,8 +254,9 @@ def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
     """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
     if count is None:
         raise ValueError("With sparse matrices give `count`, the number of modes wanted.")
-    found, roles = lowest(lin.elements, count), lin.model.topology
-    deformed = times(lin.elements.constraints, found.motions, roles.n_e)
+    found: Any = lowest(lin.elements, count)
+    roles = lin.model.topology
+    deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
     q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])
     stable = is_concrete(found) and bool(found.values[0] > 0)
     return Modes(found.values, to_frequency(found.values), found.motions, q_shapes, 0, stable, lin)

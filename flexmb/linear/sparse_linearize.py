@@ -24,7 +24,8 @@ from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import told
-from ..statics.sparse import sparse_equilibrium, unknowns
+from ..statics.sparse import sparse_equilibrium
+from ..statics.tangent import unknowns
 
 # Matrices in the degrees of freedom, which a large mechanism does not form.
 DENSE = ("M0", "C0", "D0", "K0", "N0", "G0", "K", "DFx", "DFe", "S", "S_d")

@@ -10,6 +10,7 @@ from jax import lax
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
+from ..compilation.compile import jit
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.element_matrices import ElementMatrices, Whole, times, times_transposed
@@ -51,24 +52,25 @@ def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Arra
     return put(whole, elements.free, moving)
 
 
-def product(elements: ElementMatrices, z: Float[Array, "n+h k"], values: Any = 0.0) -> Float[Array, "n+h k"]:
+@jit
+def product(elements: ElementMatrices, z: Float[Array, "n+h k"], values: Any = None) -> Float[Array, "n+h k"]:
     """Product of [[K - mu M, D^T], [D, 0]] and vectors.
 
     Args:
         elements: Element matrices.
         z: Motions and multipliers, one a column, (n + h, k).
-        values: mu of each, (k,).
+        values: mu of each, (k,); None: zero.
     """
     n_x, (n, _), rows = elements.sizes.shape[0], elements.unknowns, elements.kept.shape[0]
     v = spread(elements, z[:n])
     multipliers = put(jnp.zeros((rows, z.shape[1]), z.dtype), elements.held, z[n:])
-    forces = times(elements.stiffness, v, n_x) + times_transposed(elements.constraints, multipliers, n_x)
-    if not (isinstance(values, float) and values == 0.0):
-        forces = forces - times(elements.mass, v, n_x) * values
-    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, rows)[elements.held]])
+    forces = times(elements.stiffness, v, size=n_x) + times_transposed(elements.constraints, multipliers, size=n_x)
+    if values is not None:
+        forces = forces - times(elements.mass, v, size=n_x) * values
+    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, size=rows)[elements.held]])
 
 
-def bordered(elements: ElementMatrices, z, border: Float[Array, "n b"], values: Any = 0.0) -> Array:
+def bordered(elements: ElementMatrices, z, border: Float[Array, "n b"], values: Any = None) -> Array:
     """As :func:`product`, with motions to which the solution is to be orthogonal and the forces along them.
 
     Args:
@@ -184,16 +186,16 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
 @_lowest.defjvp
 def _lowest_jvp(primals, tangents):
     elements, count = primals
-    at = _lowest(elements, count)
+    at: Any = _lowest(elements, count)
     (n, h), n_x = elements.unknowns, elements.sizes.shape[0]
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
     gaps = jnp.abs(at.values[:, None] - at.values)
     near = gaps <= NEAR * jnp.maximum(jnp.abs(at.values)[:, None], jnp.abs(at.values))
-    inertia = times(elements.mass, at.motions, n_x)[elements.free]
+    inertia = times(elements.mass, at.motions, size=n_x)[elements.free]
 
     def equations(elements):
         """Balance of each mode, and how far the modes that are near it are from being orthonormal to it."""
-        mass = jnp.einsum("ij,ik->jk", at.motions, times(elements.mass, at.motions, n_x))
+        mass = jnp.einsum("ij,ik->jk", at.motions, times(elements.mass, at.motions, size=n_x))
         return jnp.concatenate([product(elements, z, at.values), jnp.where(near, mass, 0.0) / 2])
 
     _, change = jax.jvp(equations, (elements,), (tangents[0],))
@@ -232,7 +234,8 @@ def _lowest_jvp(primals, tangents):
     y = lax.custom_linear_solve(matvec, -change, solve, symmetric=True)
     # Of each mode the border's own entry is less the change of its eigenvalue.
     slopes = -jnp.diagonal(y[n + h :])
-    return at, Lowest(slopes, spread(elements, y[:n]), y[n : n + h])
+    changed: Any = slopes, spread(elements, y[:n]), y[n : n + h]
+    return at, Lowest(*changed)
 
 
 def lowest_values(elements: ElementMatrices, count: int) -> Float[Array, "count"]:
@@ -246,13 +249,14 @@ def lowest_values(elements: ElementMatrices, count: int) -> Float[Array, "count"
 
 @jax.custom_jvp
 def _lowest_values(elements: ElementMatrices, count: Array) -> Float[Array, "count"]:
-    return _lowest(elements, count).values
+    found: Any = _lowest(elements, count)
+    return found.values
 
 
 @_lowest_values.defjvp
 def _lowest_values_jvp(primals, tangents):
     elements, count = primals
-    at = _lowest(elements, count)
+    at: Any = _lowest(elements, count)
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
 
     def quotients(elements):

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import jit
 from .indices import accumulate
 from .sparse import SparseFactors, SparsePattern
 
@@ -53,7 +54,8 @@ class ElementMatrices(NamedTuple):
         return self.free.shape[0], self.held.shape[0]
 
 
-def times(pieces: Pieces, vectors: Float[Array, "n k"], size: int) -> Float[Array, "size k"]:
+@jit
+def times(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
     """Product of a matrix in pieces and vectors.
 
     Args:
@@ -63,15 +65,17 @@ def times(pieces: Pieces, vectors: Float[Array, "n k"], size: int) -> Float[Arra
     """
     found: Any = jnp.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, matrices in pieces:
-        found = accumulate(found, rows, jnp.einsum("eij,ejk->eik", matrices, vectors[columns]))
+        found = accumulate(found, rows, jnp.einsum("eij,ejk->eik", matrices.astype(vectors.dtype), vectors[columns]))
     return found
 
 
-def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], size: int) -> Float[Array, "size k"]:
+@jit
+def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
     """Product of the transposed matrix and vectors, as :func:`times`."""
-    return times([(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces], vectors, size)
+    return times([(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces], vectors, size=size)
 
 
+@jit
 def between(pieces: Pieces, left: Float[Array, "n a"], right: Float[Array, "m b"]) -> Float[Array, "a b"]:
     """What a matrix in pieces is between vectors: left^T A right."""
     found: Any = jnp.zeros((left.shape[1], right.shape[1]))
@@ -178,7 +182,7 @@ def _pattern_of(elements: ElementMatrices) -> SparsePattern:
     places = [[(rows, columns) for rows, columns, _ in pieces] for pieces in groups]
     for array in (elements.free, elements.held, *(index for group in places for pair in group for index in pair)):
         told.update(repr((array.shape, array.dtype)).encode())
-        told.update(np.ascontiguousarray(array))
+        told.update(np.ascontiguousarray(array).tobytes())
     told.update(repr([len(group) for group in places]).encode())
     key = told.digest()
     pattern = _known.pop(key, None) or _found(elements, places)
