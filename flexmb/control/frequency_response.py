@@ -218,7 +218,7 @@ def frequency_response(
         FlexmbWarning: A response is infinite.
 
     Source:
-        THEORY.md 14, eq. (14.30) and (14.31); its derivative (14.32).
+        THEORY.md 14, eq. (14.30) and (14.31); its derivative (14.32); of sparse matrices 7, eq. (7.15) and (7.18).
     """
     check_choice("method", method, (None, "modes", "direct"))
     frequencies = check_hertz(hertz)

@@ -53,7 +53,7 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         AnalysisError: singular_stiffness, where a motion without stiffness is not kept.
 
     Source:
-        THEORY.md 7, eq. (7.14), with R B_u from [[K, D^T, M Phi], [D, 0, 0], [Phi^T M, 0, 0]] (r, m, mu) = (B_u, 0, 0).
+        THEORY.md 7, eq. (7.14), with R B_u from (7.17).
     """
     whole = sparse_second_order(lin)
     kept, found = _chosen(lin, modes, bandwidth)

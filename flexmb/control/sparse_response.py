@@ -27,7 +27,7 @@ def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Flo
         (n_f, n_y, n_u), infinite where an undamped resonance is hit.
 
     Source:
-        THEORY.md 14, eq. (14.30), in all coordinates with multipliers.
+        THEORY.md 14, eq. (14.30), and its derivative (14.32), in the coordinates and multipliers of 7, eq. (7.15).
     """
     elements, polynomials = system.elements, [part.astype(complex) for part in system[1:4]]
     if lossy is not None:

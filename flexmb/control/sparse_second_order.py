@@ -69,7 +69,7 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
         ModelError: An input moves nothing.
 
     Source:
-        THEORY.md 14, eq. (14.1) to (14.3), with what is held moved at rest and all other coordinates beside that.
+        THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
     """
     model, elements = lin.model, lin.elements
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())

@@ -158,7 +158,7 @@ def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFa
         sigma: Stress resultants with all multipliers, (n_e,) [N, N m].
 
     Source:
-        THEORY.md 6, eq. (6.2) and (6.3), before they are projected.
+        THEORY.md 7, eq. (7.15); 6, eq. (6.2) and (6.3), before they are projected.
     """
     free, _, held = unknowns(topology)
     near = jax.lax.stop_gradient(e)

@@ -160,7 +160,7 @@ def lowest(elements: ElementMatrices, count: int) -> Lowest:
         count); multipliers of the constraints, (h, count).
 
     Source:
-        Shift-inverted Lanczos method of ARPACK; derivatives as Nelson (1976), in bordered form.
+        THEORY.md 7, eq. (7.16): Lanczos method of ARPACK, shifted and inverted; derivatives as Nelson (1976).
     """
     # The number is handed on as a shape, which stays known.
     return _lowest(elements, jnp.zeros(count))

@@ -80,7 +80,9 @@ def test_responses_are_those_of_dense_matrices(losses):
     assert (found.inputs, found.outputs) == (wanted.inputs, wanted.outputs)
     off = np.abs(found.response - wanted.response) / np.max(np.abs(wanted.response), axis=0)
     assert np.max(off) < 1e-8
-    one = fm.frequency_response(arm(), HERTZ[:2], inputs="force d.x", outputs="position d.y", loss_factor=losses, sparse=True)
+    one = fm.frequency_response(
+        arm(), HERTZ[:2], inputs="force d.x", outputs="position d.y", loss_factor=losses, sparse=True
+    )
     assert one.response.shape == (2, 1, 1)
 
 
