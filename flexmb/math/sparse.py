@@ -84,6 +84,11 @@ class SparseFactors:
     Attributes:
         ordering: The order of elimination, (n,), or None where the matrix is singular and none was given.
         regular: Whether the factors can be trusted.
+        negative: Number of negative eigenvalues of a symmetric matrix; None where rows changed places, so that pivots
+            tell no sign.
+
+    Source:
+        Sylvester's law of inertia, for the negative pivots on the diagonal.
     """
 
     def __init__(self, matrix: Any, ordering: np.ndarray | None = None):
@@ -106,6 +111,7 @@ class SparseFactors:
         data = matrix.data * self._scale[matrix.indices] * columns
         self._matrix = scipy.sparse.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
         self._order, self.ordering, self.regular = ordering, ordering, False
+        self.negative: int | None = None
         how = {"diag_pivot_thresh": DIAGONAL, "options": {"SymmetricMode": True}}
         by = "MMD_AT_PLUS_A" if ordering is None else "NATURAL"
         try:
@@ -114,8 +120,11 @@ class SparseFactors:
             return
         if ordering is None:
             self.ordering = np.argsort(self._factors.perm_c)
-        pivots = np.abs(self._factors.U.diagonal())
-        self.regular = bool(np.all(np.isfinite(pivots)) and np.min(pivots) > SINGULAR * np.max(pivots))
+        pivots = self._factors.U.diagonal()
+        sizes = np.abs(pivots)
+        self.regular = bool(np.all(np.isfinite(sizes)) and np.min(sizes) > SINGULAR * np.max(sizes))
+        if np.array_equal(self._factors.perm_r, self._factors.perm_c):
+            self.negative = int(np.sum(pivots < 0))
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solution of A z = right, (n,) or (n, cases).
