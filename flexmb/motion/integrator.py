@@ -65,12 +65,6 @@ class Integrator(Record):
         Raises:
             ValueError, TypeError: See :func:`simulate`.
         """
-        import diffrax
-
-        from .energy_keeping import EnergyKeeping
-        from .projected import Projected
-        from .solver import MotionSolver
-
         check_choice("form", self.form, FORMS)
         if controlled and self.form in ("reduced", "tree"):
             raise ValueError('A controller needs form="coordinates".')
@@ -80,6 +74,28 @@ class Integrator(Record):
         check_number("atol", self.atol, least=0)
         if self.dt0 is not None:
             check_number("dt0", self.dt0, above=0)
+        named = ("solver", "controller", "adjoint", "event")
+        # The library of solvers takes long to load: the default needs it for derivatives alone.
+        by_default = all(getattr(self, name) is None for name in named)
+        solver = None if by_default else self._checked_solver(controlled, jumps)
+        return dataclasses.replace(
+            self,
+            rtol=jnp.asarray(self.rtol, float),
+            atol=jnp.asarray(self.atol, float),
+            # Zero stands for none, so that parts with a given first step and those without are one program.
+            dt0=jnp.asarray(0.0 if self.dt0 is None else self.dt0, float),
+            solver=solver,
+            max_steps=check_whole("max_steps", self.max_steps, 1),
+        )
+
+    def _checked_solver(self, controlled: bool, jumps: bool) -> diffrax.AbstractSolver | None:
+        """The solver, one that keeps the constraints; it and what goes with it are refused as :meth:`checked` says."""
+        import diffrax
+
+        from .energy_keeping import EnergyKeeping
+        from .projected import Projected
+        from .solver import MotionSolver
+
         for name, kind, wanted in (
             ("solver", diffrax.AbstractSolver, "a solver, such as Rodas5P() or diffrax.Dopri8()"),
             ("controller", diffrax.AbstractStepSizeController, "a step size controller of diffrax"),
@@ -100,15 +116,7 @@ class Integrator(Record):
                 raise ValueError(
                     f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`."
                 )
-        return dataclasses.replace(
-            self,
-            rtol=jnp.asarray(self.rtol, float),
-            atol=jnp.asarray(self.atol, float),
-            # Zero stands for none, so that parts with a given first step and those without are one program.
-            dt0=jnp.asarray(0.0 if self.dt0 is None else self.dt0, float),
-            solver=solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver),
-            max_steps=check_whole("max_steps", self.max_steps, 1),
-        )
+        return solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver)
 
     def on(self, tree: Tree | None, *, controlled: bool) -> Integrator:
         """The same with its form chosen, as checked before.
@@ -120,8 +128,6 @@ class Integrator(Record):
         Raises:
             ModelError: The form is "tree", but there are no such beams.
         """
-        from .energy_keeping import EnergyKeeping
-
         if self.form == "tree" and tree is None:
             raise ModelError(
                 'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, in a'
@@ -129,5 +135,9 @@ class Integrator(Record):
             )
         if self.form != "auto":
             return self
-        needs_all = controlled or self.event is not None or isinstance(self.solver, EnergyKeeping)
-        return dataclasses.replace(self, form="coordinates" if needs_all or tree is None else "tree")
+        needs_all = controlled or self.event is not None or tree is None
+        if self.solver is not None and not needs_all:
+            from .energy_keeping import EnergyKeeping
+
+            needs_all = isinstance(self.solver, EnergyKeeping)
+        return dataclasses.replace(self, form="coordinates" if needs_all else "tree")

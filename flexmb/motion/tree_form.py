@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import accumulate, put
-from ..math.linear import factorise, is_positive_definite
+from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.tree import Passages, Tree, linked, passages, passed, some_of
@@ -82,6 +82,16 @@ class TreeForm(Record):
     def size(self) -> int:
         """Number of coordinates that move and are not computed."""
         return self.form.size
+
+    @property
+    def linear(self) -> bool:
+        """Accelerations and multipliers follow from their matrix."""
+        return True
+
+    @property
+    def unknowns(self) -> int:
+        """Number of accelerations and multipliers."""
+        return self.size + self.tree.held_places.shape[0]
 
     def state_of(self, x, xd, near) -> MotionState:
         """State of nodal coordinates, of which those that are computed are not read."""
@@ -261,6 +271,10 @@ class TreeForm(Record):
         found = load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), x)
         return found if drive.turning is None else found + drive.turning
 
+    def regular(self, by_z):
+        """Whether every motion that the constraints allow carries mass."""
+        return self.form.regular(by_z)
+
     @jit_beside_options
     def acceleration(self, t, state: MotionState):
         """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
@@ -274,14 +288,14 @@ class TreeForm(Record):
         stress = self.stress_of(t, jnp.zeros(self.tree.held_places.shape[0]))
         acting, jacobian, mass = acting_matrices(form.elements, moving, form.falling, stress)
         mass, rows = along.T @ mass @ along, self.held(jacobian) @ along
-        regular = is_positive_definite(mass + jnp.max(jnp.abs(mass), initial=0.0) * rows.T @ rows)
         force = along.T @ (acting.force - form.applied(t, at.x))
         residual = jnp.concatenate([force, self.held(acting.kinematics.edd) - self.wanted(at.edd)])
-        factors = factorise(bordered(mass, rows, self.mobility))
+        matrix = bordered(mass, rows, self.mobility)
+        factors = factorise(matrix)
         z = factors.solve(-residual)
         # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
         left = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
-        return z - factors.solve(residual + left), regular
+        return z - factors.solve(residual + left), self.regular(matrix)
 
     def rate_of_memory(self, t, state: MotionState, z):
         """Rates of the deformations, where turns are counted."""
