@@ -29,10 +29,10 @@ def use_cache():
 
 # To compile thoroughly takes twice as long, and nothing runs long enough here to gain by it.
 OPTIONS["thorough"] = OPTIONS["quick"]
-# Where in Python a program was written takes a tenth of its compilation, and is read by nobody here.
+# Where in Python each operation was written is kept with a program, for some percent of its compilation; here nobody reads it.
 jax.config.update("jax_traceback_in_locations_limit", 0)
-# Traces and compiled code are hundreds of thousands of objects that live on: to look for garbage among them as often as
-# Python does took a tenth of the whole run, and a quarter of long modules.
+# Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took a
+# tenth of the time of modules that compile much.
 gc.set_threshold(100_000, 50, 100)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
