@@ -22,16 +22,13 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.sparse import (
-    Assembled,
     Balanced,
-    assemble,
     balanced,
-    elastic_stress,
     refuse_traced,
     refuse_what_is_not_sparse,
     second_variation,
-    unknowns,
 )
+from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -73,7 +70,7 @@ def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at:
     held = unknowns(topology)[2]
     sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
     found = assemble(topology, parameters, factors, at.x, near, sigma)
-    structural = _without(found.tangent, found.geometric)
+    structural = found.structural
     n = found.geometric.shape[0]
     moved = np.asarray(sizes_of(topology, parameters))
     if parameters.increment is None:
@@ -88,14 +85,6 @@ def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at:
     wrong = _round_off(topology, parameters, found, np.asarray(sigma), moved, np.asarray(held))
     noise = assemble(topology, parameters, LoadFactors(0.0, 0.0), at.x, near, wrong).geometric
     return _smallest(stays, scaled, noise, min(count, n - (stays.shape[0] - n)))
-
-
-def _without(tangent: Any, geometric: Any) -> Any:
-    """Tangent less its geometric part."""
-    import scipy.sparse
-
-    rest = tangent.shape[0] - geometric.shape[0]
-    return (tangent - scipy.sparse.block_diag([geometric, scipy.sparse.csr_array((rest, rest))])).tocsc()
 
 
 def _of_increment(topology, parameters, factors, near, held) -> tuple[np.ndarray, np.ndarray]:

@@ -1,60 +1,146 @@
-"""Sparse matrices and their factors, on the host."""
+"""Sparse matrices whose pattern is found once, and their factors, on the host."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+# Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors. Static loads on a
+# rack take as long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
+LARGE = 300
 # Pivots this much smaller than the largest, of a matrix scaled to entries of one, are round-off.
 SINGULAR = 1e-14
+# A diagonal entry is a pivot where it is this share of the largest in its column. It may be small where stiffnesses are
+# far apart; rows that change places would fill the factors.
+DIAGONAL = 1e-8
 
 
-def sparse_matrix(size: tuple[int, int], pieces) -> Any:
-    """Sum of element matrices, as ``mechanics.blocks.scatter_matrix`` for a dense one.
+class SparsePattern:
+    """Where the entries of element matrices lie in a sparse matrix of the whole, found once for a structure.
 
-    Args:
+    Attributes:
         size: Shape of the whole.
-        pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
+        slots: For each entry of the element matrices, one piece after the other, its number among the stored entries of
+            the whole; that of those left out is one beyond the last.
+        columns: Where each column begins among the stored entries, (size[1] + 1,).
+        rows: Row of each stored entry, (stored,).
+        ordering: Order of elimination, (size[1],), once a square matrix has been factored.
     """
-    import scipy.sparse
 
-    if not pieces:
-        return scipy.sparse.csr_array(size)
-    shapes = [np.asarray(matrices).shape for _, _, matrices in pieces]
-    rows = [np.broadcast_to(np.asarray(r)[:, :, None], s).ravel() for (r, _, _), s in zip(pieces, shapes, strict=True)]
-    columns = [
-        np.broadcast_to(np.asarray(c)[:, None, :], s).ravel() for (_, c, _), s in zip(pieces, shapes, strict=True)
-    ]
-    data = np.concatenate([np.asarray(matrices).ravel() for _, _, matrices in pieces])
-    return scipy.sparse.coo_array((data, (np.concatenate(rows), np.concatenate(columns))), shape=size).tocsr()
+    def __init__(self, size: tuple[int, int], places: Sequence[tuple[Any, Any]]):
+        """Find the pattern.
+
+        Args:
+            size: Shape of the whole.
+            places: Of each piece, row indices (elements, r) and column indices (elements, c); entries with a negative
+                index are left out.
+        """
+        keys = [np.zeros(0, np.int64)]
+        for rows, columns in places:
+            r, c = (np.asarray(indices, np.int64) for indices in (rows, columns))
+            key = c[:, None, :] * size[0] + r[:, :, None]
+            keys.append(np.where((c[:, None, :] < 0) | (r[:, :, None] < 0), -1, key).ravel())
+        stored, slots = np.unique(np.concatenate(keys), return_inverse=True)
+        if len(stored) and stored[0] < 0:
+            stored, slots = stored[1:], np.where(slots == 0, len(stored) - 1, slots - 1)
+        self.size = size
+        self.slots = slots.astype(np.int32)
+        self.rows = (stored % max(size[0], 1)).astype(np.int32)
+        self.columns = np.searchsorted(stored, np.arange(size[1] + 1) * size[0]).astype(np.int32)
+        self.ordering: np.ndarray | None = None
+        self._last: tuple[np.ndarray, SparseFactors] | None = None
+
+    def entries(self, pieces: Sequence[Any]) -> np.ndarray:
+        """Stored entries of the sum of element matrices, (stored,).
+
+        Args:
+            pieces: Matrices (elements, r, c), as the pattern was told of.
+        """
+        flat = [np.asarray(matrices).ravel() for matrices in pieces]
+        given = np.concatenate(flat) if flat else np.zeros(0)
+        return np.bincount(self.slots, given, len(self.rows) + 1)[: len(self.rows)]
+
+    def matrix(self, pieces: Sequence[Any]) -> Any:
+        """Sum of element matrices, sparse by columns; arguments as for :meth:`entries`."""
+        import scipy.sparse
+
+        return scipy.sparse.csc_array((self.entries(pieces), self.rows, self.columns), shape=self.size)
+
+    def factors(self, matrix: Any) -> "SparseFactors":
+        """Factors of a square matrix of this pattern, in the order of elimination that the first of them found.
+
+        Those of the last matrix are kept: a derivative asks for them again.
+        """
+        last = self._last
+        if last is None or not np.array_equal(last[0], matrix.data):
+            last = matrix.data, SparseFactors(matrix, self.ordering)
+            self._last, self.ordering = last, last[1].ordering
+        return last[1]
 
 
 class SparseFactors:
-    """Sparse factors of a symmetric matrix, rows and columns scaled alike, with one step of refinement.
+    """Sparse factors of a matrix of symmetric pattern, rows and columns scaled alike, with one step of refinement.
 
     Attributes:
-        matrix: The scaled matrix.
-        scale: What its rows and columns were multiplied by, (n,).
-        factors: LU factors by SuperLU, where the matrix is regular.
+        ordering: The order of elimination, (n,), or None where the matrix is singular and none was given.
         regular: Whether the factors can be trusted.
+        negative: Number of negative eigenvalues of a symmetric matrix; None where rows changed places, so that pivots
+            tell no sign.
+
+    Source:
+        Sylvester's law of inertia, for the negative pivots on the diagonal.
     """
 
-    def __init__(self, matrix: Any):
+    def __init__(self, matrix: Any, ordering: np.ndarray | None = None):
+        """Factor a matrix.
+
+        Args:
+            matrix: Square, sparse.
+            ordering: Order of elimination, such as that of the factors of a matrix of the same pattern, (n,); None:
+                one is found by minimum degree.
+        """
         import scipy.sparse
         import scipy.sparse.linalg
 
+        matrix = scipy.sparse.csc_array(matrix)
+        matrix = matrix if ordering is None else matrix[ordering][:, ordering]
         largest = np.sqrt(abs(matrix).max(axis=1).toarray().ravel())
-        self.scale = 1 / np.where(largest > 0, largest, 1.0)
-        scaling = scipy.sparse.diags_array(self.scale)
-        self.matrix = (scaling @ matrix @ scaling).tocsc()
+        self._scale = 1 / np.where(largest > 0, largest, 1.0)
+        # Not as a product of sparse matrices, which drops entries that are zero here and may not be in the next matrix.
+        columns = np.repeat(self._scale, np.diff(matrix.indptr))
+        data = matrix.data * self._scale[matrix.indices] * columns
+        self._matrix = scipy.sparse.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+        self._order, self.ordering, self.regular = ordering, ordering, False
+        self.negative: int | None = None
+        how = {"diag_pivot_thresh": DIAGONAL, "options": {"SymmetricMode": True}}
+        by = "MMD_AT_PLUS_A" if ordering is None else "NATURAL"
         try:
-            self.factors = scipy.sparse.linalg.splu(self.matrix, permc_spec="COLAMD")
-            pivots = np.abs(self.factors.U.diagonal())
-            self.regular = bool(np.all(np.isfinite(pivots)) and np.min(pivots) > SINGULAR * np.max(pivots))
+            self._factors = scipy.sparse.linalg.splu(self._matrix, permc_spec=by, **how)
         except RuntimeError:
-            self.regular = False
+            return
+        if ordering is None:
+            self.ordering = np.argsort(self._factors.perm_c)
+        pivots = self._factors.U.diagonal()
+        sizes = np.abs(pivots)
+        self.regular = bool(np.all(np.isfinite(sizes)) and np.min(sizes) > SINGULAR * np.max(sizes))
+        if np.array_equal(self._factors.perm_r, self._factors.perm_c):
+            self.negative = int(np.sum(pivots < 0))
 
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """Solution of A z = right."""
-        wanted = self.scale * np.asarray(right)
-        z = self.factors.solve(wanted)
-        return self.scale * (z + self.factors.solve(wanted - self.matrix @ z))
+    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """Solution of A z = right, (n,) or (n, cases).
+
+        Args:
+            right: Right-hand sides, (n,) or (n, cases).
+            transposed: Whether of A^T z = right.
+        """
+        right = np.asarray(right)
+        scale = self._scale if right.ndim == 1 else self._scale[:, None]
+        matrix, way = (self._matrix.T, "T") if transposed else (self._matrix, "N")
+        wanted = scale * (right if self._order is None else right[self._order])
+        z = self._factors.solve(wanted, way)
+        z = scale * (z + self._factors.solve(wanted - matrix @ z, way))
+        if self._order is None:
+            return z
+        whole = np.empty_like(z)
+        whole[self._order] = z
+        return whole
