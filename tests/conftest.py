@@ -1,11 +1,17 @@
 import gc
 import os
 
-# What tests compute beside the package, one operation at a time, is compiled quickly too. XLA reads this once; the
-# flags are part of a compiled program's name, so that they are given once too: a worker inherits them.
-for flag in ("--xla_backend_optimization_level=0", "--xla_cpu_use_fusion_emitters=false"):
-    if flag not in os.environ.get("XLA_FLAGS", "").split():
-        os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {flag}".strip()
+# What tests compute beside the package, one operation at a time, is compiled quickly too. XLA reads this once. Flags
+# are part of what kept code is known by, so that each stands once, also where a worker inherits them.
+os.environ["XLA_FLAGS"] = " ".join(
+    dict.fromkeys(
+        [
+            *os.environ.get("XLA_FLAGS", "").split(),
+            "--xla_backend_optimization_level=0",
+            "--xla_cpu_use_fusion_emitters=false",
+        ]
+    )
+)
 
 import hypothesis
 import jax
@@ -29,10 +35,11 @@ def use_cache():
 
 # To compile thoroughly takes twice as long, and nothing runs long enough here to gain by it.
 OPTIONS["thorough"] = OPTIONS["quick"]
-# Where in Python each operation was written is kept with a program, for some percent of its compilation; here nobody reads it.
+# Where in Python each operation was written is kept with a program, for some percent of its compilation; nobody
+# reads it here.
 jax.config.update("jax_traceback_in_locations_limit", 0)
-# Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took a
-# tenth of the time of modules that compile much.
+# Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took
+# a tenth of the time of modules that compile much.
 gc.set_threshold(100_000, 50, 100)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")

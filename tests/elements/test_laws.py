@@ -132,8 +132,8 @@ PROPERTIES = {
     "y": lambda hint: vectors(3),
     "curvature": lambda hint: CURVATURE if float in typing.get_args(hint) else curvatures(),
 }
-# Properties that an element may be without, which then has other code. A leaf spring in space is always drawn with all of
-# them: it takes fifteen seconds to compile, and what it is without them it has from the beams.
+# Properties that an element may be without, which then has other code. A leaf spring in space is always drawn with all
+# of them: it takes fifteen seconds to compile, and what it is without them it has from the beams.
 OPTIONAL = ("y", "curvature")
 # Few options, since each is compiled; ``whole`` tells whether an element has all that it may have.
 OPTIONS = {
