@@ -111,9 +111,10 @@ def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | 
     rows, closed = _rows(topology, {one.beam.closure[0] for one in walked}, computed)
     closed |= {e for one in walked for e in one.beam.closure}
     free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    made: Any = Tree
     kept_places = np.flatnonzero(~np.isin(free, list(computed)))
     felt = _felt(walked, computed if acted is None else _read(topology, rows) | set(acted))
-    return Tree(
+    return made(
         rows,
         poses,
         _poses(topology, felt) if felt else None,
@@ -129,13 +130,15 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
     place = {i: k for k, i in enumerate(order)} | {None: None}
     walked = [walked[i] for i in order]
     after, turned_after = ([place[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
+    # Arrays of NumPy, as those of a topology outside a trace.
+    made: Any = Poses
     nodes = {name: np.array([_at(one, name) for one in walked]) for name in ("ends", "turns", "near", "base")}
     whence, turned_from = (
         np.array([nodes[own][_way(before, i)[-1]] for i in range(len(walked))])
         for own, before in (("near", after), ("base", turned_after))
     )
     blocks = range(len(topology.blocks))
-    return Poses(
+    return made(
         tuple(np.array([one.beam.row for one in walked if one.beam.block == k], int) for k in blocks),
         nodes["ends"],
         nodes["turns"],
@@ -165,7 +168,7 @@ def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
     for i in reversed(range(len(walked))):
         one = walked[i]
         if i in needed or read.intersection((*_at(one, "ends"), *_at(one, "turns"))):
-            needed |= {i} | ({one.after, one.turned_after} - {None})
+            needed |= {i, *(own for own in (one.after, one.turned_after) if own is not None)}
     number = {i: k for k, i in enumerate(sorted(needed))} | {None: None}
     return [
         one._replace(after=number[one.after], turned_after=number[one.turned_after])

@@ -152,12 +152,14 @@ class TreeForm(Record):
             return jax.jvp(self._linked, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
 
         x, v, acc = self._linked((at.x, at.v, at.a), ways)
-        derivatives = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
-        return _Carried(at._replace(x=x, v=v, a=acc), *derivatives, slopes[0])
+        derivatives: Any = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
+        by_x, by_v, by_a = derivatives
+        return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, slopes[0])
 
     def turned(self, t, u, to: _Carried, force):
         """Derivative by what moves of what nodal forces, (n_x,) [N, N m], do along it, (n, n)."""
-        poses, places = self.tree.felt, self.places
+        poses: Any = self.tree.felt
+        places = self.places
         x = self.form.whole(t, u, u, u).x
 
         def pulled(x, y):
@@ -317,7 +319,7 @@ class TreeForm(Record):
             heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
             def corrected(_, moving):
-                at, along = self.whole(t, *moving, zero), self.along(t, moving[0])
+                at, along = self.whole(t, moving[0], moving[1], zero), self.along(t, moving[0])
                 e, jacobian = deformed(form.elements, at.x, near)
                 excess = jnp.stack(
                     [self.held(e) - self.wanted(at.e), self.held(jacobian @ at.v) - self.wanted(at.ed)], axis=1

@@ -1,11 +1,14 @@
 """Motion where the last ends of spectral beams are computed: the same as in all coordinates, without their closures."""
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.math.rigid import compose_turns
+from flexmb.math.rotation import rotation_matrix, rotation_plane
 from flexmb.mechanics.tree import tree_of
 
 TIMES = [0.0, 0.01, 0.02]
@@ -27,28 +30,48 @@ def planar_frame(force=2.0):
     return b.build()
 
 
-def spatial_branch():
-    """Three beams from one node, one of them bent and walked from its last end."""
-    section = fm.Rigidity(EA=1e3, EIy=1.0, EIz=2.0, GIt=1.0, mass=1.0, Jx=0.1, Jy=0.1, Jz=0.1)
-    b = fm.Builder()
-    for name, place in {"a": (0, 0, 0), "b": (1, 0.2, 0), "c": (2, 0, 0.3)}.items():
-        b.node(name, place)
-    b.add(spatial.spectral_beam(2), "b", "a", section=section, name="ba", curvature=(0, 0.3, 0.2), y=(0, 1, 0))
-    b.add(spatial.spectral_beam(2), "b", "c", section=section, name="bc", y=(0, 1, 0))
-    b.fix("a")
-    b.mass("c", 1.0)
-    b.force("c", (1.0, 2.0, 30.0))
-    b.gravity((0, 0, -9.81))
-    return b.build()
+def unit(values):
+    return np.asarray(values) / np.linalg.norm(values)
 
 
-@pytest.mark.parametrize(("scene", "multipliers", "dropped"), [(planar_frame, 3, 12), (spatial_branch, 0, 14)])
-def test_a_tree_moves_as_all_coordinates_do(scene, multipliers, dropped):
-    model = scene()
+@pytest.mark.parametrize("curved", [False, True])
+@pytest.mark.parametrize("space", [False, True])
+def test_the_pose_that_a_beam_gives_closes_it(space, curved):
+    random = np.random.default_rng(3)
+    p, q, at = np.eye(3) + random.standard_normal((3, 3))
+    element = spatial.spectral_beam(2, shear=True) if space else planar.spectral_beam(3)
+    own = {"order": 2, "shear": True} if space else {"order": 3}
+    c = 0.3 * random.standard_normal(12 if space else 6)
+    if space:
+        turns = [unit(random.standard_normal(4)) for _ in range(3)]
+        curvature = {"curvature": np.array([0.0, 0.2, -0.1])} if curved else {}
+    else:
+        p, q, at = p[:2], q[:2], at[:2]
+        turns = [random.standard_normal(1) for _ in range(3)]
+        curvature = {"curvature": 0.2} if curved else {}
+
+    @jax.jit
+    def closure():
+        ref = element.reference((p, turns[0], q, turns[1], np.zeros_like(c)))
+        assert element.passage is not None
+        way, turn = element.passage(p, turns[0], q, turns[1], c, ref=ref, **own, **curvature)
+        if space:
+            ends = at + rotation_matrix(jnp.asarray(turns[2])) @ way, compose_turns(turns[2], turn)
+        else:
+            ends = at + rotation_plane(turns[2][0]) @ way, turns[2] + turn
+        return element.deformation(at, turns[2], *ends, c, ref=ref, **own, **curvature)
+
+    found = np.asarray(closure())
+    np.testing.assert_allclose(found[: -len(c)], 0, atol=1e-13)
+    np.testing.assert_allclose(found[-len(c) :], c, atol=1e-15)
+
+
+def test_a_tree_moves_as_all_coordinates_do():
+    model = planar_frame()
     tree = tree_of(model.topology)
     assert tree is not None
-    assert tree.held_places.shape == (multipliers,)
-    assert model.topology.x.free.shape[0] - tree.kept.shape[0] == dropped
+    assert tree.held_places.shape == (3,)
+    assert model.topology.x.free.shape[0] - tree.kept.shape[0] == 12
     other, found = (fm.simulate(model, TIMES, form=form, rtol=1e-9, atol=1e-12) for form in ("coordinates", "auto"))
     assert (other.form, found.form) == ("coordinates", "tree")
     np.testing.assert_allclose(found.x, other.x, atol=1e-9)
