@@ -114,7 +114,7 @@ class SparseFactors:
         self._matrix = scipy.sparse.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
         self._order, self.ordering, self.regular = ordering, ordering, False
         self.negative: int | None = None
-        # Of multipliers the diagonal is zero. Rows that change places as they are eliminated fill an order that counts on
+        # Of multipliers the diagonal is zero. Rows that change places meanwhile fill an order that counts on
         # the diagonal: a mesh of 1900 spatial beams takes 4.4 s, in an order of columns 0.1 s.
         self.too_large, self._by_rows = False, bool(np.any(matrix.diagonal() == 0))
         by = "COLAMD" if self._by_rows else "MMD_AT_PLUS_A"
