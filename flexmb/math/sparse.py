@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from .ordering import postponed
+
 # Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors.
 LARGE = 450
 # Pivots this much smaller than the largest, of a matrix scaled to entries of one, are round-off.
@@ -112,7 +114,11 @@ class SparseFactors:
         except RuntimeError:
             return
         if ordering is None:
-            self.ordering = np.argsort(self._factors.perm_c)
+            found = np.argsort(self._factors.perm_c)
+            self.ordering = postponed(self._matrix, found, DIAGONAL)
+            if self.ordering is not found:
+                self.__init__(matrix, self.ordering)
+                return
         pivots = self._factors.U.diagonal()
         sizes = np.abs(pivots)
         self.regular = bool(np.all(np.isfinite(sizes)) and np.min(sizes) > SINGULAR * np.max(sizes))
