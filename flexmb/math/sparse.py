@@ -7,8 +7,9 @@ import numpy as np
 
 from .ordering import postponed
 
-# Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors.
-LARGE = 450
+# Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors. Static loads on a
+# rack take as long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
+LARGE = 300
 # Pivots this much smaller than the largest, of a matrix scaled to entries of one, are round-off.
 SINGULAR = 1e-14
 # A diagonal entry is a pivot where it is this share of the largest in its column. It may be small where stiffnesses are
@@ -49,6 +50,7 @@ class SparsePattern:
         self.rows = (stored % max(size[0], 1)).astype(np.int32)
         self.columns = np.searchsorted(stored, np.arange(size[1] + 1) * size[0]).astype(np.int32)
         self.ordering: np.ndarray | None = None
+        self._last: tuple[np.ndarray, SparseFactors] | None = None
 
     def entries(self, pieces: Sequence[Any]) -> np.ndarray:
         """Stored entries of the sum of element matrices, (stored,).
@@ -67,10 +69,15 @@ class SparsePattern:
         return scipy.sparse.csc_array((self.entries(pieces), self.rows, self.columns), shape=self.size)
 
     def factors(self, matrix: Any) -> "SparseFactors":
-        """Factors of a square matrix of this pattern, in the order of elimination that the first of them found."""
-        factors = SparseFactors(matrix, self.ordering)
-        self.ordering = factors.ordering
-        return factors
+        """Factors of a square matrix of this pattern, in the order of elimination that the first of them found.
+
+        Those of the last matrix are kept: a derivative asks for them again.
+        """
+        last = self._last
+        if last is None or not np.array_equal(last[0], matrix.data):
+            last = matrix.data, SparseFactors(matrix, self.ordering)
+            self._last, self.ordering = last, last[1].ordering
+        return last[1]
 
 
 class SparseFactors:
@@ -95,9 +102,19 @@ class SparseFactors:
                 one is found by minimum degree.
         """
         import scipy.sparse
-        import scipy.sparse.linalg
 
         matrix = scipy.sparse.csc_array(matrix)
+        self._factor(matrix, ordering)
+        if ordering is None and self.ordering is not None:
+            later = postponed(self._matrix, self.ordering, DIAGONAL)
+            if later is not self.ordering:
+                self._factor(matrix, later)
+
+    def _factor(self, matrix: Any, ordering: np.ndarray | None) -> None:
+        """Factor a matrix in an order, or in one of minimum degree."""
+        import scipy.sparse
+        import scipy.sparse.linalg
+
         matrix = matrix if ordering is None else matrix[ordering][:, ordering]
         largest = np.sqrt(abs(matrix).max(axis=1).toarray().ravel())
         self._scale = 1 / np.where(largest > 0, largest, 1.0)
@@ -114,11 +131,7 @@ class SparseFactors:
         except RuntimeError:
             return
         if ordering is None:
-            found = np.argsort(self._factors.perm_c)
-            self.ordering = postponed(self._matrix, found, DIAGONAL)
-            if self.ordering is not found:
-                self.__init__(matrix, self.ordering)
-                return
+            self.ordering = np.argsort(self._factors.perm_c)
         pivots = self._factors.U.diagonal()
         sizes = np.abs(pivots)
         self.regular = bool(np.all(np.isfinite(sizes)) and np.min(sizes) > SINGULAR * np.max(sizes))
