@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from .ordering import postponed
-
 # Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors. Static loads on a
 # rack take as long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
 LARGE = 300
@@ -102,19 +100,9 @@ class SparseFactors:
                 one is found by minimum degree.
         """
         import scipy.sparse
-
-        matrix = scipy.sparse.csc_array(matrix)
-        self._factor(matrix, ordering)
-        if ordering is None and self.ordering is not None:
-            later = postponed(self._matrix, self.ordering, DIAGONAL)
-            if later is not self.ordering:
-                self._factor(matrix, later)
-
-    def _factor(self, matrix: Any, ordering: np.ndarray | None) -> None:
-        """Factor a matrix in an order, or in one of minimum degree."""
-        import scipy.sparse
         import scipy.sparse.linalg
 
+        matrix = scipy.sparse.csc_array(matrix)
         matrix = matrix if ordering is None else matrix[ordering][:, ordering]
         largest = np.sqrt(abs(matrix).max(axis=1).toarray().ravel())
         self._scale = 1 / np.where(largest > 0, largest, 1.0)

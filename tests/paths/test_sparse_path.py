@@ -60,8 +60,8 @@ def frame(bays, floors, load, sparse, **options):
 
 @pytest.mark.parametrize("options", [{}, {"released": (2, 3)}])
 def test_a_frame_loses_its_stiffness_again_and_again(options):
-    # More negative values than the path tells: their number is that of the pivots, or, where columns cannot be
-    # shortened and rows of their constraints change places, of the Lanczos method.
+    # More negative values than the path tells. Their number is that of the pivots; where columns cannot be shortened,
+    # and rows of their constraints change places, of those of a congruent matrix.
     dense, sparse = (fm.path(frame(3, 5, 1000.0, way, **options), sparse=way) for way in (False, True))
     assert len(dense.critical_points) > 4
     assert [p.kind for p in sparse.critical_points] == [p.kind for p in dense.critical_points]
