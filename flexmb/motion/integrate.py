@@ -12,6 +12,8 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..model.model import Model
 from ..results import RESULTS
+from .chain_form import ChainForm, chain_form
+from .chain_levels import Levels
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
@@ -36,6 +38,7 @@ class Problem(Record):
         feedback: Controller, or None.
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
+        levels: Order of the unknowns of a chain, or None.
     """
 
     model: Model
@@ -43,6 +46,7 @@ class Problem(Record):
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
+    levels: Levels | None = None
 
 
 class Start(NamedTuple):
@@ -94,12 +98,15 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     import diffrax
 
     from .projected import Projected
+    from .radau import Radau, carried_from
     from .rosenbrock import Rodas5P, Rosenbrock
     from .step_control import DisplacementController
     from .term import MotionTerm
 
     controller, jumps = integrator.controller, problem.jumps
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
+    if integrator.form == "chain":
+        solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
     if controller is None and not adapts:
@@ -138,7 +145,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
         adjoint=adjoint,
         event=integrator.event,
         max_steps=integrator.max_steps,
-        solver_state=z0 if isinstance(solver, Rosenbrock) else None,
+        solver_state=carried_from(z0) if isinstance(solver, Radau) else z0 if isinstance(solver, Rosenbrock) else None,
         throw=False,
     )
     states: Any = solution.ys
@@ -171,7 +178,9 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
     return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm:
+def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm | ChainForm:
+    if problem.levels is not None:
+        return chain_form(problem.model, problem.driven, problem.levels)
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":
         return reduced_form(mechanism)
