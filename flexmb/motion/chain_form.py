@@ -139,7 +139,8 @@ class ChainForm(Record):
             both = size[:, :, None] * size[:, None, :]
             by_z, by_w, by_u = (both * of for of in (own.mass, own.by_v, own.by_x))
             if holds:
-                e, ed, edd = (of * size[:, None, :] for of in (own.e, own.ed, own.edd))
+                rows: Any = (own.e, own.ed, own.edd)
+                e, ed, edd = (of * size[:, None, :] for of in rows)
                 by_z = self._bordered(by_z, e, e.mT, self._corner(block, e))
                 by_w, by_u = self._bordered(by_w, 2 * ed), self._bordered(by_u, edd)
             every.append((by_z, by_w, by_u))
@@ -234,7 +235,7 @@ class ChainForm(Record):
         masses = jnp.append(1 / form.mobility, jnp.zeros(form.held.shape[0]))
 
         def corrected(_, moving):
-            at = form.whole(t, *moving, jnp.zeros(n))
+            at = form.whole(t, moving[0], moving[1], jnp.zeros(n))
             found = deformed_elements(form.elements, at.x, form.near(state.memory))
             pieces, rates = [], []
             for block, holds, own in zip(form.elements, self.levels.holds, found, strict=True):

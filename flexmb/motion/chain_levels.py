@@ -55,6 +55,13 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
     return None
 
 
+def is_elastic(topology: Topology) -> bool:
+    """Whether no deformation is held but norms of Euler parameters: such systems need no exchange of rows."""
+    held = np.zeros(topology.n_e, bool)
+    held[np.asarray(topology.e.held)] = True
+    return all(block.x.shape[1] <= 4 or not np.any(held[np.asarray(block.e)]) for block in topology.blocks)
+
+
 def levels_of(topology: Topology) -> Levels:
     """Levels of a mechanism, on the host; found once for equal structures."""
     blocks = [
@@ -90,8 +97,12 @@ def _levels(key, n_x: int, n_e: int) -> Levels:
     place[within, level] = np.arange(count)
     table = _table(unknowns, np.append(level, -9), np.append(within, 0), wide, many, count)
     empty = np.eye(wide)[:, :, None] * (place == count)
-    arrays = (place, within * many + level, table, empty)
-    return Levels(*(jnp.asarray(a) for a in arrays), tuple(jnp.asarray(u) for u in unknowns), tuple(holds))
+    back = within * many + level
+    return Levels(
+        *(jnp.asarray(place), jnp.asarray(back), jnp.asarray(table), jnp.asarray(empty)),
+        tuple(jnp.asarray(u) for u in unknowns),
+        tuple(holds),
+    )
 
 
 def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:
@@ -152,9 +163,9 @@ def _table(unknowns, level, within, wide: int, many: int, count: int):
     columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknowns])
     kept = np.flatnonzero((rows < count) & (columns < count))
     i, j = rows[kept], columns[kept]
-    slot = np.ravel_multi_index(
-        (level[j] - level[i] + 1, within[i], within[j], level[i]), (3, wide, wide, many), mode="raise"
-    )
+    # An element that joined levels further apart would be refused here.
+    places = (level[j] - level[i] + 1, within[i], within[j], level[i])
+    slot = np.asarray(np.ravel_multi_index(places, (3, wide, wide, many)))
     order = np.argsort(slot, kind="stable")
     slot, kept = slot[order], kept[order]
     numbers = np.bincount(slot, minlength=3 * wide * wide * many)

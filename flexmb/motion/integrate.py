@@ -12,7 +12,7 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..model.model import Model
 from ..results import RESULTS
-from .chain_form import ChainForm, chain_form
+from .chain_form import chain_form
 from .chain_levels import Levels
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
@@ -178,9 +178,11 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
     return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm | ChainForm:
+def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm:
     if problem.levels is not None:
-        return chain_form(problem.model, problem.driven, problem.levels)
+        # Its solver asks for element matrices in place of a dense tangent.
+        chain: Any = chain_form(problem.model, problem.driven, problem.levels)
+        return chain
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":
         return reduced_form(mechanism)

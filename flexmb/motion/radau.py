@@ -21,7 +21,8 @@ _POWERS = np.vander(NODES, 3, increasing=True)
 # Weights of the stages in the velocities at the stages, and twice so in the positions.
 ONCE = (NODES[:, None] ** [1, 2, 3] / [1, 2, 3]) @ np.linalg.inv(_POWERS)
 TWICE = ONCE @ ONCE
-_VALUES, _VECTORS = np.linalg.eig(ONCE)
+_EIGEN: Any = np.linalg.eig(ONCE)
+_VALUES, _VECTORS = _EIGEN
 _REAL, _COMPLEX = int(np.argmin(np.abs(_VALUES.imag))), int(np.argmax(_VALUES.imag))
 # The three stages fall apart into a real system and a complex one, whose conjugate is the third.
 STEP, COMPLEX_STEP = float(_VALUES[_REAL].real), complex(_VALUES[_COMPLEX])
@@ -117,7 +118,8 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
             made_jump: Whether the loads jumped at the begin.
         """
         equations = cast(ChainForm, equations_of(terms))
-        h, n = t1 - t0, y0.u.shape[0]
+        n = y0.u.shape[0]
+        h: Any = t1 - t0
         last: Carried = solver_state
         if self.jumps:
             last = jax.lax.cond(made_jump, lambda: carried_from(equations.acceleration(t0, y0)[0]), lambda: last)
@@ -169,7 +171,7 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
         error_w = error_w + STEP * h * rate
         error_u = error_u + STEP * h * error_w
         wrong = ~(left <= 1.0)
-        error = MotionState(*(_unless(wrong, of) for of in (error_u, error_w)), jnp.zeros_like(y0.memory))
+        error = MotionState(_unless(wrong, error_u), _unless(wrong, error_w), jnp.zeros_like(y0.memory))
         y1 = equations.settle(t1, MotionState(reached.u[2], reached.w[2], y0.memory))
         dense = dict(y0=y0, y1=y1, a0=last.z[:n], a1=z[2, :n])
         return y1, error, dense, Carried(z[2], z, h), diffrax.RESULTS.successful

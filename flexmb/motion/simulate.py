@@ -22,7 +22,7 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
-from .chain_levels import LARGE, WIDE, Levels, levels_of, obstacle
+from .chain_levels import LARGE, WIDE, Levels, is_elastic, levels_of, obstacle
 from .controllers import Sampled
 from .drives_by_name import Drives, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
@@ -171,7 +171,7 @@ def simulate(
         left = ((0, len(times) - reached), (0, 0))
         x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if levels is None else "Radau"
-    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, integrator.form, name)
+    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, str(integrator.form), name)
     failing = throw and not stopped and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass
     check(found.result, throw and not stopped, without_mass(model) if failing else "")
     return found
@@ -189,7 +189,7 @@ def _in_its_form(integrator: Integrator, model: Model, driven, feedback, numbers
         raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
     if why is None and not asked:
         own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)
-        if top.x.free.shape[0] < LARGE or any(one is not None for one in own):
+        if top.x.free.shape[0] < LARGE or not is_elastic(top) or any(one is not None for one in own):
             why = "another form serves"
     levels = levels_of(top) if why is None else None
     if levels is not None and not asked and levels.place.shape[0] > WIDE:
