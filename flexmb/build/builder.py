@@ -748,6 +748,8 @@ class Builder(Description):
         if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):
             if before is not None and (twin := as_in(described, before)) is not described:
                 return note(check_inputs(assemble(twin), twin))
+            if not check:
+                return note(model)
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof(),"

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-# Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors.
-LARGE = 450
+# Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors. Static loads on a
+# rack take as long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
+LARGE = 300
 # Pivots this much smaller than the largest, of a matrix scaled to entries of one, are round-off.
 SINGULAR = 1e-14
 # A diagonal entry is a pivot where it is this share of the largest in its column. It may be small where stiffnesses are
@@ -47,6 +48,7 @@ class SparsePattern:
         self.rows = (stored % max(size[0], 1)).astype(np.int32)
         self.columns = np.searchsorted(stored, np.arange(size[1] + 1) * size[0]).astype(np.int32)
         self.ordering: np.ndarray | None = None
+        self._last: tuple[np.ndarray, SparseFactors] | None = None
 
     def entries(self, pieces: Sequence[Any]) -> np.ndarray:
         """Stored entries of the sum of element matrices, (stored,).
@@ -65,10 +67,15 @@ class SparsePattern:
         return scipy.sparse.csc_array((self.entries(pieces), self.rows, self.columns), shape=self.size)
 
     def factors(self, matrix: Any) -> "SparseFactors":
-        """Factors of a square matrix of this pattern, in the order of elimination that the first of them found."""
-        factors = SparseFactors(matrix, self.ordering)
-        self.ordering = factors.ordering
-        return factors
+        """Factors of a square matrix of this pattern, in the order of elimination that the first of them found.
+
+        Those of the last matrix are kept: a derivative asks for them again.
+        """
+        last = self._last
+        if last is None or not np.array_equal(last[0], matrix.data):
+            last = matrix.data, SparseFactors(matrix, self.ordering)
+            self._last, self.ordering = last, last[1].ordering
+        return last[1]
 
 
 class SparseFactors:
@@ -77,6 +84,11 @@ class SparseFactors:
     Attributes:
         ordering: The order of elimination, (n,), or None where the matrix is singular and none was given.
         regular: Whether the factors can be trusted.
+        negative: Number of negative eigenvalues of a symmetric matrix; None where rows changed places, so that pivots
+            tell no sign.
+
+    Source:
+        Sylvester's law of inertia, for the negative pivots on the diagonal.
     """
 
     def __init__(self, matrix: Any, ordering: np.ndarray | None = None):
@@ -99,6 +111,7 @@ class SparseFactors:
         data = matrix.data * self._scale[matrix.indices] * columns
         self._matrix = scipy.sparse.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
         self._order, self.ordering, self.regular = ordering, ordering, False
+        self.negative: int | None = None
         how = {"diag_pivot_thresh": DIAGONAL, "options": {"SymmetricMode": True}}
         by = "MMD_AT_PLUS_A" if ordering is None else "NATURAL"
         try:
@@ -107,8 +120,11 @@ class SparseFactors:
             return
         if ordering is None:
             self.ordering = np.argsort(self._factors.perm_c)
-        pivots = np.abs(self._factors.U.diagonal())
-        self.regular = bool(np.all(np.isfinite(pivots)) and np.min(pivots) > SINGULAR * np.max(pivots))
+        pivots = self._factors.U.diagonal()
+        sizes = np.abs(pivots)
+        self.regular = bool(np.all(np.isfinite(sizes)) and np.min(sizes) > SINGULAR * np.max(sizes))
+        if np.array_equal(self._factors.perm_r, self._factors.perm_c):
+            self.negative = int(np.sum(pivots < 0))
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solution of A z = right, (n,) or (n, cases).

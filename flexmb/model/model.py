@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
 from ..errors import ModelError
 from .parameters import Parameters
+from .properties import with_property
 from .roles import Role
 from .topology import RoleIndices, Topology
 
@@ -173,6 +175,24 @@ class Model(Result, Record):
         own = self.labels
         inputs, outputs = (tuple(s.without_name() for s in some) for some in (own.inputs, own.outputs))
         return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, own.dimension, ()))
+
+    def with_property(self, path: str, values: Any, elements: Sequence[str] | None = None) -> Model:
+        """The same mechanism with other numbers for one property of its elements, without building it anew.
+
+        It takes a thousand elements as quickly as one, also under ``jax.grad`` and in ``fm.tune``. What was derived of
+        the numbers when the model was built stays: degrees of freedom that were found, and the undeformed mechanism.
+
+        Args:
+            path: Of the property, as "section.thickness", "section.material.E" or "stiffness".
+            values: One number for each of the elements, (elements,), or one for all () [the property's unit].
+            elements: Their names, in the order of the numbers; unless given, all that have the property, in the
+                order in which they were added (``labels.elements``).
+
+        Raises:
+            ModelError: No such element or property, another number of numbers, or numbers that a build refuses.
+        """
+        changed = with_property(self.topology, self.parameters, self.labels, path, values, elements)
+        return dataclasses.replace(self, parameters=changed)
 
     @property
     def q_labels(self) -> list[str]:

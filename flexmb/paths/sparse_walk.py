@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from ..compilation.compile import jit
 from ..errors import AnalysisError
-from ..linear.spectrum import lowest_of_sparse
+from ..math.bordered import Bordered
 from ..math.sparse import SparseFactors
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
@@ -22,28 +22,25 @@ from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE
 from ..statics.solve import held_values
 from ..statics.sparse import balanced
 from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
-from .stepper import Direction, Plane, Point, Ramp, Scale, product, ramp_of, scale_of, unit
+from .sparse_critical import critical_values_of, shifted
+from .stepper import Direction, Plane, Point, Ramp, Scale, length_of, product, ramp_of, scale_of, unit
 from .walk import Step
 
-# Critical values that are followed: the lowest of those that are nearest to zero, among which are all negative ones.
-FOLLOWED = 12
+# The factors of the last correction serve for the next one too if what that leaves will be this share of the tolerance.
+LEFT = 0.1
 
 
 @jit
-def _rates(topology: Topology, parameters: Parameters, factors: LoadFactors, rate: LoadFactors, x, strained):
-    """Change with the load factor at a constant state: of nodal forces, of stress, and of what is held, x and e."""
+def _at_load(topology: Topology, parameters: Parameters, factors: LoadFactors, rate: LoadFactors, x, strained):
+    """Stress, and what is held, x and e; their change with the load factor at a constant state, and nodal forces'."""
 
     def at(load):
         own = LoadFactors(factors.initial + load * rate.initial, factors.increment + load * rate.increment)
-        force = nodal_forces(topology, parameters, own, x)
-        return force, elastic_stress(topology, parameters, own, strained), *held_values(topology, parameters, own)
+        stress = elastic_stress(topology, parameters, own, strained)
+        return stress, *held_values(topology, parameters, own), nodal_forces(topology, parameters, own, x)
 
-    return jax.jvp(at, (jnp.zeros(()),), (jnp.ones(()),))[1]
-
-
-@jit
-def _held(topology: Topology, parameters: Parameters, factors: LoadFactors):
-    return held_values(topology, parameters, factors)
+    (stress, wanted_x, wanted_e, _), rates = jax.jvp(at, (jnp.zeros(()),), (jnp.ones(()),))
+    return stress, wanted_x, wanted_e, *rates
 
 
 @jit
@@ -64,12 +61,12 @@ def _toward(x: Any, strained: Any, load: Any) -> Direction:
 
 def _failed(point: Point) -> Step:
     """What stands for the first step of a walk that cannot begin."""
-    told: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0)
+    told: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0), np.array(0)
     return Step(point, _toward(0 * point.x, 0 * point.strained, 0.0), *told)
 
 
 class _Tangent(NamedTuple):
-    """Tangent of the equations at a state, bordered by the plane of a corrector.
+    """Equations at a state, and their derivatives.
 
     Attributes:
         at: Matrices there.
@@ -96,6 +93,8 @@ class SparseEquations:
         self.parts = model.topology, model.parameters
         self.free, self.fast, self.held = (np.asarray(i) for i in unknowns(model.topology))
         self.sizes = np.asarray(sizes_of(*self.parts))
+        # Near to the motions of the critical values that were found last.
+        self._soft = np.zeros(len(self.free))
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
         """State at load factor zero, and the direction in which the path leaves it."""
@@ -116,12 +115,16 @@ class SparseEquations:
             return ramp, Scale(sizes, sizes), _failed(point), code
         tangent = self._tangent(ramp, point)
         rising: Any = np.zeros(topology.n_x), np.ones(())
-        ahead, regular = self._direction(tangent, Plane(*rising))
-        if not regular:
+        factored = tangent.at.factors()
+        bordered = self._bordered(tangent, factored, Plane(*rising))
+        if not bordered.regular:
             # A hanging body has no stiffness without stress.
             return ramp, Scale(sizes, sizes), _failed(point), RESULTS.singular_stiffness
+        ahead = self._direction(tangent, bordered)
         scale: Any = jax.tree.map(np.asarray, scale_of(topology, parameters, jax.tree.map(jnp.asarray, ahead)))
-        return ramp, scale, self._step(point, unit(scale, ahead), tangent.at), code
+        values, below = self._critical(tangent.at, factored)
+        told: Any = values, np.array(True), np.array(True), np.ones(()), np.array(0), np.array(below)
+        return ramp, scale, Step(point, unit(scale, ahead), *told), code
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
         """One step: predictor along a direction, then Newton's method in the plane through the predicted point."""
@@ -132,182 +135,127 @@ class SparseEquations:
             begin.strained + length * direction.strained,
             begin.load + length * direction.load,
         )
-        point, before, tries, done, bad = start, np.inf, 0, False, False
-        while not (done or bad):
-            tangent = self._tangent(ramp, point)
-            distance = plane.x @ (point.x - start.x) + plane.load * (point.load - start.load)
-            change, multipliers, load, regular = self._solve(tangent, plane, tangent.right, distance, tangent.shift)
-            size = np.maximum(np.max(np.abs(change) / self.sizes, initial=0.0), abs(load))
-            bad = bool(ACROSS_PATH.astray(size, before, tries)) or not regular
-            if bad:
-                break
-            strained = tangent.at.e + tangent.at.jacobian @ change
-            near = strained.copy()
-            strained[self.held] = multipliers
-            point = Point(point.x + change, near, strained, point.load + load)
-            tries += 1
-            done = size < STEP_TOLERANCE or bool(ACROSS_PATH.slow(size, before) and size <= ACROSS_PATH.round_off)
-            before = size
+        point, tries, regular, done = self._corrected(ramp, start, plane)
+        if not done:
+            return _failed(point)._replace(regular=np.array(regular), corrections=np.array(tries))
         tangent = self._tangent(ramp, point)
-        ahead, regular = self._direction(tangent, plane)
-        fine = regular and not bad
-        ahead = unit(scale, ahead) if fine else ahead
-        return self._step(point, ahead, tangent.at, fine, float(product(scale, direction, ahead)), tries)
+        factored = tangent.at.factors()
+        bordered = self._bordered(tangent, factored, plane)
+        ahead = self._direction(tangent, bordered)
+        if not (bordered.regular and np.isfinite(length_of(scale, ahead))):
+            return _failed(point)._replace(regular=np.array(False), corrections=np.array(tries))
+        ahead = unit(scale, ahead)
+        values, below = self._critical(tangent.at, factored)
+        cosine = np.array(product(scale, direction, ahead))
+        told: Any = values, np.array(True), np.array(True), cosine, np.array(tries), np.array(below)
+        return Step(point, ahead, *told)
+
+    def _corrected(self, ramp: Ramp, start: Point, plane: Plane) -> tuple[Point, int, bool, bool]:
+        """Point in a plane, corrections made, whether the equations were regular, and whether it was found."""
+        point, before, bordered, leaves = start, np.inf, None, np.inf
+        for tries in range(ACROSS_PATH.most):
+            tangent = self._tangent(ramp, point)
+            if bordered is None or not leaves < LEFT * STEP_TOLERANCE:
+                bordered = self._bordered(tangent, tangent.at.factors(), plane)
+                if not bordered.regular:
+                    return point, tries, False, False
+            distance = plane.x @ (point.x - start.x) + plane.load * (point.load - start.load)
+            z, load = bordered.solve(tangent.right, -float(distance + plane.x[self.fast] @ tangent.shift))
+            change = self._change(tangent.shift + load * tangent.following, z)
+            size = np.maximum(np.max(np.abs(change) / self.sizes, initial=0.0), abs(load))
+            if bool(ACROSS_PATH.astray(size, before, tries)):
+                return point, tries, True, False
+            near = tangent.at.e + tangent.at.jacobian @ change
+            strained = near.copy()
+            strained[self.held] = point.strained[self.held] + z[len(self.free) :]
+            point = Point(point.x + change, near, strained, point.load + load)
+            if size < STEP_TOLERANCE or bool(ACROSS_PATH.slow(size, before) and size <= ACROSS_PATH.round_off):
+                return point, tries + 1, True, True
+            # Newton's method leaves c size^2 of a correction, and factors that are one correction old c size of that.
+            leaves, before = (size / before**2) ** 2 * size**3 if np.isfinite(before) else np.inf, size
+        return point, ACROSS_PATH.most, True, False
 
     def null(
         self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
     ) -> tuple[Direction, Direction]:
         """Motion that meets no stiffness, and the direction normal to it that follows a rising load."""
-        import scipy.sparse
-
         tangent = self._tangent(ramp, point)
-        n, rest = len(self.free), len(self.held)
-        weight = 1 / self.sizes[self.free] ** 2
-        padded = scipy.sparse.block_diag([scipy.sparse.diags_array(float(shift) * weight), _nothing(rest)])
-        factors = SparseFactors((tangent.at.tangent + padded).tocsc())
-        other = beside.x[self.free]
+        n, rest, sizes = len(self.free), np.zeros(len(self.held)), self.sizes[self.free]
+        factors = shifted(tangent.at.tangent, float(shift), sizes)
+        other, weight = beside.x[self.free], 1 / sizes**2
 
         def normalised(v):
             square = other @ (weight * other)
             v = v - other * (other @ (weight * v)) / square if square > 0 else v
-            motion = v / self.sizes[self.free]
+            motion = v / sizes
             largest = np.max(np.abs(motion))
             return v / motion[int(np.argmax(np.abs(motion) > (1 - 1e-6) * largest))]
 
-        phi, m = np.cos(np.arange(1.0, n + 1) ** 2) * self.sizes[self.free], np.zeros(rest)
+        phi, m = np.cos(np.arange(1.0, n + 1) ** 2) * sizes, rest
         for _ in range(5):
-            solved = factors.solve(np.concatenate([weight * phi, np.zeros(rest)]))
+            solved = factors.solve(np.concatenate([weight * phi, rest]))
             phi, m = normalised(solved[:n]), solved[n:]
-        border = np.concatenate([weight * phi, np.zeros(rest)])
-        along = _bordered(tangent.at.tangent, border, border, 0.0, -tangent.by_load, 0.0)[0]
-        moved = self._change(np.zeros(len(self.fast)), phi), self._change(tangent.following, along[:n])
-        found = []
-        for change, multipliers, load in zip(moved, (0 * m, along[n : n + rest]), (0.0, 1.0), strict=True):
-            strained = tangent.at.jacobian @ change
-            strained[self.held] = multipliers
-            found.append(_toward(change, strained, load))
-        return found[0], found[1]
+        border = np.concatenate([weight * phi, rest])
+        bordered = Bordered(tangent.at.tangent, tangent.at.factors(), border, border, 0.0)
+        along, _ = bordered.solve(-tangent.by_load, 0.0)
+        still = self._change(np.zeros(len(self.fast)), phi)
+        loaded = self._change(tangent.following, along)
+        return self._toward(tangent, still, 0 * m, 0.0), self._toward(tangent, loaded, along[n:], 1.0)
 
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers among them [N, N m]."""
-        found = np.array(elastic_stress(*self.parts, self._factors(ramp, point), jnp.asarray(point.strained)))
+        found = np.array(elastic_stress(*self.parts, _factors(ramp.at(point.load)), jnp.asarray(point.strained)))
         found[self.held] = point.strained[self.held]
         return found
 
-    def _factors(self, ramp: Ramp, point: Point) -> LoadFactors:
-        return LoadFactors(*(jnp.asarray(factor, float) for factor in ramp.at(point.load)))
-
     def _tangent(self, ramp: Ramp, point: Point) -> _Tangent:
         """Equations and their derivatives at a state."""
-        factors = self._factors(ramp, point)
-        at = assemble(*self.parts, factors, point.x, point.near, self.sigma(ramp, point))
-        rate = LoadFactors(*(jnp.asarray(factor, float) for factor in ramp.rate))
-        rates = _rates(*self.parts, factors, rate, jnp.asarray(point.x), jnp.asarray(point.strained))
-        force, stress, moving, growing = (np.array(one) for one in rates)
-        stress[self.held] = 0.0
-        wanted_x, wanted_e = (np.asarray(one) for one in _held(*self.parts, factors))
+        factors, rate = _factors(ramp.at(point.load)), _factors(ramp.rate)
+        found = _at_load(*self.parts, factors, rate, jnp.asarray(point.x), jnp.asarray(point.strained))
+        sigma, wanted_x, wanted_e, by_stress, moving, growing, by_force = (np.array(one) for one in found)
+        sigma[self.held], by_stress[self.held] = point.strained[self.held], 0.0
+        at = assemble(*self.parts, factors, point.x, point.near, sigma)
         following, shift = moving[self.fast], wanted_x[self.fast] - point.x[self.fast]
-        right = (at.force - at.jacobian.T @ at.sigma)[self.free]
-        right = np.concatenate([right, wanted_e[self.held] - at.e[self.held]]) - at.coupling @ shift
-        by_load = np.concatenate([(at.jacobian.T @ stress - force)[self.free], -growing[self.held]])
-        return _Tangent(at, by_load + at.coupling @ following, following, right, shift)
+        balancing = at.sigma.copy()
+        balancing[self.held] = point.strained[self.held]
+        right = np.concatenate(
+            [(at.force - at.jacobian.T @ balancing)[self.free], wanted_e[self.held] - at.e[self.held]]
+        )
+        by_load = np.concatenate([(at.jacobian.T @ by_stress - by_force)[self.free], -growing[self.held]])
+        if len(self.fast):
+            right, by_load = right - at.coupling @ shift, by_load + at.coupling @ following
+        return _Tangent(at, by_load, following, right, shift)
 
-    def _change(self, fast: np.ndarray, free: np.ndarray) -> np.ndarray:
-        """Change of all coordinates."""
+    def _change(self, fast: np.ndarray, solved: np.ndarray) -> np.ndarray:
+        """Change of all coordinates, from that of those that do not move by themselves and what was solved for."""
         change = np.zeros(len(self.sizes))
-        change[self.free], change[self.fast] = free, fast
+        change[self.free], change[self.fast] = solved[: len(self.free)], fast
         return change
 
-    def _solve(self, t: _Tangent, plane: Plane, right: np.ndarray, distance: Any, shift: np.ndarray):
-        """Change of all coordinates, multipliers, change of the load factor, and whether the equations are regular."""
-        n = len(self.free)
+    def _bordered(self, t: _Tangent, factored: SparseFactors, plane: Plane) -> Bordered:
+        """Equations for a change of the free coordinates, the multipliers and the load factor, with a plane."""
         row = np.concatenate([plane.x[self.free], np.zeros(len(self.held))])
-        corner = float(plane.load) + plane.x[self.fast] @ t.following
-        lacking = -(float(distance) + plane.x[self.fast] @ shift)
-        z, load, regular = _bordered(t.at.tangent, t.by_load, row, corner, right, lacking)
-        return self._change(shift + load * t.following, z[:n]), z[n:], load, regular
+        corner = float(plane.load) + float(plane.x[self.fast] @ t.following)
+        return Bordered(t.at.tangent, factored, t.by_load, row, corner)
 
-    def _direction(self, t: _Tangent, plane: Plane) -> tuple[Direction, bool]:
+    def _direction(self, t: _Tangent, bordered: Bordered) -> Direction:
         """Tangent of the path on the side of the plane's normal, not of unit length."""
-        nothing = np.zeros_like(t.shift)
-        change, multipliers, load, regular = self._solve(t, plane, np.zeros_like(t.right), -1.0, nothing)
+        z, load = bordered.solve(np.zeros_like(t.right), 1.0)
+        return self._toward(t, self._change(load * t.following, z), z[len(self.free) :], load)
+
+    def _toward(self, t: _Tangent, change: np.ndarray, multipliers: np.ndarray, load: float) -> Direction:
+        """Direction of a change of the coordinates, deformations to first order."""
         strained = t.at.jacobian @ change
         strained[self.held] = multipliers
-        return _toward(change, strained, load), regular
+        return _toward(change, strained, load)
 
-    def _step(self, point: Point, tangent: Direction, at: Assembled, fine=True, cosine=1.0, tries=0) -> Step:
-        """A step's end with its critical values: those nearest to zero, ascending."""
-        count = min(FOLLOWED, len(self.free) - len(self.held))
-        values = self._critical(at) if fine else np.full(count, np.nan)
-        told: Any = values, np.array(fine), np.array(fine), np.array(cosine), np.array(tries)
-        return Step(point, tangent, *told)
-
-    def _critical(self, at: Assembled) -> np.ndarray:
-        import scipy.sparse
-
-        weight = scipy.sparse.diags_array(1 / self.sizes[self.free] ** 2).tocsr()
-        all_of = len(self.free) - len(self.held)
-        count = kept = min(FOLLOWED, all_of)
-        while True:
-            if 2 * count >= all_of:
-                return self._all_critical(at)[:kept]
-            values = lowest_of_sparse(at.tangent, weight, count).values
-            # On a path values become negative through zero: none is farther than those that were found, unless one of
-            # the farthest is negative itself.
-            farthest = values[np.argsort(np.abs(values))[-2:]]
-            if np.all(farthest > 0):
-                return values[:kept]
-            count *= 2
-
-    def _all_critical(self, at: Assembled) -> np.ndarray:
-        """All of them by dense matrices: Lanczos iterations find a few of many."""
-        import scipy.linalg
-
-        n = len(self.free)
-        whole = at.tangent.toarray()
-        motions = scipy.linalg.null_space(whole[n:, :n] * self.sizes[self.free])
-        stiffness = self.sizes[self.free, None] * whole[:n, :n] * self.sizes[self.free]
-        return np.linalg.eigvalsh(motions.T @ stiffness @ motions)
+    def _critical(self, at: Assembled, factored: SparseFactors) -> tuple[np.ndarray, int]:
+        """Critical values nearest to zero, ascending, and how many more are negative."""
+        found = critical_values_of(at.tangent, factored, self.sizes[self.free], self._soft)
+        self._soft = found.start
+        return found.values, found.below
 
 
-def _nothing(size: int) -> Any:
-    import scipy.sparse
-
-    return scipy.sparse.csr_array((size, size))
-
-
-def _bordered(matrix: Any, column: np.ndarray, row: np.ndarray, corner: Any, right: np.ndarray, last: Any):
-    """Solution of [matrix, column; row, corner] (z, w) = (right, last), at limit points too, and whether it is one.
-
-    Source:
-        Govaerts 1991, Stable solvers and block elimination for bordered systems: the factors are those of the matrix,
-        which may be nearly singular, since a border fills them.
-    """
-    factored = SparseFactors(matrix)
-    if not factored.regular:
-        return _bordered_whole(matrix, column, row, corner, right, last)
-    left, across = factored.solve(row), factored.solve(column)
-    by_left, by_across = corner - left @ column, corner - row @ across
-    first = (last - left @ right) / by_left
-    z = factored.solve(right - first * column)
-    second = (last - corner * first - row @ z) / by_across
-    z, w = z - second * across, first + second
-    return z, float(w), bool(np.all(np.isfinite(z)) and np.isfinite(w))
-
-
-def _bordered_whole(matrix: Any, column: np.ndarray, row: np.ndarray, corner: Any, right: np.ndarray, last: Any):
-    """The same by factors of the whole, where the matrix alone has none."""
-    import scipy.sparse
-
-    pivots = np.abs(matrix.diagonal())
-    pivots = pivots[pivots > 0]
-    # Row and column are brought to the middle of the stiffnesses, for the choice of pivots.
-    middle = float(np.exp(np.mean(np.log(pivots)))) if len(pivots) else 1.0
-    by_row, by_column = (middle / max(float(np.max(np.abs(v))), 1e-300) for v in (np.append(row, corner), column))
-    border = scipy.sparse.csc_array(np.asarray(by_column * column)[:, None])
-    below = scipy.sparse.csc_array(np.append(by_row * row, by_row * by_column * corner)[None])
-    factored = SparseFactors(scipy.sparse.vstack([scipy.sparse.hstack([matrix, border]), below]).tocsc())
-    if not factored.regular:
-        return np.zeros_like(right), 0.0, False
-    z = factored.solve(np.append(right, by_row * last))
-    return z[:-1], float(by_column * z[-1]), bool(np.all(np.isfinite(z)))
+def _factors(given: LoadFactors) -> LoadFactors:
+    """Load factors as arrays of JAX."""
+    return LoadFactors(*(jnp.asarray(factor, float) for factor in given))

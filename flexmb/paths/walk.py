@@ -10,6 +10,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.linear import factorise
 from ..mechanics.blocks import kernel
+from ..mechanics.deformation import zero_near
+from ..mechanics.extent import sizes_of
 from ..mechanics.residual import state
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -26,6 +28,7 @@ from .stepper import (
     Point,
     Ramp,
     Scale,
+    begins_undeformed,
     can_be_taken,
     direction_of,
     length_of,
@@ -33,6 +36,8 @@ from .stepper import (
     next_length,
     normal_to,
     product,
+    ramp_of,
+    scale_of,
     step_along,
     unit,
 )
@@ -51,6 +56,9 @@ WIDEST_AT_LEAST = 1e-5
 # Beside a bifurcation, where no states are found, a zero is drawn in from both sides by these shares of the way to
 # where it seems to be.
 DRAWN = (7 / 8, 1 / 2)
+# The critical value that changes its sign on a step is zero where the load turns back, if it is this share of those at
+# the ends of the step there: a second search would find the same point.
+VANISHED = 1e-4
 # A critical value below this share of the next one has no sign: where a column may buckle to any side, it goes from one
 # side to another without force.
 NEUTRAL = 1e-13
@@ -73,6 +81,8 @@ class Step(NamedTuple):
         regular: Whether the degrees of freedom determine the configuration.
         cosine: Of the angle between the direction of the step and the tangent at its end.
         corrections: Newton iterations.
+        below: How many more such values there are, all of them negative and farther from zero, (); of many values few
+            are told.
     """
 
     point: Point
@@ -82,13 +92,21 @@ class Step(NamedTuple):
     regular: Bool[Array, ""]
     cosine: Float[Array, ""]
     corrections: Int[Array, ""]
+    below: Int[Array, ""]
 
     @property
     def negative(self) -> int:
         """Number of critical values below zero, but for those that are zero to round-off all along a path."""
         sizes = np.sort(np.abs(self.values))
         next_one = sizes[1] if len(sizes) > 1 and np.isfinite(sizes[1]) else 0.0
-        return int(np.sum(self.values < -NEUTRAL * next_one))
+        return int(self.below) + int(np.sum(self.values < -NEUTRAL * next_one))
+
+    def critical_value(self, number: int) -> float:
+        """One critical value by its number from the lowest, () [N m]; for one that is not told, the farthest told."""
+        place = number - int(self.below)
+        if 0 <= place < len(self.values):
+            return float(self.values[place])
+        return float(np.copysign(np.max(np.abs(self.values), initial=0.0), place))
 
     @property
     def orientation(self) -> float:
@@ -106,7 +124,8 @@ def _begin(topology: Topology, parameters: Parameters):
     ramp, point, tangent, scale, at, result = begin_path(topology, parameters)
     values = critical_values(topology, at, scale.sizes)
     found = result == RESULTS.successful
-    step = Step(point, tangent, values, found, found, jnp.array(1.0), jnp.zeros((), jnp.int32))
+    none = jnp.zeros((), jnp.int32)
+    step = Step(point, tangent, values, found, found, jnp.array(1.0), none, none)
     return ramp, scale, step, result
 
 
@@ -115,7 +134,8 @@ def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scal
     new = step_along(topology, parameters, ramp, scale, begin, direction, length, plane)
     values = critical_values(topology, new.at, scale.sizes)
     regular = new.at.transfer.regular
-    return Step(new.point, new.tangent, values, new.converged, regular, new.cosine, new.corrections)
+    none = jnp.zeros((), jnp.int32)
+    return Step(new.point, new.tangent, values, new.converged, regular, new.cosine, new.corrections, none)
 
 
 @kernel
@@ -159,7 +179,27 @@ class DenseEquations:
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
         """See :class:`Equations`."""
-        return jax.device_get(_begin(*self.parts))
+        return self._from_undeformed() or jax.device_get(_begin(*self.parts))
+
+    def _from_undeformed(self) -> tuple[Ramp, Scale, Step, Any] | None:
+        """What :meth:`begin` finds, by the compiled code of a step, which is of no length; None where it finds none."""
+        topology, parameters = self.parts
+        if not begins_undeformed(topology, parameters):
+            return None
+        ramp, x, zero = jax.device_get((ramp_of(topology, parameters), parameters.reference, zero_near(topology)))
+        none: Any = np.zeros(())
+        one: Any = np.ones(())
+        sizes: Any = np.asarray(sizes_of(topology, parameters))
+        still = Direction(np.zeros_like(x), zero, none)
+        rising = Plane(np.zeros_like(x), one)
+        alike = Scale(sizes, sizes**0)
+        step = self.advance(ramp, alike, Point(x, zero, zero, none), still, none, rising)
+        if not step.converged or not step.regular:
+            return None
+        scale = scale_of(topology, parameters, step.tangent)
+        point = step.point._replace(x=x, near=zero, load=none)
+        step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
+        return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
         """See :class:`Equations`."""
@@ -246,20 +286,45 @@ def _replaced(low: _Trial, high: _Trial, new: _Trial) -> tuple[_Trial, _Trial]:
     return (new, high) if (new.value > 0) == (low.value > 0) else (low, new)
 
 
+def _guess(low: _Trial, high: _Trial, known: list[_Trial]) -> float:
+    """Share of the way at which a smooth function through the states found last is zero: place as function of value.
+
+    Source:
+        Inverse interpolation by Neville's scheme, whose order grows towards two with the states.
+    """
+    values, places = [t.value for t in known[-4:]], [t.length for t in known[-4:]]
+    if len(set(values)) == len(values):
+        for k in range(1, len(values)):
+            for i in range(len(values) - k):
+                gap = values[i] - values[i + k]
+                places[i] = (values[i] * places[i + 1] - values[i + k] * places[i]) / gap
+        share = (places[0] - low.length) / (high.length - low.length)
+        if 0 < share < 1:
+            return share
+    return _estimate(low, high)
+
+
+def _beyond(low: _Trial, high: _Trial, share: float) -> float:
+    """A little beyond that, seen from the nearer end: both ends come near, and neither where a bifurcation blurs it."""
+    little = 0.45 * NEAR / (high.length - low.length)
+    return share + little if share < 0.5 else share - little
+
+
 def _narrowed(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None], small: float):
     """Ends that lie closer, and whether the zero was reached: false where no state was found on the way."""
-    weights, kept = [low.value, high.value], 0
-    for i in range(BISECTIONS):
-        if min(abs(low.value), abs(high.value)) <= small or high.length - low.length <= NEAR:
+    known = [low, high]
+    before = np.inf
+    for _ in range(BISECTIONS):
+        best = min(abs(low.value), abs(high.value))
+        if best <= small or high.length - low.length <= NEAR:
             break
-        new = trial(low, high, 0.5 if i % 4 == 3 else weights[0] / (weights[0] - weights[1]))
+        # Where a trial brought little, the next one halves the way.
+        share = _beyond(low, high, _guess(low, high, known)) if best <= before / 2 else 0.5
+        new = trial(low, high, share)
         if new is None:
             return low, high, False
-        # The value of an end that stays twice is halved, so that both ends approach (Illinois).
-        end = 0 if (new.value > 0) == (low.value > 0) else 1
-        other = (high, low)[end].value
-        weights[end], weights[1 - end] = new.value, weights[1 - end] / 2 if kept == end + 1 else other
-        kept = end + 1
+        known.append(new)
+        before = best if best <= before / 2 else np.inf
         low, high = _replaced(low, high, new)
     return low, high, True
 
@@ -415,23 +480,32 @@ class Walker:
         # On a branch that comes through a pitchfork the stiffness only touches zero, and the load turns back there. The
         # corrector is nearly singular around that point; the load is stationary, so that half the digits do.
         touched, alone = low == high, high - low <= 1
-        found = []
-        for j in range(low, high):
-            at = self.zero(begin, length, end, lambda s, j=j: float(s.values[j]), widest, alone)
-            if at is None:
-                return None
-            found.append(Crossing(at, "bifurcation", j))
+        turn = None
         if turns:
             turn = self.zero(begin, length, end, lambda s: float(s.tangent.load), widest, alone)
             if turn is None:
                 return None
             if touched:
-                found.append(Crossing(turn, "bifurcation", int(np.argmin(np.abs(turn.step.values)))))
-            else:
-                # At a limit point psi^T r_load is not zero, so that the load's rate vanishes with the stiffness.
-                i = min(range(len(found)), key=lambda i: abs(found[i].zero.length - turn.length))
-                found[i] = Crossing(turn, "limit", found[i].number)
+                nearest = int(turn.step.below) + int(np.argmin(np.abs(turn.step.values)))
+                return [Crossing(turn, "bifurcation", nearest)]
+            if alone and self.vanishes(low, begin, turn.step, end):
+                return [Crossing(turn, "limit", low)]
+        found = []
+        for j in range(low, high):
+            at = self.zero(begin, length, end, lambda s, j=j: s.critical_value(j), widest, alone)
+            if at is None:
+                return None
+            found.append(Crossing(at, "bifurcation", j))
+        if turn is not None:
+            # At a limit point psi^T r_load is not zero, so that the load's rate vanishes with the stiffness.
+            i = min(range(len(found)), key=lambda i: abs(found[i].zero.length - turn.length))
+            found[i] = Crossing(turn, "limit", found[i].number)
         return sorted(found, key=lambda f: f.zero.length)
+
+    def vanishes(self, number: int, begin: Step, at: Step, end: Step) -> bool:
+        """Whether a critical value that changes its sign on a step is zero where the load turns back."""
+        there = abs(at.critical_value(number))
+        return there <= VANISHED * max(abs(step.critical_value(number)) for step in (begin, end))
 
     def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> list[Last] | None:
         """Where conditions are met on a step, the first place of each; None if the path jumps."""
@@ -498,7 +572,7 @@ class Walker:
             zero, before = crossing.zero, taken.crossed[i - 1].zero
             coincide = i > 0 and zero.length - before.length <= max(WIDEST * taken.length, WIDEST_AT_LEAST)
             beside = found[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
-            shift = np.asarray(np.abs(taken.begin.values[crossing.number]) * SHIFT)
+            shift = np.asarray(np.abs(taken.begin.critical_value(crossing.number)) * SHIFT)
             arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
             phi, along = self.equations.null(*arguments)
             found.append(phi)

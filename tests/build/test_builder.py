@@ -286,6 +286,19 @@ def test_coefficients_of_spectral_beams_make_up_the_degrees_of_freedom():
     assert info.value.code == "underconstrained"
 
 
+def test_a_traced_build_without_checks_needs_no_degrees_of_freedom():
+    def length(place):
+        b = fm.Builder()
+        b.node("p", (0, 0))
+        b.node("q", (place, 0))
+        b.add(planar.beam, "p", "q", name="leaf", section=fm.Rigidity(EA=1.0, EIy=1.0))
+        b.fix("p")
+        model = b.build(check=False)
+        return model.parameters.reference[model.labels.known("q")[0]]
+
+    assert float(jax.jit(length)(0.25)) == 0.25
+
+
 def test_a_traced_build_has_all_degrees_of_freedom_named():
     def tip(height, dofs="auto"):
         b = spectral_guide(height)

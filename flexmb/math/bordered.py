@@ -1,0 +1,66 @@
+"""Sparse systems with one row and one column more, regular where the matrix alone is not."""
+
+from typing import Any
+
+import numpy as np
+
+from .sparse import SparseFactors
+
+
+class Bordered:
+    """Factors of [matrix, column; row, corner], for any number of right-hand sides.
+
+    Attributes:
+        regular: Whether the whole can be solved.
+
+    Source:
+        Govaerts 1991, Stable solvers and block elimination for bordered systems: the factors are those of the matrix,
+        which may be nearly singular, since a border fills them.
+    """
+
+    def __init__(self, matrix: Any, factored: SparseFactors, column: np.ndarray, row: np.ndarray, corner: float):
+        """Prepare the solution.
+
+        Args:
+            matrix: Sparse, (n, n).
+            factored: Its factors.
+            column: Of the border, (n,).
+            row: Of the border, (n,).
+            corner: Where both meet.
+        """
+        self._column, self._row, self._corner = column, row, corner
+        self._factored = factored if factored.regular else None
+        if self._factored is None:
+            self._whole, self.regular = self._factors_of_all(matrix)
+            return
+        self._across = factored.solve(column)
+        left = factored.solve(row, transposed=True)
+        self._left, self._by_left, self._by_across = left, corner - left @ column, corner - row @ self._across
+        scalars = np.array([self._by_left, self._by_across])
+        self.regular = bool(np.all(np.isfinite(scalars)) and np.all(scalars != 0) and np.all(np.isfinite(self._across)))
+
+    def solve(self, right: np.ndarray, last: float) -> tuple[np.ndarray, float]:
+        """Solution (z, w) of the whole for (right, last)."""
+        if self._factored is None:
+            z = self._whole.solve(np.append(right, self._by_row * last))
+            return z[:-1], float(self._by_column * z[-1])
+        first = (last - self._left @ right) / self._by_left
+        z = self._factored.solve(right - first * self._column)
+        second = (last - self._corner * first - self._row @ z) / self._by_across
+        return z - second * self._across, float(first + second)
+
+    def _factors_of_all(self, matrix: Any) -> tuple[SparseFactors, bool]:
+        """Factors of the whole, where the matrix alone has none, and whether they can be trusted."""
+        import scipy.sparse
+
+        pivots = np.abs(matrix.diagonal())
+        pivots = pivots[pivots > 0]
+        # Row and column are brought to the middle of the stiffnesses, for the choice of pivots.
+        middle = float(np.exp(np.mean(np.log(pivots)))) if len(pivots) else 1.0
+        entire = np.append(self._row, self._corner)
+        self._by_row, self._by_column = (middle / max(float(np.max(np.abs(v))), 1e-300) for v in (entire, self._column))
+        border = scipy.sparse.csc_array(np.asarray(self._by_column * self._column)[:, None])
+        entire[-1] *= self._by_column
+        below = scipy.sparse.csc_array(self._by_row * entire[None])
+        factored = SparseFactors(scipy.sparse.vstack([scipy.sparse.hstack([matrix, border]), below]).tocsc())
+        return factored, factored.regular

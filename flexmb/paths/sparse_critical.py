@@ -1,0 +1,108 @@
+"""Critical values of large mechanisms: how many are negative by the factors' pivots, the nearest to zero by Lanczos."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..math.sparse import SparseFactors
+
+# Critical values that are told: those nearest to zero.
+TOLD = 4
+# Vectors of the Lanczos method for them, and the share to which a motion is an eigenvector; values are known to its
+# square.
+BASIS = 14
+RESIDUAL = 1e-7
+# What makes an exactly singular stiffness regular, as share of its largest entry.
+SHIFT = 1e-13
+
+
+class CriticalValues(NamedTuple):
+    """Critical values at a state.
+
+    Attributes:
+        values: Those nearest to zero, ascending, (n,) [N m].
+        below: How many more of them are negative.
+        start: Sum of their motions in extents and radians, from which those of a state nearby are found, (n_free,).
+    """
+
+    values: np.ndarray
+    below: int
+    start: np.ndarray
+
+
+def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray) -> CriticalValues:
+    """Eigenvalues of the stiffness against the square of motions in extents and radians, where constraints hold.
+
+    Args:
+        tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
+        factored: Its factors.
+        sizes: What the coordinates that move are measured against, (n,) [m, rad].
+        start: Any motion, (n,); near to those that are looked for if it can be.
+
+    Source:
+        Sylvester's law of inertia: with h constraints there are h negative pivots more than negative critical values.
+        Shift-inverted Lanczos method of ARPACK.
+    """
+    rest = tangent.shape[0] - len(sizes)
+    every, shift = len(sizes) - rest, 0.0
+    if every <= 2 * BASIS:
+        return _told(*_all_of(tangent, sizes), 0)
+    if not factored.regular:
+        shift = SHIFT * abs(tangent).max()
+        factored = shifted(tangent, shift, sizes)
+    if factored.negative is not None:
+        values, start = _nearest(factored, rest, sizes, start, TOLD, shift)
+        return _told(values, start, factored.negative - rest - int(np.sum(values < -shift)))
+    # Values become negative through zero: all negative ones are found where the farthest that are found are positive.
+    count = 2 * TOLD
+    while 2 * count < every:
+        values, start = _nearest(factored, rest, sizes, start, count, shift)
+        if np.all(values[np.argsort(np.abs(values))[-2:]] > 0):
+            return _told(values, start, 0)
+        count *= 2
+    return _told(*_all_of(tangent, sizes), 0)
+
+
+def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:
+    """Factors of a tangent whose critical values are all increased."""
+    import scipy.sparse
+
+    padded = np.concatenate([shift / sizes**2, np.zeros(tangent.shape[0] - len(sizes))])
+    return SparseFactors((tangent + scipy.sparse.diags_array(padded)).tocsc())
+
+
+def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:
+    """Those nearest to zero of ascending values, with ``more`` negative ones that are not among them."""
+    nearest = np.sort(np.argsort(np.abs(values))[:TOLD])
+    left_out = np.delete(values, nearest)
+    return CriticalValues(values[nearest], max(more, 0) + int(np.sum(left_out < 0)), start)
+
+
+def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.ndarray, count: int, shift: float):
+    """Values nearest to zero, ascending, and the sum of their motions, with ``rest`` constraints."""
+    import scipy.sparse.linalg
+
+    n, linalg = len(sizes), scipy.sparse.linalg
+    nothing = np.zeros(rest)
+
+    def moved(force):
+        return factored.solve(np.concatenate([np.ravel(force) / sizes, nothing]))[:n] / sizes
+
+    flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
+    # No symmetric mechanism has a mode orthogonal to these uneven entries.
+    begin = start / max(np.linalg.norm(start), 1e-300) + np.cos(np.arange(1.0, n + 1) ** 2) / np.sqrt(n)
+    soft, motions = linalg.eigsh(flexibility, k=count, ncv=max(BASIS, 2 * count + 1), v0=begin, tol=RESIDUAL)
+    values = 1 / soft - shift
+    order = np.argsort(values)
+    return values[order], np.sum(motions, axis=1)
+
+
+def _all_of(tangent: Any, sizes: np.ndarray):
+    """All of them, ascending, by dense matrices: Lanczos iterations find a few of many."""
+    import scipy.linalg
+
+    n = len(sizes)
+    whole = tangent.toarray()
+    motions = scipy.linalg.null_space(whole[n:, :n] * sizes)
+    stiffness = sizes[:, None] * whole[:n, :n] * sizes
+    return np.linalg.eigvalsh(motions.T @ stiffness @ motions), np.zeros(n)
