@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -10,19 +11,22 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
+from ..math.derivative import with_derivative
 from ..model.model import Model
 from ..results import RESULTS
+from .chain_form import chain_form
+from .chain_levels import Levels
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
 from .integrator import Integrator
 from .loop import controlled_form, measuring, under_inputs
+from .march import Marched, march
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
+from .step_size import SMALLEST_STEP
 
-# Smallest step, as share of the time.
-SMALLEST_STEP = 1e-12
 # The first step is at most one of so many parts of the time, or of an interval between two samples.
 FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
@@ -36,6 +40,7 @@ class Problem(Record):
         feedback: Controller, or None.
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
+        levels: Order of the unknowns of a chain, or None.
     """
 
     model: Model
@@ -43,6 +48,7 @@ class Problem(Record):
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
+    levels: Levels | None = None
 
 
 class Start(NamedTuple):
@@ -91,15 +97,47 @@ class Integrated(NamedTuple):
 
 def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, t1, times, start: MotionState, moved):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
+    parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
+    own = (
+        integrator.solver,
+        integrator.controller,
+        integrator.adjoint,
+        integrator.event,
+        problem.jumps,
+        problem.levels,
+    )
+    given = equations, integrator, problem.jumps, t0, t1, times, start, moved
+    if any(one is not None for one in own):
+        return _by_diffrax(parts, *given)
+    return with_derivative(functools.partial(_marched, parts), functools.partial(_by_diffrax, parts), *given)
+
+
+def _marched(parts: float, equations: Equations, integrator: Integrator, jumps, t0, t1, times, start, moved) -> Marched:
+    """What :func:`_by_diffrax` gives by the default solver, in fewer operations."""
+
+    def first(fast):
+        return _first_step(integrator, fast, t1 - t0, parts, False)
+
+    allowed: Any = (integrator.rtol, integrator.atol)
+    return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
+
+
+def _by_diffrax(
+    parts: float, equations: Equations, integrator: Integrator, jumps, t0, t1, times, start: MotionState, moved
+) -> Marched:
+    """States at times, by any solver; the first step is so small a part of the time at most."""
     import diffrax
 
     from .projected import Projected
+    from .radau import Radau, carried_from
     from .rosenbrock import Rodas5P, Rosenbrock
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    controller, jumps = integrator.controller, problem.jumps
+    controller = integrator.controller
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
+    if integrator.form == "chain":
+        solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
     if controller is None and not adapts:
@@ -124,7 +162,6 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
     fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
-    parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     dt0 = _first_step(integrator, fast, t1 - t0, parts, isinstance(controller, diffrax.ConstantStepSize))
     solution = diffrax.diffeqsolve(
         MotionTerm(equations),
@@ -138,7 +175,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
         adjoint=adjoint,
         event=integrator.event,
         max_steps=integrator.max_steps,
-        solver_state=z0 if isinstance(solver, Rosenbrock) else None,
+        solver_state=carried_from(z0) if isinstance(solver, Radau) else z0 if isinstance(solver, Rosenbrock) else None,
         throw=False,
     )
     states: Any = solution.ys
@@ -156,7 +193,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     if isinstance(controller, diffrax.ClipStepSizeController):
         controller, state = controller.controller, state.inner_state
     moved = state[1] if isinstance(controller, DisplacementController) else moved
-    return states, moved, solution.stats["num_steps"], result
+    return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result)
 
 
 def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
@@ -171,7 +208,11 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
     return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm:
+def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm:
+    if problem.levels is not None:
+        # Its solver asks for element matrices in place of a dense tangent.
+        chain: Any = chain_form(problem.model, problem.driven, problem.levels)
+        return chain
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":
         return reduced_form(mechanism)
