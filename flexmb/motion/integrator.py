@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import diffrax
 
 
-FORMS = ("auto", "coordinates", "reduced", "tree")
+FORMS = ("coordinates", "reduced", "chain", "tree")
 
 
 class Integrator(Record):
@@ -28,8 +28,10 @@ class Integrator(Record):
             constraints after every step; no choice of degrees of freedom can fail on the way. "tree": the same, but
             that the last ends of spectral beams are computed from their first ends and strains wherever they close no
             loop. "reduced": the degrees of freedom, from which the rest follows in every evaluation; fewer unknowns,
-            but it fails at a dead point. "auto": "tree" where there are such beams and no controller, event or
-            ``EnergyKeeping()``, which need all coordinates, and "coordinates" elsewhere.
+            but it fails at a dead point. "chain": all coordinates of a mechanism whose elements follow on one another,
+            by Radau's method and without matrices of its size squared; it takes concrete numbers, not those of
+            ``jax.jit`` or ``jax.grad``. None: "chain" where there are many beams and it applies; "tree" where there are
+            such beams and no controller, event or ``EnergyKeeping()``, which need all coordinates; or "coordinates".
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
             mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
             where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
@@ -45,7 +47,7 @@ class Integrator(Record):
         max_steps: Most steps to take, with ``progress`` in each part.
     """
 
-    form: Literal["auto", "coordinates", "reduced", "tree"] = static(default="auto")
+    form: Literal["coordinates", "reduced", "chain", "tree"] | None = static(default=None)
     rtol: float | Float[Array, ""] = 1e-5
     atol: float | Float[Array, ""] = 1e-13
     solver: diffrax.AbstractSolver | None = None
@@ -54,6 +56,16 @@ class Integrator(Record):
     adjoint: diffrax.AbstractAdjoint | None = None
     event: diffrax.Event | None = None
     max_steps: int = static(default=200_000)
+
+    def _check_chain(self, controlled: bool) -> None:
+        """Refuse what does not go with the form of chains."""
+        if self.form != "chain":
+            return
+        if controlled:
+            raise ValueError('form="chain" takes no controller: leave `form` out.')
+        for name in ("solver", "controller", "adjoint"):
+            if getattr(self, name) is not None:
+                raise ValueError(f'form="chain" has its own solver and steps: leave `{name}` out, or `form`.')
 
     def checked(self, *, controlled: bool, jumps: bool) -> Integrator:
         """The same with its numbers as arrays, and with a solver that keeps the constraints.
@@ -65,7 +77,9 @@ class Integrator(Record):
         Raises:
             ValueError, TypeError: See :func:`simulate`.
         """
-        check_choice("form", self.form, FORMS)
+        if self.form is not None:
+            check_choice("form", self.form, FORMS)
+        self._check_chain(controlled)
         if controlled and self.form in ("reduced", "tree"):
             raise ValueError('A controller needs form="coordinates".')
         if self.event is not None and self.form == "tree":
@@ -119,7 +133,7 @@ class Integrator(Record):
         return solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver)
 
     def on(self, tree: Tree | None, *, controlled: bool) -> Integrator:
-        """The same with its form chosen, as checked before.
+        """The same with "tree" as its form where none is given and that serves, as checked before.
 
         Args:
             tree: Beams of the mechanism whose last ends can be computed.
@@ -133,11 +147,11 @@ class Integrator(Record):
                 'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, in a'
                 " mechanism whose connections are not traced. Leave `form` out, and what serves is chosen."
             )
-        if self.form != "auto":
+        if self.form is not None:
             return self
         needs_all = controlled or self.event is not None or tree is None
         if self.solver is not None and not needs_all:
             from .energy_keeping import EnergyKeeping
 
             needs_all = isinstance(self.solver, EnergyKeeping)
-        return dataclasses.replace(self, form="coordinates" if needs_all else "tree")
+        return self if needs_all else dataclasses.replace(self, form="tree")

@@ -72,7 +72,7 @@ def test_a_tree_moves_as_all_coordinates_do():
     assert tree is not None
     assert tree.held_places.shape == (3,)
     assert model.topology.x.free.shape[0] - tree.kept.shape[0] == 12
-    other, found = (fm.simulate(model, TIMES, form=form, rtol=1e-9, atol=1e-12) for form in ("coordinates", "auto"))
+    other, found = (fm.simulate(model, TIMES, form=form, rtol=1e-9, atol=1e-12) for form in ("coordinates", None))
     assert (other.form, found.form) == ("coordinates", "tree")
     np.testing.assert_allclose(found.x, other.x, atol=1e-9)
     np.testing.assert_allclose(found.xd, other.xd, atol=1e-6)
