@@ -241,6 +241,7 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
         own[f"mode {i + 1}"] = f"{value}{moving}"
     if count > AT_MOST:
         own["more"] = listed(list(values[AT_MOST:]))
-    title = f"{what}: {count} of {found.model.topology.n_q}"
+    of = found.model.topology.n_q
+    title = f"{what}: {count} of {of}" if of else f"{what}: the lowest {count}"
     rows = {**own, **rows}
     return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})

@@ -14,15 +14,19 @@ from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import ModelError, clean, warn
+from ..linear.choice import sparsely
 from ..linear.damping import Losses, loss_factors
 from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
 from ..linear.loose import refuse_negative_mass
 from ..linear.modes import check_spectrum, refuse_unsymmetric
+from ..linear.sparse_linearize import SparseLinearization
 from ..linear.spectrum import shift_to_definite
 from ..math.linear import diagonal_of, pencil
 from ..model.model import Model
 from ..results import RESULTS
 from .second_order_form import SecondOrder, second_order
+from .sparse_response import responses
+from .sparse_second_order import lossy_elements, some_of, sparse_second_order
 from .state_space import refuse_idle_inputs
 
 # Damping couples two modes where what is between them is above this share of the mean of their own, or, beside it, of
@@ -162,14 +166,15 @@ def check_hertz(hertz: Any) -> Float[Array, "n_f"]:
 
 
 def frequency_response(
-    model: Model | Linearization,
+    model: Model | Linearization | SparseLinearization,
     hertz: Float[Array, "n_f"] | Sequence[float] | float,
     *,
     inputs: Sequence[str] | str | None = None,
     outputs: Sequence[str] | str | None = None,
     loss_factor: Losses | None = None,
     method: str | None = None,
-    at: Linearization | ManyStates | None = None,
+    sparse: bool | None = None,
+    at: Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -190,7 +195,9 @@ def frequency_response(
         method: "modes" for a sum over all undamped modes, which costs next to nothing for each frequency where damping
             does not couple them, and otherwise solves for their amplitudes; "direct" for a solution in the degrees of
             freedom at each frequency. Both are exact. "modes" unless given, and "direct" where there are no modes: of
-            an unsymmetric stiffness, and about a state of motion.
+            an unsymmetric stiffness, about a state of motion, and by sparse matrices.
+        sparse: By a solution with sparse matrices at each frequency, in all coordinates of a model that needs no
+            degrees of freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
@@ -211,11 +218,20 @@ def frequency_response(
         FlexmbWarning: A response is infinite.
 
     Source:
-        THEORY.md 14, eq. (14.30) and (14.31); its derivative (14.32).
+        THEORY.md 14, eq. (14.30) and (14.31); its derivative (14.32); of sparse matrices 7, eq. (7.15) and (7.18).
     """
     check_choice("method", method, (None, "modes", "direct"))
     frequencies = check_hertz(hertz)
-    lin = linearized(model, "frequency_response", where=Where(at, step, time, increment))
+    where = Where(at, step, time, increment)
+    large = sparsely(model, "frequency_response", where, sparse, few=method != "modes")
+    if large is not None:
+        if method == "modes":
+            raise NotImplementedError('Sparse matrices give no sum over all modes: leave out method="modes".')
+        found = _response_of_large(large, frequencies, inputs, outputs, loss_factor)
+        if is_concrete(found):
+            _tell_of_infinite(found)
+        return found
+    lin = linearized(model, "frequency_response", where=where)
     found = response_of(lin, frequencies, inputs, outputs, loss_factor, method)
     if is_concrete(found):
         _tell_of_infinite(found)
@@ -244,6 +260,26 @@ def response_of(
     by_modes = method != "direct" and rests
     found, result = _response(whole, lossy, hertz, us=tuple(us), ys=tuple(ys), orders=orders, by_modes=by_modes)
     check_spectrum(result, True, lin)
+    return FrequencyResponse(
+        hertz, found, tuple(labels.outputs[i].name for i in ys), tuple(labels.inputs[j].name for j in us)
+    )
+
+
+def _response_of_large(
+    lin: SparseLinearization, hertz: Float[Array, "n_f"], inputs: Any, outputs: Any, losses: Any
+) -> FrequencyResponse:
+    """As :func:`response_of`, by sparse matrices."""
+    labels = lin.labels
+    us = chosen("input", [s.name for s in labels.inputs], inputs)
+    ys = chosen("output", [s.name for s in labels.outputs], outputs)
+    every = sparse_second_order(lin)
+    whole, orders = some_of(every, us, ys), every.orders
+    _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
+    lossy = None
+    if losses is not None:
+        lossy = some_of(sparse_second_order(lin, lossy_elements(lin, loss_factors(lin, losses))), us, ys)
+    w = 2 * np.pi * jnp.asarray(hertz)
+    found = integrated(responses(whole, lossy, w), w, whole.orders)
     return FrequencyResponse(
         hertz, found, tuple(labels.outputs[i].name for i in ys), tuple(labels.inputs[j].name for j in us)
     )
@@ -311,13 +347,25 @@ def _response(
     parts = (system.M, system.C, system.K, loss)
     factors, found = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
     responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
-    # An input that is a velocity or an acceleration is less often differentiated than the displacement.
-    for order in (1, 2):
-        own = np.asarray(orders)[np.array(us)] == order
-        responses = jnp.where(own, responses / (_powers(w)[order][:, None, None]), responses) if any(own) else responses
+    responses = integrated(responses, w, np.asarray(orders)[np.array(us)])
     # Never NaN: what is divided by nothing is infinite.
     responses = jnp.where(jnp.isfinite(jnp.abs(responses)), responses, jnp.inf + 0j)
     return responses, jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
+
+
+def integrated(responses: Complex[Array, "n_f n_y n_u"], w: Float[Array, "n_f"], orders: Any) -> Any:
+    """Responses to inputs that are velocities or accelerations, of those to the displacements.
+
+    Args:
+        responses: To displacements and forces.
+        w: Angular frequencies, (n_f,) [rad/s].
+        orders: Which derivative of a displacement each input is, (n_u,); plain numbers.
+    """
+    for order in (1, 2):
+        own = np.asarray(orders) == order
+        if np.any(own):
+            responses = jnp.where(own, responses / (_powers(w)[order][:, None, None]), responses)
+    return responses
 
 
 def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[SecondOrder, SecondOrder]:

@@ -74,7 +74,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     n, x = m.M0.shape[0], m.x
     _, jacobian = deformation_jacobian(topology, parameters, x, near)
     tangent = transfer(topology, jacobian)
-    seed_x, seed_e = _seeds(topology, x, held)
+    seed_x, seed_e = seeds(topology, x, held)
 
     def answer(excess, shift):
         """Change of all coordinates, the degrees of freedom as they are."""
@@ -109,7 +109,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
         dynamic = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + mass @ by_q)
         dynamic = dynamic + dfe.T @ damping @ rate_of_dfe
         moving = Rates(v, a, turning, by_q, rate_of_dfe, second + jacobian @ by_q)
-    geometric = z.T @ (curvature - loads) @ z + _about_axes(m, held, n)
+    geometric = z.T @ (curvature - loads) @ z + about_axes(m, held, n)
     structural = dfe.T @ stiffness @ dfe
 
     def joined(own, whole):
@@ -134,7 +134,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     )
 
 
-def _seeds(topology: Topology, x, held: tuple[Held, ...]) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
+def seeds(topology: Topology, x, held: tuple[Held, ...]) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
     """Changes of held coordinates and deformations by a unit of each of what is held."""
     seed_x, seed_e = jnp.zeros((topology.n_x, len(held))), jnp.zeros((topology.n_e, len(held)))
     for i, of in enumerate(held):
@@ -174,7 +174,7 @@ def _factors(m: Matrices) -> Any:
     return m.factors
 
 
-def _about_axes(m: Matrices, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
+def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
     """What moments that hold a turned node change by since they are about axes: 2 Lbar(lambda) turns along."""
     found = jnp.zeros((n + len(held), n + len(held)))
     for i, of in enumerate(held):

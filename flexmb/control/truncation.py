@@ -163,6 +163,37 @@ def error_of(
     a, b, c, d = (np.asarray(of) for of in small)
     eye = np.eye(len(a))
     own = np.array([c @ np.linalg.solve(2j * np.pi * f * eye - a, b) + d for f in grid])
+    return tell_of_error(lin, grid, np.array(full), own, least, end, len(kept), len(hertz))
+
+
+def tell_of_error(
+    lin: Any,
+    grid: np.ndarray,
+    full: np.ndarray,
+    own: np.ndarray,
+    least: np.ndarray,
+    end: float,
+    kept: int,
+    of: int | None,
+) -> Float[np.ndarray, "n_y n_u"]:
+    """Largest error of responses, told where it is large.
+
+    Args:
+        lin: Linearization, for the names.
+        grid: Frequencies, (n_f,) [Hz].
+        full: Right responses, (n_f, n_y, n_u).
+        own: Those of the truncated state space.
+        least: What is nothing beside it, (n_y, n_u).
+        end: End of the band [Hz].
+        kept: How many modes are kept.
+        of: Of how many; None where no one knows.
+
+    Returns:
+        (n_y, n_u) [-], as of :func:`error_of`.
+
+    Warns:
+        FlexmbWarning: It is above a hundredth.
+    """
     size = np.abs(full)
     near = np.abs(np.log2(grid[:, None] / grid)) <= 0.5
     usual = np.maximum(size, np.array([np.median(size[row], axis=0) for row in near]))
@@ -173,9 +204,10 @@ def error_of(
         # The first of those that are equal but for round-off, as velocity and acceleration are.
         at, y, u = np.unravel_index(np.argmax(errors >= (1 - 1e-9) * np.max(errors)), errors.shape)
         output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
+        some = f"{kept}" if of is None else f"{kept} of {of}"
         warn(
-            f"The state space of {len(kept)} of {len(hertz)} modes is off by {100 * error[y, u]:.2g} % for '{output}'"
-            f" of '{source}' at {grid[at]:.4g} Hz, in its band up to {end:.4g} Hz. Keep more modes, by `modes` or a"
+            f"The state space of {some} modes is off by {100 * error[y, u]:.2g} % for '{output}' of"
+            f" '{source}' at {grid[at]:.4g} Hz, in its band up to {end:.4g} Hz. Keep more modes, by `modes` or a"
             " larger `bandwidth`."
         )
     return error

@@ -1,7 +1,7 @@
 """Cross-sections and materials: leaf-spring dimensions to rigidities and mass; axes as in :mod:`.section`."""
 
 import dataclasses
-from typing import Literal
+from typing import Any, Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -74,6 +74,11 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
     return Damping(EA=equivalent(s.EA, 1), EIy=equivalent(s.EIy, 3), EIz=equivalent(s.EIz, 3), GIt=equivalent(s.GIt, 3))
 
 
+def _library(*sizes: Scalar) -> Any:
+    """NumPy for known numbers: every operation of JAX on them would be a program of its own, compiled when building."""
+    return np if is_concrete(sizes) else jnp
+
+
 def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
     """Saint-Venant torsion constant of a rectangle, by its series.
 
@@ -94,12 +99,13 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
     """
     check_number("width", width, above=0)
     check_number("thickness", thickness, above=0)
-    w, t = jnp.maximum(width, thickness), jnp.minimum(width, thickness)
+    xp = _library(width, thickness)
+    w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail is that of the zeta function:
     # sum over odd n of 1/n^5 = (31/32) zeta(5).
     odd = (1.0, 3.0)
-    total = (31 / 32) * 1.0369277551433699 + sum((jnp.tanh(n * jnp.pi * w / (2 * t)) - 1) / n**5 for n in odd)
-    return w * t**3 * (1 / 3 - 64 / jnp.pi**5 * (t / w) * total)
+    total = (31 / 32) * 1.0369277551433699 + sum((xp.tanh(n * np.pi * w / (2 * t)) - 1) / n**5 for n in odd)
+    return w * t**3 * (1 / 3 - 64 / np.pi**5 * (t / w) * total)
 
 
 def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
@@ -120,7 +126,8 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
     """
     check_number("width", width, above=0)
     check_number("thickness", thickness, above=0)
-    w, t = jnp.maximum(width, thickness), jnp.minimum(width, thickness)
+    xp = _library(width, thickness)
+    w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
 
 

@@ -1,5 +1,7 @@
 """Compliance of the mechanism at its nodes, about the static equilibrium."""
 
+from typing import Any
+
 import jax
 import jax.core
 import jax.numpy as jnp
@@ -14,8 +16,11 @@ from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check
+from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
 from .loose import free_motions, named, takes_part
+from .sparse_linearize import SparseLinearization
+from .sparse_solve import solved
 
 
 def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
@@ -24,11 +29,12 @@ def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
 
 
 def compliance(
-    model: Model | Linearization,
+    model: Model | Linearization | SparseLinearization,
     node: str,
     *,
     local: bool = False,
-    at: Linearization | ManyStates | None = None,
+    sparse: bool | None = None,
+    at: Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -39,6 +45,8 @@ def compliance(
         model: Mechanism, or its linearisation.
         node: Name of the node. A position with a rotation "name.rotation" gives both.
         local: In axes that turn with the node instead of the global ones; needs a rotation.
+        sparse: By sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
@@ -52,18 +60,22 @@ def compliance(
         KeyError: No such node.
         ValueError: ``local``, of a node without a rotation.
         AnalysisError: singular_stiffness where the node takes part in a motion that meets no stiffness; of other nodes
-            the compliance is that of the rest.
+            the compliance is that of the rest, but not by sparse matrices.
 
     Source:
         THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
     check_flag("local", local)
-    lin = linearized(model, "compliance", where=Where(at, step, time, increment))
+    where = Where(at, step, time, increment)
+    large = sparsely(model, "compliance", where, sparse)
+    lin = linearized(model, "compliance", where=where) if large is None else large
     labels = lin.labels
     parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
         raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
+    if isinstance(lin, SparseLinearization):
+        return _compliance_of_large(lin, places, local)
     found, jacobian, result = _compliance(lin.matrices, places, local=local)
     if not isinstance(result, jax.core.Tracer) and int(result) == RESULTS.singular_stiffness:
         return _beside_free_motions(lin, node, np.asarray(jacobian))
@@ -84,17 +96,37 @@ def _beside_free_motions(lin: Linearization, node: str, jacobian: np.ndarray) ->
     return jnp.asarray(jacobian @ flexibility @ jacobian.T)
 
 
-def compliance_of(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
-    """Compliance, rows of the node's directions by the degrees of freedom, and code of RESULTS."""
-    rows = [_rates(found.x[part]) @ found.DFx[part] for part in parts]
+def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], local: bool) -> list[Float[Array, "m n"]]:
+    """Displacements and rotations of a node by the coordinates of each of its parts."""
+    rows = [_rates(x[part]) for part in parts]
     if local:
-        rotation = found.x[parts[-1]]
+        rotation = x[parts[-1]]
         if rotation.shape[0] == ROTATION3.size:
-            rows = [rotation_matrix(rotation).T @ row for row in rows]
-        elif len(parts) == 2:
+            return [rotation_matrix(rotation).T @ row for row in rows]
+        if len(parts) == 2:
             c, s = jnp.cos(rotation[0]), jnp.sin(rotation[0])
             rows[0] = jnp.array([[c, s], [-s, c]]) @ rows[0]
-    jacobian = jnp.concatenate(rows)
+    return rows
+
+
+def _compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool) -> Float[Array, "n n"]:
+    """Compliance by sparse factors: displacements under the forces dual to them."""
+    rows = _directions(lin.x, parts, local)
+    along = jnp.zeros((sum(row.shape[0] for row in rows), lin.x.shape[0]))
+    start = 0
+    for row, part in zip(rows, parts, strict=True):
+        along = along.at[start : start + row.shape[0], part].set(row)
+        start += row.shape[0]
+    elements = lin.elements
+    forces = along.T[elements.free]
+    moved = solved(elements, jnp.concatenate([forces, jnp.zeros((elements.unknowns[1], forces.shape[1]))]))
+    return forces.T @ moved[: forces.shape[0]]
+
+
+def compliance_of(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
+    """Compliance, rows of the node's directions by the degrees of freedom, and code of RESULTS."""
+    rows = _directions(found.x, parts, local)
+    jacobian = jnp.concatenate([row @ found.DFx[part] for row, part in zip(rows, parts, strict=True)])
     # Each degree of freedom in a unit that makes the stiffnesses that meet in it one: what is singular then is free.
     meeting = diagonal_of(jnp.abs(found.DFe).T @ jnp.abs(found.S) @ jnp.abs(found.DFe)) + jnp.abs(diagonal_of(found.K))
     scale = jax.lax.stop_gradient(1 / jnp.sqrt(jnp.where(meeting > 0, meeting, 1.0)))

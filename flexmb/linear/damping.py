@@ -20,6 +20,7 @@ from ..results import RESULTS
 from .linearize import Linearization, Matrices, linearized
 from .loose import refuse_negative_mass
 from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric
+from .sparse_linearize import SparseLinearization
 from .spectrum import MASSLESS, shift_to_definite
 
 # Where K had to be shifted by s, a motion vibrates whose omega^2 is above this share of s; others meet no stiffness.
@@ -188,7 +189,7 @@ def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None,
         raise ValueError(f"Argument `{name}`{kind} cannot be negative, but is {shown(given)}.")
 
 
-def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
+def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Float[Array, "n_e"]:
     """Loss factor of each deformation, as :func:`damped` takes them.
 
     Args:
@@ -208,7 +209,6 @@ def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
         return losses + given
     if not given:
         raise ValueError("Argument `loss_factor` names no element.")
-    stiffness, moves = np.asarray(lin.matrices.S) if is_concrete(lin.matrices) else None, lin.matrices.DFe
     for key, factor in given.items():
         _check_positive("loss_factor", factor, ())
         rows = _rows_of(lin.model, key)
@@ -216,10 +216,18 @@ def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
         if not len(rows):
             names = ", ".join(name for name, *_ in lin.labels.elements[:12])
             raise ValueError(f"Argument `loss_factor`: no element is of {called}. There is: {names}.")
-        if stiffness is not None and not np.any(stiffness[rows] @ np.asarray(moves)):
+        if is_concrete(lin.matrices) and not _has_stiffness(lin, rows):
             raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
         losses = losses.at[rows].set(factor)
     return losses
+
+
+def _has_stiffness(lin: Linearization | SparseLinearization, rows: Int[np.ndarray, "k"]) -> bool:
+    """Whether stress resultants of some deformations change in any motion; of concrete numbers."""
+    if isinstance(lin, Linearization):
+        return bool(np.any(np.asarray(lin.matrices.S)[rows] @ np.asarray(lin.matrices.DFe)))
+    pieces = lin.elements.elastic
+    return any(np.any(np.asarray(own)[np.isin(np.asarray(at), rows)]) for at, _, own in pieces)
 
 
 def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:

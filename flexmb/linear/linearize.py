@@ -1,14 +1,14 @@
 """Linearised equations of motion about the static equilibrium."""
 
 import re
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, TypeVar, overload
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_whole, is_concrete
+from ..arguments import check_flag, check_whole, is_concrete
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
 from ..mechanics.blocks import kernel
@@ -25,6 +25,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check, told
 from ..statics.equilibrium import load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
+from .sparse_linearize import SparseLinearization, sparse_linearization
 
 
 class Rates(Record):
@@ -406,7 +407,10 @@ class Where(NamedTuple):
 
 
 def linearized(
-    given: Model | Linearization, function: str, throw: bool = True, where: Where | None = None
+    given: Model | Linearization | SparseLinearization,
+    function: str,
+    throw: bool = True,
+    where: Where | None = None,
 ) -> Linearization:
     """What a public function of a model or of its linearisation is asked about.
 
@@ -422,6 +426,8 @@ def linearized(
     """
     where = where or Where()
     where.refuse(function, given=isinstance(given, Linearization))
+    if isinstance(given, SparseLinearization):
+        raise TypeError(f"fm.{function} takes no sparse linearisation: give fm.linearize(model), which is dense.")
     if where.at is not None:
         given = where.linearization(as_model(given, function), function)
     if not isinstance(given, Linearization):
@@ -437,9 +443,36 @@ def linearized(
     return given
 
 
+@overload
 def linearize(
-    model: Model, *, load_factor: float = 1.0, increment: float | None = None, throw: bool = True
-) -> Linearization:
+    model: Model,
+    *,
+    load_factor: float = 1.0,
+    increment: float | None = None,
+    throw: bool = True,
+    sparse: Literal[False] = False,
+) -> Linearization: ...
+
+
+@overload
+def linearize(
+    model: Model,
+    *,
+    load_factor: float = 1.0,
+    increment: float | None = None,
+    throw: bool = True,
+    sparse: Literal[True],
+) -> SparseLinearization: ...
+
+
+def linearize(
+    model: Model,
+    *,
+    load_factor: float = 1.0,
+    increment: float | None = None,
+    throw: bool = True,
+    sparse: bool = False,
+) -> Linearization | SparseLinearization:
     """Linearised equations of motion about the static equilibrium under the constant loads.
 
     Args:
@@ -447,10 +480,13 @@ def linearize(
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero unless given.
         throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
+        sparse: Of a mechanism of thousands of elements, which needs no degrees of freedom: the equations in all
+            coordinates, element by element, of which modes, compliance, stress, responses and a state space of few
+            modes are asked as of dense ones. See :func:`flexmb.equilibrium` for what it takes.
 
     Returns:
         Linearization with M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], the transfer functions DFx (n_x, n_q) and
-        DFe (n_e, n_q), and the equilibrium x, e, sigma.
+        DFe (n_e, n_q), and the equilibrium x, e, sigma; or SparseLinearization, whose ``sparse()`` are matrices.
 
     Raises:
         AnalysisError: The equilibrium was not found or the configuration is singular.
@@ -462,8 +498,10 @@ def linearize(
     Source:
         THEORY.md 6, eq. (6.2) and (6.3); K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
     """
-    target = load_factors_of(as_determined(model, "linearize"), load_factor, increment, "linearize")
-    return _linearized(model, target, throw)
+    check_flag("sparse", sparse)
+    (as_model if sparse else as_determined)(model, "linearize")
+    target = load_factors_of(model, load_factor, increment, "linearize")
+    return sparse_linearization(model, target) if sparse else _linearized(model, target, throw)
 
 
 def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:

@@ -1,26 +1,31 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
+from typing import Any
+
 import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
-from ..arguments import check_flag, check_whole
+from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, modal_summary
+from ..math.element_matrices import times
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
-from ..model.model import Model, as_determined, as_model
+from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
+from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
 from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
 from .shapes import Shapes
-from .sparse_frequencies import sparse_eigenvalues
+from .sparse_linearize import SparseLinearization
+from .sparse_solve import lowest, lowest_values
 from .spectrum import general_spectrum, is_real, poles_of, spectrum, to_frequency
 
 
@@ -35,7 +40,7 @@ class Modes(Shapes, Result, Record):
         frequencies: Square root over 2 pi with the sign of the eigenvalue, (n,) [Hz].
         shapes: Mass-normalised mode shapes in the coordinates, one a column, (n_x, n) [1/sqrt(kg) ..].
         q_shapes: The same in the degrees of freedom, (n_q, n).
-        massless: Number of motions without mass.
+        massless: Number of motions without mass; 0 of a few modes by sparse matrices, where no one counts them.
         stable: Whether the stiffness is positive definite.
         lin: Linearization they belong to.
     """
@@ -46,7 +51,7 @@ class Modes(Shapes, Result, Record):
     q_shapes: Float[Array, "n_q n"]
     massless: int
     stable: bool
-    lin: Linearization
+    lin: Linearization | SparseLinearization
     one_axis = "eigenvalues"
 
     def states(self) -> States:
@@ -97,12 +102,12 @@ def refuse_unsymmetric(symmetric: bool) -> None:
 
 
 def frequencies(
-    model: Model | Linearization,
+    model: Model | Linearization | SparseLinearization,
     *,
     count: int | None = None,
-    sparse: bool = False,
+    sparse: bool | None = None,
     throw: bool = True,
-    at: Linearization | ManyStates | None = None,
+    at: Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -115,8 +120,9 @@ def frequencies(
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
         count: How many of the lowest; all unless given or where there are fewer. With many degrees of freedom a few are
             found much quicker.
-        sparse: For thousands of elements: ``count`` frequencies by sparse factors, of a model that needs no degrees
-            of freedom; see :func:`flexmb.equilibrium`.
+        sparse: ``count`` frequencies by sparse matrices in all coordinates, of a model that needs no degrees of
+            freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count``
+            is.
         throw: Raise where the equilibrium or the eigenproblem fails.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
@@ -134,15 +140,15 @@ def frequencies(
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
-    check_flag("sparse", sparse)
     count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
-    if sparse:
-        if count is None or isinstance(model, Linearization) or at is not None:
-            raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-        where.refuse("frequencies")
-        target = load_factors_of(as_model(model, "frequencies"), 1.0, increment, "frequencies")
-        return to_frequency(sparse_eigenvalues(model, target, count))
+    if sparse and count is None:
+        raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
+    large = sparsely(model, "frequencies", where, sparse, few=count is not None)
+    if large is not None:
+        if count is None:
+            raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
+        return to_frequency(lowest_values(large.elements, count))
     if isinstance(model, Linearization) or at is not None:
         model = linearized(model, "frequencies", throw, where)
         if at is not None and model.matrices.moving is not None:
@@ -163,7 +169,7 @@ def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array,
     return _frequencies_at(lin.matrices, count=None)
 
 
-def check_spectrum(result, throw: bool, model: Model | Linearization) -> None:
+def check_spectrum(result, throw: bool, model: Any) -> None:
     """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
     about = ""
     if throw and not isinstance(result, jax.core.Tracer):
@@ -184,10 +190,12 @@ def _modes(found: Matrices):
 
 
 def modes(
-    model: Model | Linearization,
+    model: Model | Linearization | SparseLinearization,
     *,
+    count: int | None = None,
+    sparse: bool | None = None,
     throw: bool = True,
-    at: Linearization | ManyStates | None = None,
+    at: Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -196,6 +204,10 @@ def modes(
 
     Args:
         model: Mechanism, or its linearisation.
+        count: How many of the lowest; all unless given or where there are fewer.
+        sparse: ``count`` modes by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count`` is. They are
+            differentiable in the parameters: eigenvalues always, shapes where no eigenvalue is repeated.
         throw: Raise where the equilibrium or the eigenproblem fails.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
@@ -212,7 +224,12 @@ def modes(
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
-    lin = linearized(model, "modes", throw, Where(at, step, time, increment))
+    count = None if count is None else check_whole("count", count, 1)
+    where = Where(at, step, time, increment)
+    large = sparsely(model, "modes", where, sparse, few=count is not None)
+    if large is not None:
+        return _modes_of_large(large, count)
+    lin = linearized(model, "modes", throw, where)
     refuse_unsymmetric(lin.matrices.symmetric)
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
     check_spectrum(result, throw, lin)
@@ -221,15 +238,28 @@ def modes(
             "How many modes there are depends on numbers: ask for fm.frequencies under jax.grad and jax.jit."
         )
     finite = int(np.sum(np.isfinite(values)))
+    some = finite if count is None else min(count, finite)
     return Modes(
-        values[:finite],
-        hertz[:finite],
-        shapes[:, :finite],
-        q_shapes[:, :finite],
+        values[:some],
+        hertz[:some],
+        shapes[:, :some],
+        q_shapes[:, :some],
         values.shape[0] - finite,
         bool(stable),
         lin,
     )
+
+
+def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
+    """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
+    if count is None:
+        raise ValueError("With sparse matrices give `count`, the number of modes wanted.")
+    found: Any = lowest(lin.elements, count)
+    roles = lin.model.topology
+    deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
+    q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])
+    stable = is_concrete(found) and bool(found.values[0] > 0)
+    return Modes(found.values, to_frequency(found.values), found.motions, q_shapes, 0, stable, lin)
 
 
 @one_thread()

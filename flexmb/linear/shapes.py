@@ -1,10 +1,13 @@
 """What modes of vibration and of buckling share: they are motions about a linearised state."""
 
+from typing import Any
+
 from jaxtyping import Array, Float
 
 from ..model.by_name import ByName, moved
 from ..model.model import Labels
-from .linearize import AboutState, Linearization, Matrices
+from .linearize import AboutState, Matrices
+from .sparse_linearize import SparseLinearization
 
 
 class Shapes(ByName, AboutState):
@@ -16,10 +19,10 @@ class Shapes(ByName, AboutState):
     """
 
     shapes: Float[Array, "n_x n"]
-    lin: Linearization
+    lin: Any
 
     @property
-    def matrices(self) -> Matrices:
+    def matrices(self) -> Matrices | SparseLinearization:
         """Linearised equations of the state that the modes are about."""
         return self.lin.matrices
 

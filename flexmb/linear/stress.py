@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_whole, is_concrete
+from ..arguments import check_flag, check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, counted, listed, span
@@ -22,7 +22,9 @@ from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..results import told
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
+from .choice import is_large
 from .linearize import Linearization, ManyStates, Where
+from .sparse_linearize import SparseLinearization
 
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
@@ -382,9 +384,18 @@ def _along(function, e, ref, properties, places, resultants):
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
 
-def _state(model: Model, points: int, where: Where, load_factor: float, throw: bool, function: str):
+def _state(
+    model: Model, points: int, where: Where, load_factor: float, sparse: bool | None, throw: bool, function: str
+):
     """Names, places, what both kernels take, code of the state, and whether there are several."""
-    (as_determined if where.at is None else as_model)(model, function)
+    if sparse is not None:
+        check_flag("sparse", sparse)
+        if where.at is not None:
+            raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a state that has been found.")
+    as_model(model, function)
+    sparse = where.at is None and (is_large(model) if sparse is None else sparse)
+    if where.at is None and not sparse:
+        as_determined(model, function)
     points = check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
@@ -396,7 +407,7 @@ def _state(model: Model, points: int, where: Where, load_factor: float, throw: b
         if where.increment is None:
             warn_of_increment(model, function)
         increment = 0.0 if where.increment is None else where.increment
-        at = equilibrium(model, load_factor=load_factor, increment=increment, throw=throw)
+        at = equilibrium(model, load_factor=load_factor, increment=increment, sparse=sparse, throw=throw)
     elif isinstance(where.at, ManyStates) and not several:
         at = where.linearization(model, function)
     if getattr(at, "x", None) is None:
@@ -419,11 +430,12 @@ def section_resultants(
     model: Model,
     *,
     points: int = 5,
-    at: Equilibrium | Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     load_factor: float = 1.0,
     increment: float | None = None,
+    sparse: bool | None = None,
     throw: bool = True,
 ) -> SectionResultants:
     """Normal and shear forces, torque and bending moments along every flexible element with a section.
@@ -442,6 +454,8 @@ def section_resultants(
         time: Time of the state of a motion, one of its output times [s].
         load_factor: Factor of the loads of that equilibrium, () [-].
         increment: Factor of its incremental loads, () [-]; zero unless given.
+        sparse: Whether that equilibrium is found by sparse factors, of a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium`. Chosen by size unless given.
         throw: Raise where it fails; otherwise the code is in ``result``.
 
     Returns:
@@ -456,7 +470,7 @@ def section_resultants(
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; THEORY.md 7.
     """
     names, places, inputs, result, several = _state(
-        model, points, Where(at, step, time, increment), load_factor, throw, "section_resultants"
+        model, points, Where(at, step, time, increment), load_factor, sparse, throw, "section_resultants"
     )
     values = (_resultants_of_all if several else _resultants)(*inputs)
     return SectionResultants(values, jnp.asarray(places), result, names)
@@ -466,11 +480,12 @@ def stress(
     model: Model,
     *,
     points: int = 5,
-    at: Equilibrium | Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     load_factor: float = 1.0,
     increment: float | None = None,
+    sparse: bool | None = None,
     throw: bool = True,
 ) -> Stress:
     """Stress on the surface of every flexible element with a section, its maximum and a smooth estimate of that.
@@ -483,6 +498,7 @@ def stress(
         time: Time of the state of a motion, one of its output times [s].
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero unless given.
+        sparse: As for :func:`section_resultants`.
         throw: Raise where the equilibrium fails; otherwise the code is in ``resultants.result``.
 
     Returns:
@@ -506,7 +522,7 @@ def stress(
             " so no stress. Give it a section such as Rectangle, or ask for section_resultants."
         )
     names, places, inputs, result, several = _state(
-        model, points, Where(at, step, time, increment), load_factor, throw, "stress"
+        model, points, Where(at, step, time, increment), load_factor, sparse, throw, "stress"
     )
     values, sigma_x, tau, equivalent, more = (_stress_of_all if several else _stress)(*inputs)
     found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names), **more)

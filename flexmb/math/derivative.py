@@ -5,6 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
 
@@ -30,6 +31,51 @@ def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple)
         return function(*jax.tree.unflatten(structure, whole))
 
     return jax.jvp(of_varied, ([leaves[i] for i in varied],), ([changes[i] for i in varied],))
+
+
+def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *arguments: Any) -> Any:
+    """Value of a function whose derivatives, in reverse mode, are those of another one that gives the same.
+
+    Args:
+        function: Function of positional pytrees, which may hold more than arrays.
+        derived: What is evaluated in its place where a derivative is asked for.
+        arguments: What both are given.
+    """
+    leaves, structure = jax.tree.flatten(arguments)
+    places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
+
+    def called(which, numbers):
+        whole = list(leaves)
+        for i, number in zip(places, numbers, strict=True):
+            whole[i] = number
+        return which(*jax.tree.unflatten(structure, whole))
+
+    @jax.custom_vjp
+    def value(*numbers):
+        return called(function, numbers)
+
+    def forward(*numbers):
+        values = [number.value for number in numbers]
+        varied = [i for i, number in enumerate(numbers) if number.perturbed]
+
+        def of_varied(*changed):
+            whole = list(values)
+            for i, number in zip(varied, changed, strict=True):
+                whole[i] = number
+            return called(derived, whole)
+
+        found, pulled = jax.vjp(of_varied, *[values[i] for i in varied])
+        # An empty tuple marks what varies: what is carried over may hold arrays alone.
+        return found, (pulled, [() if number.perturbed else None for number in numbers])
+
+    def backward(carried, changes):
+        pulled, marks = carried
+        whole = [jnp.zeros(c.shape, c.dtype) if isinstance(c, SymbolicZero) else c for c in jax.tree.leaves(changes)]
+        found = iter(pulled(jax.tree.unflatten(jax.tree.structure(changes), whole)))
+        return tuple(None if mark is None else next(found) for mark in marks)
+
+    value.defvjp(forward, backward, symbolic_zeros=True)
+    return value(*[leaves[i] for i in places])
 
 
 def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array], jax.Array]:

@@ -111,6 +111,19 @@ def nodal_forces(
     return force + scatter_vector(topology.n_x, pieces) if pieces else force
 
 
+def load_pieces(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
+) -> list[tuple[Array, Array, Array]]:
+    """Derivatives of the forces of each block's load elements, with row and column indices.
+
+    Arguments as for :func:`nodal_forces`.
+    """
+    pieces = []
+    for block, function, arguments in _load_elements(topology, parameters, factors):
+        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
+    return pieces
+
+
 def load_stiffness(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> Float[Array, "n_x n_x"]:
@@ -123,10 +136,7 @@ def load_stiffness(
         Derivative of :func:`nodal_forces`.
     """
     loads = scaled_loads(parameters, factors)
-    pieces = []
-    for block, function, arguments in _load_elements(topology, parameters, factors):
-        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
-    matrix = scatter_matrix((topology.n_x, topology.n_x), pieces)
+    matrix = scatter_matrix((topology.n_x, topology.n_x), load_pieces(topology, parameters, factors, x))
     if loads.gravity is not None:
         matrix = matrix + weight_stiffness(topology, parameters, x, loads.gravity)
     return matrix

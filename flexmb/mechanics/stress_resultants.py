@@ -141,18 +141,12 @@ def nonlinear_stress(
     return scatter_vector(topology.n_e, pieces)
 
 
-@traced_once
-def nonlinear_tangents(
+def nonlinear_tangent_pieces(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
-) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"], Float[Array, "n_e n_e"] | None]:
-    """:func:`nonlinear_stress` with its derivatives by its arguments, the deformations and their rates.
+) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array, Array]], list[tuple[Array, Array, Array]]]:
+    """:func:`nonlinear_stress` of each block's elements with its indices, and its derivatives by e and by ed.
 
-    Returns:
-        sigma, (n_e,) [N, N m], and two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad], symmetric
-        but for laws; None for the last where nothing depends on rates.
-
-    Source:
-        Derivative of :func:`nonlinear_stress`.
+    Arguments as for :func:`nonlinear_stress`.
     """
     stress, tangents = [], ([], [])
     for block, function, counts, arguments in _nonlinear_stress(topology, parameters):
@@ -166,6 +160,23 @@ def nonlinear_tangents(
         stress.append((block.e, sigma))
         for pieces, matrices in zip(tangents, found, strict=False):
             pieces.append((block.e, block.e, matrices))
+    return stress, *tangents
+
+
+@traced_once
+def nonlinear_tangents(
+    topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
+) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"], Float[Array, "n_e n_e"] | None]:
+    """:func:`nonlinear_stress` with its derivatives by its arguments, the deformations and their rates.
+
+    Returns:
+        sigma, (n_e,) [N, N m], and two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad], symmetric
+        but for laws; None for the last where nothing depends on rates.
+
+    Source:
+        Derivative of :func:`nonlinear_stress`.
+    """
+    stress, *tangents = nonlinear_tangent_pieces(topology, parameters, e, ed)
     by_e, by_ed = (scatter_matrix((topology.n_e, topology.n_e), pieces) for pieces in tangents)
     return scatter_vector(topology.n_e, stress), by_e, by_ed if depends_on_rates(topology) else None
 

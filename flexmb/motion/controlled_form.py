@@ -169,6 +169,22 @@ class ControlledForm(Record):
         """Number of coordinates that move, those of the controller included."""
         return self.form.size + self.states
 
+    @property
+    def linear(self) -> bool:
+        """Not where outputs that follow from accelerations make inputs, by any function, which change these."""
+        return not self.places.late
+
+    @property
+    def unknowns(self) -> int:
+        """Number of accelerations, rates of the controller, and multipliers."""
+        return self.form.unknowns + self.states
+
+    def regular(self, by_z):
+        """As the mechanism's."""
+        n = self.form.size
+        kept = np.r_[:n, self.size : by_z.shape[0]]
+        return self.form.regular(by_z[kept[:, None], kept])
+
     def _split(self, state: MotionState, z=None):
         """State of the mechanism, of the controller, accelerations and multipliers of the mechanism, rates."""
         n = self.form.size

@@ -110,6 +110,16 @@ class CoordinatesForm(Record):
         """Number of coordinates that move."""
         return self.free.shape[0]
 
+    @property
+    def linear(self) -> bool:
+        """Accelerations and multipliers follow from their matrix."""
+        return True
+
+    @property
+    def unknowns(self) -> int:
+        """Number of accelerations and multipliers."""
+        return self.size + self.held.shape[0]
+
     def state_of(self, x, xd, near) -> MotionState:
         """State of nodal coordinates; the memory holds all deformations where an element counts turns."""
         tracks = self.topology.counts_turns
@@ -298,6 +308,13 @@ class CoordinatesForm(Record):
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
 
+    def regular(self, by_z):
+        """Whether every motion that the constraints allow carries mass."""
+        n = self.size
+        mass, rows = by_z[:n, :n], by_z[n:, :n]
+        heaviest = jnp.max(jnp.abs(mass), initial=0.0)
+        return is_positive_definite(mass + heaviest * rows.T @ rows)
+
     @jit_beside_options
     def acceleration(self, t, state: MotionState):
         """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
@@ -310,15 +327,14 @@ class CoordinatesForm(Record):
         moving = Moving(at.x, at.v, at.a, self.near(state.memory))
         acting, jacobian, mass = acting_matrices(self.elements, moving, self.falling, self.stress_of(t, none))
         scaled, rows = self.scaled(mass), self.columns(jacobian)
-        heaviest = jnp.max(jnp.abs(scaled), initial=0.0)
-        regular = is_positive_definite(scaled + heaviest * rows.T @ rows)
         force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
         residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
-        factors = factorise(self.system(scaled, rows))
+        matrix = self.system(scaled, rows)
+        factors = factorise(matrix)
         z = factors.solve(-residual)
         # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
         left = jnp.concatenate([scaled @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
-        return z - factors.solve(residual + left), regular
+        return z - factors.solve(residual + left), self.regular(matrix)
 
     def rate_of_memory(self, t, state: MotionState, z):
         """Rates of the deformations, where turns are counted."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -10,6 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
+from ..math.derivative import with_derivative
 from ..model.model import Model
 from ..results import RESULTS
 from .controlled_form import ControlledForm, Feedback
@@ -18,11 +20,11 @@ from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
 from .integrator import Integrator
 from .loop import controlled_form, measuring, under_inputs
+from .march import Marched, march
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
+from .step_size import SMALLEST_STEP
 
-# Smallest step, as share of the time.
-SMALLEST_STEP = 1e-12
 # The first step is at most one of so many parts of the time, or of an interval between two samples.
 FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
@@ -91,6 +93,28 @@ class Integrated(NamedTuple):
 
 def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, t1, times, start: MotionState, moved):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
+    parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
+    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
+    given = equations, integrator, problem.jumps, t0, t1, times, start, moved
+    if any(one is not None for one in own):
+        return _by_diffrax(parts, *given)
+    return with_derivative(functools.partial(_marched, parts), functools.partial(_by_diffrax, parts), *given)
+
+
+def _marched(parts: float, equations: Equations, integrator: Integrator, jumps, t0, t1, times, start, moved) -> Marched:
+    """What :func:`_by_diffrax` gives by the default solver, in fewer operations."""
+
+    def first(fast):
+        return _first_step(integrator, fast, t1 - t0, parts, False)
+
+    allowed: Any = (integrator.rtol, integrator.atol)
+    return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
+
+
+def _by_diffrax(
+    parts: float, equations: Equations, integrator: Integrator, jumps, t0, t1, times, start: MotionState, moved
+) -> Marched:
+    """States at times, by any solver; the first step is so small a part of the time at most."""
     import diffrax
 
     from .projected import Projected
@@ -98,7 +122,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    controller, jumps = integrator.controller, problem.jumps
+    controller = integrator.controller
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
@@ -124,7 +148,6 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
     fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
-    parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     dt0 = _first_step(integrator, fast, t1 - t0, parts, isinstance(controller, diffrax.ConstantStepSize))
     solution = diffrax.diffeqsolve(
         MotionTerm(equations),
@@ -156,7 +179,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     if isinstance(controller, diffrax.ClipStepSizeController):
         controller, state = controller.controller, state.inner_state
     moved = state[1] if isinstance(controller, DisplacementController) else moved
-    return states, moved, solution.stats["num_steps"], result
+    return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result)
 
 
 def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):

@@ -57,12 +57,6 @@ class Integrator(Record):
         Raises:
             ValueError, TypeError: See :func:`simulate`.
         """
-        import diffrax
-
-        from .energy_keeping import EnergyKeeping
-        from .projected import Projected
-        from .solver import MotionSolver
-
         check_choice("form", self.form, ("coordinates", "reduced"))
         if controlled and self.form == "reduced":
             raise ValueError('A controller needs form="coordinates".')
@@ -70,6 +64,28 @@ class Integrator(Record):
         check_number("atol", self.atol, least=0)
         if self.dt0 is not None:
             check_number("dt0", self.dt0, above=0)
+        named = ("solver", "controller", "adjoint", "event")
+        # The library of solvers takes long to load: the default needs it for derivatives alone.
+        by_default = all(getattr(self, name) is None for name in named)
+        solver = None if by_default else self._checked_solver(controlled, jumps)
+        return dataclasses.replace(
+            self,
+            rtol=jnp.asarray(self.rtol, float),
+            atol=jnp.asarray(self.atol, float),
+            # Zero stands for none, so that parts with a given first step and those without are one program.
+            dt0=jnp.asarray(0.0 if self.dt0 is None else self.dt0, float),
+            solver=solver,
+            max_steps=check_whole("max_steps", self.max_steps, 1),
+        )
+
+    def _checked_solver(self, controlled: bool, jumps: bool) -> diffrax.AbstractSolver | None:
+        """The solver, one that keeps the constraints; it and what goes with it are refused as :meth:`checked` says."""
+        import diffrax
+
+        from .energy_keeping import EnergyKeeping
+        from .projected import Projected
+        from .solver import MotionSolver
+
         for name, kind, wanted in (
             ("solver", diffrax.AbstractSolver, "a solver, such as Rodas5P() or diffrax.Dopri8()"),
             ("controller", diffrax.AbstractStepSizeController, "a step size controller of diffrax"),
@@ -90,12 +106,4 @@ class Integrator(Record):
                 raise ValueError(
                     f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`."
                 )
-        return dataclasses.replace(
-            self,
-            rtol=jnp.asarray(self.rtol, float),
-            atol=jnp.asarray(self.atol, float),
-            # Zero stands for none, so that parts with a given first step and those without are one program.
-            dt0=jnp.asarray(0.0 if self.dt0 is None else self.dt0, float),
-            solver=solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver),
-            max_steps=check_whole("max_steps", self.max_steps, 1),
-        )
+        return solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver)

@@ -3,10 +3,10 @@
 from typing import Any
 
 import diffrax
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .protocol import MotionState
+from .stages import between
 
 
 class MotionInterpolation(diffrax.AbstractLocalInterpolation):
@@ -34,14 +34,4 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
         if t1 is not None:
             first, last = self.evaluate(t0), self.evaluate(t1)
             return MotionState(*(b - a for a, b in zip(first, last, strict=True)))
-        h = self.t1 - self.t0
-        s = (t0 - self.t0) / jnp.where(h == 0, 1.0, h)
-        y0, y1 = self.y0, self.y1
-        u = _hermite(s, h, y0.u, y1.u, y0.w, y1.w)
-        w = _hermite(s, h, y0.w, y1.w, self.a0, self.a1)
-        return MotionState(u, w, y0.memory + s * (y1.memory - y0.memory))
-
-
-def _hermite(s, h, p0, p1, v0, v1):
-    change = p1 - p0
-    return p0 + s * (h * v0 + s * (3 * change - h * (2 * v0 + v1) + s * (h * (v0 + v1) - 2 * change)))
+        return between((self.t0, self.t1), (self.y0, self.y1), (self.a0, self.a1), t0)

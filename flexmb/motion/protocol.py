@@ -72,6 +72,16 @@ class Equations(Protocol):
         """Number of velocities, the last ones, that are states of a controller."""
         ...
 
+    @property
+    def linear(self) -> bool:
+        """Whether z follows from R and its derivatives at z = 0 alone, and :meth:`regular` from these."""
+        ...
+
+    @property
+    def unknowns(self) -> int:
+        """Number n + m of accelerations and multipliers."""
+        ...
+
     def state_of(self, x, xd, near) -> MotionState:
         """State of a mechanism, with the controller at its start.
 
@@ -92,6 +102,14 @@ class Equations(Protocol):
 
     def tangent(self, t, state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of R."""
+        ...
+
+    def regular(self, by_z: Float[Array, "r r"]) -> Bool[Array, ""]:
+        """Whether every motion that the constraints allow carries mass.
+
+        Args:
+            by_z: Derivative of R by z, (n + m, n + m).
+        """
         ...
 
     def acceleration(self, t, state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:

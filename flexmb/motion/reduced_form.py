@@ -41,6 +41,20 @@ class ReducedForm(Record):
         """Number of degrees of freedom."""
         return self.sizes.shape[0]
 
+    @property
+    def linear(self) -> bool:
+        """Not where the degrees of freedom may determine nothing, which their mass alone does not tell."""
+        return False
+
+    @property
+    def unknowns(self) -> int:
+        """Number of second rates."""
+        return self.size
+
+    def regular(self, by_z):
+        """Whether all motions carry mass, where the degrees of freedom determine the rest."""
+        return is_positive_definite(by_z)
+
     def state_of(self, x, xd, near) -> MotionState:
         """State of nodal coordinates."""
         top, parameters = self.form.topology, self.form.parameters
@@ -99,7 +113,7 @@ class ReducedForm(Record):
         at = dynamic_balance(self.form, t, moving)
         mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, moving.x) @ at.DFx
         mass = self.sizes[:, None] * mass * self.sizes
-        return factorise(mass).solve(-at.residual * self.sizes), is_positive_definite(mass) & at.regular
+        return factorise(mass).solve(-at.residual * self.sizes), self.regular(mass) & at.regular
 
     def gap(self, t, state: MotionState):
         """There are no constraints with multipliers, (0,)."""

@@ -5,17 +5,13 @@ from typing import Any
 
 import diffrax
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import optimistix as optx
 from jaxtyping import Array, Float
 
 from .protocol import MotionState
-
-# Displacement beyond which a tolerance grows no more (extents, radians).
-LARGE = 0.5
-# A motion that comes as far runs away: it would end in numbers that are not finite, after very many steps.
-FAR = 1e8
+from .step_size import FAR, greatest
+from .step_size import LARGE as LARGE
 
 
 class DisplacementController(diffrax.PIDController):
@@ -45,12 +41,12 @@ class DisplacementController(diffrax.PIDController):
     def init(self, terms, t0, t1, y0: MotionState, *args, **named) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
-        return found[0], (found[1], _greatest(self.moved, y0))
+        return found[0], (found[1], greatest(self.moved, y0))
 
     def adapt_step_size(self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state: Any) -> Any:
         """Whether to keep a step, and the next one."""
         state, before = controller_state
-        after = _greatest(before, y1_candidate)
+        after = greatest(before, y1_candidate)
         n = y0.u.shape[0]
         mechanism = jnp.arange(n) < n - self.states
         error_u = jnp.where(mechanism, jnp.maximum(jnp.abs(y_error.u), (t1 - t0) * jnp.abs(y_error.w)), 0.0)
@@ -64,9 +60,3 @@ class DisplacementController(diffrax.PIDController):
         away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
         result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
         return keep, *found, (state, jnp.where(keep, after, before)), result
-
-
-def _greatest(before, state: MotionState):
-    """Greatest displacement so far, at most what is large."""
-    now = jnp.max(jnp.abs(jax.lax.stop_gradient(state.u)), initial=0.0)
-    return jnp.where(jnp.isfinite(now), jnp.clip(now, before, LARGE), before)

@@ -15,7 +15,6 @@ from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, reduced_response, state
-from ..mechanics.stress_resultants import is_nonlinear
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -30,6 +29,7 @@ from .stepper import (
     Point,
     Ramp,
     Scale,
+    begins_undeformed,
     can_be_taken,
     direction_of,
     load_response,
@@ -37,7 +37,6 @@ from .stepper import (
     normal_to,
     ramp_of,
     scale_of,
-    scales_increment,
     step_along,
     tangent_at,
     unit,
@@ -157,8 +156,7 @@ def begin_path(
     """
     ramp = ramp_of(topology, parameters)
     zero = jnp.array(0.0)
-    stressed = parameters.strain is not None or is_nonlinear(topology)
-    if scales_increment(topology, parameters) or stressed:
+    if not begins_undeformed(topology, parameters):
         at, near, result, _ = solve_state(topology, parameters, ramp.at(zero))
         x, near = jax.lax.stop_gradient((at.x, near))
     else:

@@ -11,7 +11,7 @@ from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, reduced_response, state
-from ..mechanics.stress_resultants import stress_of_loads
+from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, library_of
@@ -123,6 +123,12 @@ def ramp_of(topology: Topology, parameters: Parameters) -> Ramp:
     return Ramp(load_factors(0.0, 0.0), load_factors(1.0, 0.0))
 
 
+def begins_undeformed(topology: Topology, parameters: Parameters) -> bool:
+    """Whether nothing is stressed at load factor zero; known before tracing."""
+    stressed = parameters.strain is not None or is_nonlinear(topology)
+    return not stressed and not scales_increment(topology, parameters)
+
+
 def load_response(
     topology: Topology, parameters: Parameters, ramp: Ramp, at: State
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
@@ -206,11 +212,12 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
     """Weights by which the motion under the first load and the load itself count alike.
 
     Args:
-        tangent: Tangent at the begin of the path.
+        tangent: Tangent at the begin of the path, of JAX or of NumPy.
     """
+    xp = library_of(tangent.load)
     sizes = sizes_of(topology, parameters)
-    motion = jnp.max(jnp.abs(tangent.x) / sizes, initial=0.0) / jnp.abs(tangent.load)
-    motion = jnp.where(jnp.isfinite(motion), jnp.clip(motion, SMALLEST_SCALE, 1.0), 1.0)
+    motion = xp.max(xp.abs(tangent.x) / sizes, initial=0.0) / xp.abs(tangent.load)
+    motion = xp.where(xp.isfinite(motion), xp.clip(motion, SMALLEST_SCALE, 1.0), 1.0)
     return Scale(sizes, 1 / (sizes * motion) ** 2 / max(topology.n_x, 1))
 
 
@@ -220,6 +227,9 @@ class _Correcting(NamedTuple):
     tries: Array
     done: Bool[Array, ""]
     bad: Bool[Array, ""]
+    at: State
+    tangent: Direction
+    finished: Bool[Array, ""]
 
 
 def step_along(
@@ -234,7 +244,8 @@ def step_along(
 ) -> Stepped:
     """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
 
-    Deformations are carried as numbers of their own, as in the equilibrium's search.
+    Deformations are carried as numbers of their own, as in the equilibrium's search; and as there the last turn of the
+    loop evaluates the state that was found: outside the loop its equations would be compiled once more.
 
     Args:
         begin: Where the step begins.
@@ -263,22 +274,30 @@ def step_along(
         wanted = held_values(topology, parameters, factors)
         at, particular, residual = iterate(topology, parameters, factors, x, near, strained, wanted)
         onto, by_load = load_response(topology, parameters, ramp, at)
+        # The last turn asks for the tangent alone.
+        last = c.done | c.bad
         distance = plane.x @ (x - predicted.x + particular) + plane.load * (load - predicted.load)
+        residual, distance = jnp.where(last, 0.0, residual), jnp.where(last, -1.0, distance)
         dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance)
-        change = particular + onto * dload + at.transfer.DFx @ dq
+        along = onto * dload + at.transfer.DFx @ dq
+        change = particular + along
         size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(dload))
         bad = ACROSS_PATH.astray(size, c.before, c.tries) | ~at.transfer.regular
         trial = x + change
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
         point = Point(trial, near, at.e + at.jacobian @ change, load + dload)
         done = (size < STEP_TOLERANCE) | (ACROSS_PATH.slow(size, c.before) & (size <= ACROSS_PATH.round_off))
-        return _Correcting(point, size, c.tries + 1, done & ~bad, bad)
+        new = _Correcting(point, size, c.tries + 1, done & ~bad, bad, at, direction_of(at, along, dload), last)
+        kept = c._replace(at=at, tangent=new.tangent, finished=last)
+        return jax.tree.map(lambda a, b: jnp.where(last, a, b), kept, new)
 
     no = jnp.array(False)
-    start = _Correcting(predicted, jnp.array(jnp.inf), jnp.zeros((), jnp.int32), no, no)
-    end = jax.lax.while_loop(lambda c: ~c.done & ~c.bad, turn, start)
-    point = end.point
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
-    tangent = unit(scale, tangent_at(topology, parameters, ramp, at, plane))
+    point, none = predicted, jnp.zeros((), jnp.int32)
+    nothing = jax.eval_shape(lambda x, near: state(topology, parameters, ramp.at(point.load), x, near), *point[:2])
+    nothing = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing)
+    start = _Correcting(predicted, jnp.array(jnp.inf), none, no, no, nothing, direction, no)
+    end = jax.lax.while_loop(lambda c: ~c.finished, turn, start)
+    point, at = end.point, end.at
+    tangent = unit(scale, end.tangent)
     finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
     return Stepped(point, tangent, at, end.done & finite, product(scale, direction, tangent), end.tries)

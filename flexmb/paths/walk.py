@@ -10,6 +10,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.linear import factorise
 from ..mechanics.blocks import kernel
+from ..mechanics.deformation import zero_near
+from ..mechanics.extent import sizes_of
 from ..mechanics.residual import state
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -26,6 +28,7 @@ from .stepper import (
     Point,
     Ramp,
     Scale,
+    begins_undeformed,
     can_be_taken,
     direction_of,
     length_of,
@@ -33,6 +36,8 @@ from .stepper import (
     next_length,
     normal_to,
     product,
+    ramp_of,
+    scale_of,
     step_along,
     unit,
 )
@@ -174,7 +179,27 @@ class DenseEquations:
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
         """See :class:`Equations`."""
-        return jax.device_get(_begin(*self.parts))
+        return self._from_undeformed() or jax.device_get(_begin(*self.parts))
+
+    def _from_undeformed(self) -> tuple[Ramp, Scale, Step, Any] | None:
+        """What :meth:`begin` finds, by the compiled code of a step, which is of no length; None where it finds none."""
+        topology, parameters = self.parts
+        if not begins_undeformed(topology, parameters):
+            return None
+        ramp, x, zero = jax.device_get((ramp_of(topology, parameters), parameters.reference, zero_near(topology)))
+        none: Any = np.zeros(())
+        one: Any = np.ones(())
+        sizes: Any = np.asarray(sizes_of(topology, parameters))
+        still = Direction(np.zeros_like(x), zero, none)
+        rising = Plane(np.zeros_like(x), one)
+        alike = Scale(sizes, sizes**0)
+        step = self.advance(ramp, alike, Point(x, zero, zero, none), still, none, rising)
+        if not step.converged or not step.regular:
+            return None
+        scale = scale_of(topology, parameters, step.tangent)
+        point = step.point._replace(x=x, near=zero, load=none)
+        step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
+        return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
         """See :class:`Equations`."""

@@ -4,7 +4,7 @@ from typing import Any
 
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_number, is_concrete
+from ..arguments import check_number, is_concrete
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_force
 from ..errors import ModelError, warn
@@ -16,6 +16,7 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..results import check, told
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
+from .sparse_structure import by_sparse
 
 
 class Equilibrium(ByName, Result, Record):
@@ -108,7 +109,7 @@ def equilibrium(
     *,
     load_factor: float = 1.0,
     increment: float | None = None,
-    sparse: bool = False,
+    sparse: bool | None = None,
     throw: bool = True,
 ) -> Equilibrium:
     """Static equilibrium under the constant loads.
@@ -120,9 +121,8 @@ def equilibrium(
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero unless given.
-        sparse: For thousands of elements: sparse factors in all coordinates, no degrees of freedom needed
-            (``Builder.build(check=False)``). Dead loads, gravity and elements of constant stiffness only; outside
-            ``jax.jit``; a failure raises; a critical state is not reported.
+        sparse: Whether by sparse factors in all coordinates, which need no degrees of freedom
+            (``Builder.build(check=False)``), or by dense matrices; None: as the mechanism is large.
         throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
             look at ``result`` before using a derivative.
 
@@ -139,8 +139,9 @@ def equilibrium(
     Source:
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
     """
-    check_flag("sparse", sparse)
-    (as_model if sparse else as_determined)(model, "equilibrium")
+    model = as_model(model, "equilibrium")
+    sparse = by_sparse(model, sparse)
+    model = model if sparse else as_determined(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = sparse_equilibrium if sparse else _equilibrium
     found: Any = solve(model.topology, model.parameters, target)

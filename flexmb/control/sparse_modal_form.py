@@ -1,0 +1,171 @@
+"""Large mechanisms by few modes: second-order form of their amplitudes, with all other motions following at rest."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import as_whole, check_number, check_whole, is_concrete, shown
+from ..linear.sparse_linearize import SparseLinearization
+from ..linear.sparse_solve import lowest, solved, spread
+from ..linear.spectrum import to_frequency
+from ..math.element_matrices import between, times
+from .second_order_form import SecondOrder
+from .sparse_response import solutions
+from .sparse_second_order import SparseSecondOrder, sparse_second_order
+from .truncation import BESIDE, IDLE, STILL, tell_of_error
+
+# So many frequencies, over two decades, at which responses are compared, beside those near each mode.
+POINTS = 40
+# So many modes are looked for at first where a bandwidth says how many there are.
+FIRST = 8
+
+
+class ByModes(NamedTuple):
+    """Second-order form of a few modes of a large mechanism.
+
+    Attributes:
+        form: In amplitudes of the modes that are kept; what all other motions add at rest is in D0.
+        whole: In all coordinates.
+        kept: Numbers of the modes, from 0, ascending.
+        hertz: Frequencies of all modes up to the highest that is kept, (n,) [Hz].
+    """
+
+    form: SecondOrder
+    whole: SparseSecondOrder
+    kept: tuple[int, ...]
+    hertz: Float[Array, "n"]
+
+
+def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> ByModes:
+    """Equations of a few modes of a large mechanism.
+
+    Args:
+        lin: Linearization; differentiable in the model's parameters.
+        modes: How many of the lowest, or which, from 0; or None.
+        bandwidth: Frequency up to which modes are kept [Hz]; or None.
+
+    Raises:
+        ValueError: As :func:`flexmb.state_matrices`; neither ``modes`` nor ``bandwidth`` is given.
+        ModelError: There are not so many modes, or an input moves nothing.
+        AnalysisError: singular_stiffness, where a motion without stiffness is not kept.
+
+    Source:
+        THEORY.md 7, eq. (7.14), with R B_u from (7.17).
+    """
+    whole = sparse_second_order(lin)
+    kept, found = _chosen(lin, modes, bandwidth)
+    elements, (n_x, h) = lin.elements, (lin.x.shape[0], lin.elements.unknowns[1])
+    hertz = to_frequency(found.values)
+    _refuse_left_out(kept, hertz)
+    own = np.array(kept)
+    values, shapes = found.values[own], found.motions[:, own]
+    forces = whole.B[0][elements.free]
+    border = times(elements.mass, shapes, size=n_x)[elements.free]
+    right = jnp.concatenate([forces, jnp.zeros((h, forces.shape[1]))])
+    follows = spread(elements, solved(elements, right, border)[: forces.shape[0]])
+    d = whole.D.at[0].add(whole.C[0] @ follows)
+    parts: list[Any] = [jnp.eye(len(own)), between(elements.damping, shapes, shapes), jnp.diag(values)]
+    parts += [*(shapes.T @ of for of in whole.B), *(of @ shapes for of in whole.C), *d]
+    form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
+    return ByModes(form, whole, kept, hertz)
+
+
+def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple[int, ...], Any]:
+    """Numbers of the modes to keep, and all modes up to the highest of them."""
+    if modes is not None and bandwidth is not None:
+        raise ValueError("Give `modes` or `bandwidth`, not both: each says which modes are kept.")
+    if modes is None and bandwidth is None:
+        raise ValueError(
+            "A state space of a large mechanism is one of few modes: say how many by `modes`, or by `bandwidth`."
+        )
+    if bandwidth is None:
+        kept = _numbered(modes)
+        return kept, lowest(lin.elements, max(kept) + 1)
+    check_number("bandwidth", bandwidth, above=0)
+    if not is_concrete(lin.elements):
+        raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
+    count = FIRST
+    while True:
+        n, h = lin.elements.unknowns
+        found = lowest(lin.elements, min(count, n - h - 1))
+        below = np.flatnonzero(np.asarray(to_frequency(found.values)) <= bandwidth)
+        if not len(below):
+            raise ValueError(
+                f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode,"
+                f" {float(to_frequency(found.values)[0]):.5g} Hz, so that no state would be left."
+            )
+        if len(below) < found.values.shape[0] or count >= n - h - 1:
+            return tuple(below.tolist()), found
+        count *= 2
+
+
+def _numbered(modes: Any) -> tuple[int, ...]:
+    if as_whole(modes) is not None:
+        return tuple(range(check_whole("modes", modes, 1)))
+    if isinstance(modes, str) or not isinstance(modes, Sequence | np.ndarray) or not len(modes):
+        raise TypeError(f"Argument `modes` must be a whole number, or numbers of modes from 0, not {shown(modes)}.")
+    found = [check_whole("modes", number, 0) for number in modes]
+    if len(set(found)) < len(found):
+        raise ValueError(f"Argument `modes` must be numbers of modes, each once, but is {shown(modes)}.")
+    return tuple(sorted(found))
+
+
+def _refuse_left_out(kept: tuple[int, ...], hertz: Any) -> None:
+    """Refuse to leave out a mode that does not vibrate; of concrete numbers."""
+    if not is_concrete(hertz):
+        return
+    plain = np.asarray(hertz)
+    out = [i for i in range(len(plain)) if i not in kept and plain[i] <= STILL * plain[-1]]
+    if out:
+        raise ValueError(
+            f"Mode {out[0] + 1} does not vibrate ({plain[out[0]]:.3g} Hz), so that it cannot follow at once: keep it,"
+            f" as number {out[0]} of `modes`."
+        )
+
+
+def error_of_large(
+    lin: SparseLinearization, found: ByModes, bandwidth: float | None, small: Any
+) -> Float[np.ndarray, "n_y n_u"]:
+    """As :func:`.truncation.error_of`, measured against solutions in all coordinates at fewer frequencies.
+
+    Args:
+        lin: Linearization.
+        found: Its few modes.
+        bandwidth: End of the band [Hz]; the highest mode that is kept unless given.
+        small: A, B, C and D of the state space.
+
+    Returns:
+        (n_y, n_u) [-].
+
+    Warns:
+        FlexmbWarning: It is above a hundredth.
+    """
+    hertz, whole = np.asarray(found.hertz), found.whole
+    end = float(np.max(hertz[list(found.kept)])) if bandwidth is None else bandwidth
+    if end <= 0 or end <= STILL * hertz[-1]:
+        end = 1.0
+    beside = np.outer(hertz[hertz > 0], BESIDE[[0, -1]]).ravel()
+    grid = np.unique(
+        np.concatenate([end * np.logspace(-2, 0, POINTS), beside[(beside > 1e-2 * end) & (beside <= end)]])
+    )
+    n_u, n = whole.B.shape[2], whole.elements.unknowns[0]
+    free, moves = np.asarray(whole.elements.free), np.asarray(whole.orders)
+    w = 2 * np.pi * grid
+    b, c, d = (np.asarray(of) for of in whole[1:4])
+    solved_at = np.asarray(solutions(whole.elements, jnp.asarray(w), *(of.astype(complex) for of in whole[1:3])))
+    full, own, least = [], [], np.zeros(d.shape[1:])
+    a_, b_, c_, d_ = (np.asarray(of) for of in small)
+    eye = np.eye(len(a_))
+    for s, z in zip(1j * w, solved_at, strict=True):
+        powers = s ** np.arange(3)
+        forces, rows, through = (np.tensordot(powers, of, 1) for of in (b[:, free], c[:, :, free], d))
+        by_u = s ** -moves.astype(float)
+        moved, sensed = z[:n, :n_u], z[:n, n_u:]
+        full.append((rows @ moved + through) * by_u)
+        own.append(c_ @ np.linalg.solve(s * eye - a_, b_) + d_)
+        sizes = np.abs(np.sum(rows.T * sensed, axis=0)), np.abs(np.sum(forces * moved, axis=0)) * np.abs(by_u) ** 2
+        least = np.maximum(least, IDLE * np.sqrt(np.outer(*sizes)))
+    return tell_of_error(lin, grid, np.array(full), np.array(own), least, end, len(found.kept), None)

@@ -1,0 +1,125 @@
+"""Frequency responses of large mechanisms: a solution with sparse factors at each frequency, with derivatives."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from jaxtyping import Array, Complex, Float
+
+from ..compilation.compile import jit
+from ..linear.sparse_solve import on_host, spread
+from ..math.element_matrices import ElementMatrices, Whole, times, times_transposed
+from ..math.indices import put
+from .sparse_second_order import SparseSecondOrder
+
+
+def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Float[Array, "n_f"]):
+    """H(i w) of a large mechanism, before inputs that are rates are integrated.
+
+    Args:
+        system: Second-order form.
+        lossy: What is lossy in it, as of :func:`.sparse_second_order.sparse_second_order`.
+        w: Angular frequencies, (n_f,) [rad/s].
+
+    Returns:
+        (n_f, n_y, n_u), infinite where an undamped resonance is hit.
+
+    Source:
+        THEORY.md 14, eq. (14.30), and its derivative (14.32), in the coordinates and multipliers of 7, eq. (7.15).
+    """
+    elements, polynomials = system.elements, [part.astype(complex) for part in system[1:4]]
+    if lossy is not None:
+        elements = elements._replace(loss=lossy.elements.stiffness)
+        for part, own in zip(range(3), lossy[1:4], strict=True):
+            polynomials[part] = polynomials[part] + lax.complex(jnp.zeros_like(own), own)
+    b, c, d = polynomials
+    powers = _powers(lax.complex(jnp.zeros_like(w), w))
+    return _transfer(elements, w, b, c) + jnp.einsum("pf,pij->fij", powers, d)
+
+
+@jax.custom_jvp
+def _transfer(elements: ElementMatrices, w, b, c) -> Complex[Array, "n_f n_y n_u"]:
+    """C(i w) Z^-1 B(i w)."""
+    return solutions(elements, w, b, c, only_responses=True)
+
+
+def solutions(elements: ElementMatrices, w, b, c, *, only_responses: bool = False) -> Any:
+    """Z^-1 B and Z^-1 C^T at each frequency, of coordinates that move and multipliers, or responses alone.
+
+    Args:
+        elements: Element matrices.
+        w: Angular frequencies, (n_f,) [rad/s].
+        b: B by powers of i w, complex, (3, n_x, n_u).
+        c: C likewise, (3, n_y, n_x).
+        only_responses: C Z^-1 B alone, which costs less.
+
+    Returns:
+        (n_f, n + h, n_u + n_y), zero where an undamped resonance is hit; or (n_f, n_y, n_u), infinite there.
+    """
+    n_u, n_y, rows = b.shape[2], c.shape[1], sum(elements.unknowns)
+    columns = n_u if only_responses else n_u + n_y
+    shape = (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], rows, columns)
+
+    def found(elements, w, b, c):
+        whole, answer = Whole(elements), np.full(shape, np.inf + 0j)
+        for i, s in enumerate(1j * w):
+            powers = s ** np.arange(3)
+            right = np.tensordot(powers, b, 1)[elements.free]
+            left = np.tensordot(powers, c, 1)[:, elements.free]
+            factors = whole.factors(whole.at_frequency(s))
+            if not factors.regular:
+                answer[i] = np.inf if only_responses else 0.0
+                continue
+            forces = np.zeros((rows, columns), complex)
+            forces[: whole.n] = right if only_responses else np.concatenate([right, left.T], axis=1)
+            moved = factors.solve(forces)
+            answer[i] = left @ moved[: whole.n] if only_responses else moved
+        return answer
+
+    return on_host(found, jax.ShapeDtypeStruct(shape, complex), elements, w, b, c)
+
+
+def _balance(elements: ElementMatrices, s, z) -> Any:
+    """Product of [[K + s C + s^2 M + i L, D^T], [D, 0]] and vectors."""
+    n_x, n_e, n = elements.sizes.shape[0], elements.kept.shape[0], elements.unknowns[0]
+    v = spread(elements, z[:n])
+    multipliers = put(jnp.zeros((n_e, z.shape[1]), z.dtype), elements.held, z[n:])
+    forces = times_transposed(elements.constraints, multipliers, size=n_x)
+    parts = (elements.stiffness, elements.damping, elements.mass, elements.loss)
+    for factor, pieces in zip((1.0, s, s**2, 1j), parts, strict=True):
+        if pieces:
+            forces = forces + factor * times(pieces, v, size=n_x)
+    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, size=n_e)[elements.held]])
+
+
+def _powers(s: Complex[Array, "*f"]) -> Complex[Array, "3 *f"]:
+    """The first three powers."""
+    return jnp.stack([jnp.ones_like(s), s, s**2])
+
+
+@jit
+def _by_solutions(elements: ElementMatrices, w, b, c, moved) -> Complex[Array, "n_f n_y n_u"]:
+    """C X + Y^T (B - Z X) at each frequency."""
+    n, n_u = elements.unknowns[0], b.shape[2]
+
+    def one(at):
+        s, (x, y) = lax.complex(jnp.zeros_like(at[0]), at[0]), jnp.split(at[1], [n_u], axis=1)
+        powers = _powers(s)
+        right = jnp.tensordot(powers, b, 1)[elements.free]
+        left = jnp.tensordot(powers, c, 1)[:, elements.free]
+        balance = _balance(elements, s, x)
+        out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
+        return left @ x[:n] + y.T @ out_of_balance
+
+    return lax.map(one, (w, moved))
+
+
+@_transfer.defjvp
+def _transfer_jvp(primals, tangents):
+    """As (14.32): with X = Z^-1 B and Y = Z^-1 C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
+    moved = solutions(*primals)
+    found, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)
+    regular = jnp.any(moved != 0, axis=(1, 2))[:, None, None] | ~jnp.any(primals[2])
+    return jnp.where(regular, found, jnp.inf + 0j), jnp.where(regular, change, 0j)

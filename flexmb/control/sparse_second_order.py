@@ -1,0 +1,196 @@
+"""Large mechanisms in second-order form: what inputs do and outputs measure, in all coordinates."""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import is_concrete
+from ..errors import ModelError
+from ..linear.sparse_linearize import SparseLinearization, by_coordinates
+from ..linear.sparse_solve import solved, spread
+from ..math.element_matrices import ElementMatrices, between, times, times_transposed
+from ..mechanics.signals import along_coordinates, combined, terms_of
+from ..model.model import Signal
+from .held import Held, about_axes, held_by, held_of, seeds
+from .second_order_form import kinds_of
+
+
+class SparseSecondOrder(NamedTuple):
+    """M v'' + C v' + K v + D^T m = B0 p + B1 p' + B2 p'', D v = 0, and outputs, as :class:`SecondOrder` has them.
+
+    The coordinates are those beside what follows what is held at rest: x = v + Z p.
+
+    Attributes:
+        elements: K, C, M and D, element by element.
+        B: What acts on the coordinates by p and its two rates, (3, n_x, n_u).
+        C: Outputs by the coordinates and their rates, (3, n_y, n_x).
+        D: Outputs by p and its rates, (3, n_y, n_u).
+        orders: Of which derivative of p each input is, 0, 1 or 2, (n_u,); plain numbers.
+        moves: Which inputs move what is held, rather than being forces, (n_u,); plain booleans.
+    """
+
+    elements: ElementMatrices
+    B: Float[Array, "3 n_x n_u"]
+    C: Float[Array, "3 n_y n_x"]
+    D: Float[Array, "3 n_y n_u"]
+    orders: np.ndarray
+    moves: np.ndarray
+
+
+def lossy_elements(lin: SparseLinearization, losses: Float[Array, "n_e"]) -> ElementMatrices:
+    """Element matrices of which stiffness and elastic are those times the loss factors of the deformations.
+
+    Args:
+        lin: Linearization.
+        losses: (n_e,) [-].
+    """
+    elements = lin.elements
+    elastic = [
+        (rows, columns, (losses[rows][:, :, None] + losses[columns][:, None, :]) / 2 * own)
+        for rows, columns, own in elements.elastic
+    ]
+    stiffness = by_coordinates(elements.constraints, elastic, lin.e.shape[0])
+    return elements._replace(stiffness=stiffness, damping=[], mass=[], elastic=elastic, viscous=[])
+
+
+def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None = None) -> SparseSecondOrder:
+    """Second-order form of a large mechanism, for the model's named inputs and outputs.
+
+    Args:
+        lin: Linearization; differentiable in the model's parameters.
+        lossy: As of :func:`lossy_elements`: what is lossy in B, C and D is found in place of what is elastic.
+
+    Returns:
+        SparseSecondOrder.
+
+    Raises:
+        ModelError: An input moves nothing.
+
+    Source:
+        THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
+    """
+    model, elements = lin.model, lin.elements
+    inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
+    causes, sensed = terms_of(inputs), terms_of(outputs)
+    held = held_by((*causes, *sensed))
+    carried = _carried(lin, held)
+    own = elements if lossy is None else lossy
+    n_x = lin.x.shape[0]
+    forces = _columns([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x)
+    motions = np.zeros((len(held), len(causes)))
+    for j, s in enumerate(causes):
+        if s.order is not None:
+            motions[held.index(held_of(s)), j] = 1.0
+    still = jnp.zeros((n_x, len(held)))
+    parts = [still if lossy is None else times(own.stiffness, carried, size=n_x)]
+    parts += [times(pieces, carried, size=n_x) for pieces in (own.damping, own.mass)]
+    by_p = [-part @ motions for part in parts]
+    by_p[0] = by_p[0] + forces
+    between_held = [between(pieces, carried, carried) for pieces in (own.stiffness, own.damping, own.mass)]
+    if lossy is None:
+        between_held[0] = between_held[0] + about_axes(lin, held, 0)
+    rows: list[list[Any]] = [[], [], []]
+    through: list[list[Any]] = [[], [], []]
+    for s in sensed:
+        if s.held and s.quantity in ("reaction", "stress"):
+            # What is put on a deformation from outside is less its stress resultant.
+            i, sign = held.index(held_of(s)), -1.0 if s.of_element else 1.0
+            by_x = [sign * part[:, i] for part in parts]
+            at_once = [sign * part[i] @ motions for part in between_held]
+            at_once[0] = at_once[0] - sign * (carried[:, i] @ forces)
+        else:
+            by_x = _measured(s, lin, own, lossy is not None)
+            at_once = [row @ carried @ motions for row in by_x]
+            if s.quantity == "stress" and lossy is None:
+                # A stress that is an input adds to it.
+                same = [float(u.quantity == "stress" and u.index == s.index and u.order is None) for u in causes]
+                at_once[0] = at_once[0] + np.array(same)
+        for rate in range(3):
+            rows[rate].append(by_x[rate])
+            through[rate].append(at_once[rate])
+    n_u, n_y = len(causes), len(sensed)
+    b = jnp.stack(by_p) if n_u else jnp.zeros((3, n_x, 0))
+    c = jnp.stack([jnp.stack(of) for of in rows]) if n_y else jnp.zeros((3, 0, n_x))
+    d = jnp.stack([jnp.stack(of) for of in through]) if n_y else jnp.zeros((3, 0, n_u))
+    weights = model.parameters.weights
+    if weights is not None:
+        mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
+        b, c, d = b @ mix, jnp.einsum("ij,pjk->pik", read, c), jnp.einsum("ij,pjk,kl->pil", read, d, mix)
+    orders, moves = kinds_of(inputs)
+    found = SparseSecondOrder(own, b, c, d, orders, moves)
+    if lossy is None:
+        _refuse_idle(lin, found)
+    return found
+
+
+def some_of(found: SparseSecondOrder, us: list[int], ys: list[int]) -> SparseSecondOrder:
+    """The same of some inputs and outputs, by their numbers."""
+    u, y = np.array(us), np.array(ys)
+    d = found.D[:, y][:, :, u]
+    return SparseSecondOrder(found.elements, found.B[:, :, u], found.C[:, y], d, found.orders[u], found.moves[u])
+
+
+def _columns(columns: list[Any], size: int) -> Float[Array, "size k"]:
+    none = jnp.zeros(size)
+    stacked = [none if column is None else column for column in columns]
+    return jnp.stack(stacked, axis=1) if stacked else jnp.zeros((size, 0))
+
+
+def _force(s: Signal, lin: SparseLinearization) -> Float[Array, "n_x"]:
+    """Forces on the coordinates of a unit input."""
+    if s.quantity == "stress":
+        return -_of_deformation(lin, jnp.zeros(lin.e.shape[0]).at[s.index].set(1.0))
+    own, row = along_coordinates(s, lin.x)
+    return jnp.zeros(lin.x.shape[0]).at[own].add(row)
+
+
+def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
+    """Derivative of a sum of deformations by the coordinates."""
+    return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
+
+
+def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_stress: bool) -> list[Any]:
+    """Derivatives of an output by the coordinates and their two rates, each (n_x,)."""
+    none, unit = jnp.zeros(lin.x.shape[0]), jnp.zeros((lin.e.shape[0], 1))
+    found: list[Any] = [none, none, none]
+    if s.quantity == "stress":
+        unit = unit.at[s.index].set(1.0)
+        for rate, pieces in enumerate((own.elastic, own.viscous)):
+            found[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
+    elif only_stress:
+        return found
+    elif s.quantity.startswith("deformation"):
+        rate = ("deformation", "deformation rate", "deformation acceleration").index(s.quantity)
+        found[rate] = _of_deformation(lin, unit[:, 0].at[s.index].set(1.0))
+    else:
+        at, row = along_coordinates(s, lin.x)
+        found[("position", "velocity", "acceleration").index(s.quantity)] = none.at[at].add(row)
+    return found
+
+
+def _carried(lin: SparseLinearization, held: tuple[Held, ...]) -> Float[Array, "n_x k"]:
+    """Motions at rest of all coordinates by a unit of each of what is held."""
+    if not held:
+        return jnp.zeros((lin.x.shape[0], 0))
+    elements, (n_x, n_e) = lin.elements, (lin.x.shape[0], lin.e.shape[0])
+    by_x, by_e = seeds(lin.model.topology, lin.x, held)
+    forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
+    excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
+    moved = solved(elements, -jnp.concatenate([forces, excess]))
+    return by_x + spread(elements, moved[: elements.unknowns[0]])
+
+
+def _refuse_idle(lin: SparseLinearization, found: SparseSecondOrder) -> None:
+    """Refuse inputs that move nothing; of concrete numbers."""
+    if not is_concrete(found[:4]):
+        return
+    forces = np.any(np.asarray(found.B)[:, np.asarray(lin.elements.free)], axis=(0, 1))
+    idle = np.flatnonzero(~forces & ~np.any(np.asarray(found.D), axis=(0, 1)))
+    if len(idle):
+        s = lin.labels.inputs[idle[0]]
+        raise ModelError(
+            f"Input '{s.name}' (a {s.quantity}) moves nothing about this state. Let it act on what can move, or"
+            " leave it out."
+        )

@@ -1,0 +1,57 @@
+"""Whether a question about a linearised mechanism is answered with sparse or with dense matrices."""
+
+from typing import Any
+
+from ..arguments import check_flag
+from ..math.sparse import LARGE
+from ..mechanics.loads import lacks_potential
+from ..mechanics.stress_resultants import is_nonlinear
+from ..model.model import Model, as_model
+from ..statics.equilibrium import load_factors_of
+from .linearize import Linearization, Where
+from .sparse_linearize import SparseLinearization, sparse_linearization
+
+
+def is_large(model: Model) -> bool:
+    """Whether a mechanism is large enough for sparse matrices to be quicker, and is one that they can describe."""
+    topology = model.topology
+    return topology.n_x >= LARGE and not lacks_potential(topology) and not is_nonlinear(topology)
+
+
+def sparsely(
+    given: Any, function: str, where: Where, sparse: bool | None, *, few: bool = True
+) -> SparseLinearization | None:
+    """What a public function is asked about, where sparse matrices are to answer; None where dense ones are.
+
+    Args:
+        given: Model, or its linearisation.
+        function: Name of the public function.
+        where: Which state.
+        sparse: Whether to; None: where a mechanism is large.
+        few: Whether so little is asked for that sparse matrices are worth it.
+
+    Raises:
+        ValueError: ``sparse`` does not go with what is given.
+        ModelError: See :func:`flexmb.statics.sparse.refuse_what_is_not_sparse`.
+        AnalysisError: The equilibrium was not found.
+    """
+    if sparse is not None:
+        check_flag("sparse", sparse)
+    about = where.at if isinstance(where.at, SparseLinearization) else given
+    if isinstance(about, SparseLinearization):
+        if sparse is False:
+            raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
+        where.refuse(function, given=about is given)
+        return about
+    if isinstance(given, Linearization) or where.at is not None:
+        if sparse:
+            raise ValueError(
+                f"With `sparse` give fm.{function} a Model, or what fm.linearize(model, sparse=True) answers: dense"
+                " matrices and states of a path or a motion stay dense."
+            )
+        return None
+    model = as_model(given, function)
+    if not (few and is_large(model) if sparse is None else sparse):
+        return None
+    where.refuse(function)
+    return sparse_linearization(model, load_factors_of(model, 1.0, where.increment, function))

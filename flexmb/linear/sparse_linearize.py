@@ -1,0 +1,209 @@
+"""Large mechanisms linearised about their equilibrium: element matrices, of which no whole is formed."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..arguments import is_concrete
+from ..compilation.record import Record
+from ..compilation.threads import one_thread
+from ..display import Result, States, Summary, short
+from ..math.element_matrices import Assembled, ElementMatrices, Pieces, Whole
+from ..math.indices import accumulate, put
+from ..mechanics.blocks import kernel
+from ..mechanics.deformation import curvature_pieces, jacobian_pieces
+from ..mechanics.extent import sizes_of
+from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
+from ..mechanics.loads import LoadFactors, scaled_loads
+from ..mechanics.stress_resultants import stiffness_pieces
+from ..model.by_name import ByName
+from ..model.model import Labels, Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import told
+from ..statics.sparse import sparse_equilibrium
+from ..statics.tangent import unknowns
+
+# Matrices in the degrees of freedom, which a large mechanism does not form.
+DENSE = ("M0", "C0", "D0", "K0", "N0", "G0", "K", "DFx", "DFe", "S", "S_d")
+
+
+class SparseLinearization(ByName, Result, Record):
+    """Linearised equations of motion of a large mechanism about its equilibrium, in all coordinates.
+
+    Modes, compliance, stress, responses and a state space of few modes are asked about it as about a
+    :class:`Linearization`. It needs no degrees of freedom, and has no matrix in them.
+
+    Attributes:
+        elements: Linearised equations, element by element.
+        x: Nodal coordinates at the equilibrium, (n_x,) [m, rad, -].
+        e: Deformations there, (n_e,) [m, rad].
+        sigma: Stress resultants there, (n_e,) [N, N m].
+        felt: Gravity there, which acts along the elements.
+        reactions: Forces of the supports there, (n_x,) [N, N m].
+        external: Forces from outside there, loads but weight and the supports' together, (n_x,) [N, N m].
+        iterations: Newton iterations of the equilibrium.
+        result: Code of RESULTS.
+        factors: Of the two sets of loads there.
+        model: The mechanism they belong to.
+    """
+
+    elements: ElementMatrices
+    x: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    sigma: Float[Array, "n_e"]
+    felt: Felt
+    reactions: Float[Array, "n_x"]
+    external: Float[Array, "n_x"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+    factors: LoadFactors
+    model: Model
+    one_axis = "x"
+
+    def __getattr__(self, name: str) -> Any:
+        if name in DENSE:
+            raise AttributeError(
+                f"The linearisation of a large mechanism has no {name}, a matrix in the degrees of freedom: ask its"
+                " sparse() for K, C, M and D in the coordinates, or give fm.linearize(model, sparse=False)."
+            )
+        raise AttributeError(f"A SparseLinearization has no {name}.")
+
+    @property
+    def matrices(self) -> "SparseLinearization":
+        """What holds the state, as :class:`Linearization` has it: this object."""
+        return self
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.model.labels
+
+    def sparse(self) -> Assembled:
+        """Matrices M v'' + C v' + K v + D^T m = f, D v = 0 of the coordinates v that move, as SciPy's sparse ones.
+
+        Returns:
+            K, C, M, (n, n), and the constraints D, (h, n) [SI]. The coordinates are ``lin.elements.free``; the
+            multipliers m are changes of the stress resultants ``lin.elements.held``.
+
+        Raises:
+            TypeError: Under a trace.
+        """
+        if not is_concrete(self.elements):
+            raise TypeError("Sparse matrices are those of concrete numbers: ask for them outside jax.jit and jax.grad.")
+        return Whole(jax.tree.map(np.asarray, self.elements)).apart()
+
+    def states(self) -> States:
+        """The state that the equations are about."""
+        return States(self.model, self.x)
+
+    def summary(self) -> Summary:
+        """Outcome, sizes and the largest displacement."""
+        moving, constraints = self.elements.unknowns
+        positions = np.array([entry.kind == "position" for entry in self.labels.x])
+        moved = np.asarray(self.x - self.model.parameters.reference)[positions]
+        rows = {
+            "result": told(self.result),
+            "coordinates that move": str(moving),
+            "constraints": str(constraints),
+            "largest displacement": f"{short(np.max(np.abs(moved), initial=0.0))} m",
+        }
+        return Summary("SparseLinearization about an equilibrium", rows, "mechanism")
+
+
+def _by_deformations(topology: Topology, parameters: Parameters, companion: str) -> Pieces:
+    """Stiffness or damping of the elements, zero for held deformations, whose stress resultants are multipliers."""
+    kept = put(jnp.ones(topology.n_e), topology.e.held, 0.0)
+    return [
+        (rows, columns, kept[rows][:, :, None] * own * kept[columns][:, None, :])
+        for rows, columns, own in stiffness_pieces(topology, parameters, companion)
+    ]
+
+
+def by_coordinates(jacobians: Pieces, pieces: Pieces, n_e: int) -> Pieces:
+    """Matrices of elements by coordinates, D_x^T A D_x, of matrices by their deformations.
+
+    A companion may lie in another block than the deformation: rows are found by the numbers of the deformations.
+
+    Args:
+        jacobians: D_x.
+        pieces: A.
+        n_e: Number of deformations.
+    """
+    if not pieces:
+        return []
+    widest = max(at.shape[1] for at, *_ in jacobians)
+    rows = jnp.zeros((n_e, widest))
+    for at, _, own in pieces:
+        rows = accumulate(rows, at, jnp.pad(own, ((0, 0), (0, 0), (0, widest - own.shape[2]))))
+    return [
+        (columns, columns, jnp.einsum("eki,ekl,elj->eij", d, rows[at][:, :, : at.shape[1]], d))
+        for at, columns, d in jacobians
+    ]
+
+
+@kernel
+def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFactors, x, e, sigma) -> ElementMatrices:
+    """Matrices of all elements about a state at rest.
+
+    Args:
+        topology: Structure, which needs no degrees of freedom.
+        parameters: Numbers; differentiable.
+        factors: Of the loads there.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        e: Deformations, (n_e,) [m, rad].
+        sigma: Stress resultants with all multipliers, (n_e,) [N, N m].
+
+    Source:
+        THEORY.md 7, eq. (7.15); 6, eq. (6.2) and (6.3), before they are projected.
+    """
+    free, _, held = unknowns(topology)
+    near = jax.lax.stop_gradient(e)
+    _, jacobians = jacobian_pieces(topology, parameters, x, near)
+    elastic, viscous = (_by_deformations(topology, parameters, companion) for companion in ("stiffness", "damping"))
+
+    curvature = curvature_pieces(topology, parameters, x, near, sigma)
+    stiffness = [
+        (at, columns, own + bent)
+        for (at, columns, own), (_, _, bent) in zip(
+            by_coordinates(jacobians, elastic, topology.n_e), curvature, strict=True
+        )
+    ]
+    gravity = scaled_loads(parameters, factors).gravity
+    if gravity is not None:
+        stiffness += [(rows, columns, -own) for rows, columns, own in weight_pieces(topology, parameters, x, gravity)]
+    return ElementMatrices(
+        stiffness,
+        by_coordinates(jacobians, viscous, topology.n_e),
+        mass_pieces(topology, parameters, x),
+        [],
+        jacobians,
+        elastic,
+        viscous,
+        free,
+        held,
+        sizes_of(topology, parameters),
+        put(jnp.ones(topology.n_e), held, 0.0),
+    )
+
+
+@one_thread()
+def sparse_linearization(model: Model, target: LoadFactors) -> SparseLinearization:
+    """Linearised equations about the static equilibrium, element by element.
+
+    Args:
+        model: As for :func:`flexmb.statics.sparse.sparse_equilibrium`.
+        target: Load factors.
+
+    Raises:
+        ModelError: See :func:`flexmb.statics.sparse.refuse_what_is_not_sparse`.
+        AnalysisError: singular_stiffness or not_converged.
+    """
+    topology, parameters = model.topology, model.parameters
+    x, e, sigma, felt, reactions, external, iterations, result = sparse_equilibrium(topology, parameters, target)
+    elements = element_matrices(topology, parameters, target, x, e, sigma)
+    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
+    return SparseLinearization(elements, x, e, sigma, felt, reactions, external, iterations, result, factors, model)

@@ -1,0 +1,201 @@
+"""Matrices of elements with their places in a whole that is never formed: products, and what the host makes of them."""
+
+import hashlib
+from collections import OrderedDict
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit
+from .indices import accumulate
+from .sparse import SparseFactors, SparsePattern
+
+# Patterns of so many structures are kept.
+MOST = 8
+
+# Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
+Pieces = list[tuple[Any, Any, Any]]
+
+
+class ElementMatrices(NamedTuple):
+    """Linearised equations of a mechanism in all its coordinates, element by element.
+
+    Attributes:
+        stiffness: Tangent of elements, stress resultants and loads, in pieces by coordinates.
+        damping: In pieces by coordinates.
+        mass: In pieces by coordinates.
+        loss: Stiffness times loss factors, likewise; empty where no one asks.
+        constraints: Derivatives of all deformations by the coordinates, in pieces; those of the held are constraints.
+        elastic: Stress resultants by deformations, in pieces.
+        viscous: Stress resultants by rates of the deformations, in pieces.
+        free: Coordinates that move, (n,).
+        held: Deformations that are held, (h,).
+        sizes: What coordinates are measured by, (n_x,) [m, -].
+        kept: One for each deformation that is not held, else zero, (n_e,).
+    """
+
+    stiffness: Pieces
+    damping: Pieces
+    mass: Pieces
+    loss: Pieces
+    constraints: Pieces
+    elastic: Pieces
+    viscous: Pieces
+    free: Any
+    held: Any
+    sizes: Any
+    kept: Any
+
+    @property
+    def unknowns(self) -> tuple[int, int]:
+        """How many coordinates move, and how many constraints there are."""
+        return self.free.shape[0], self.held.shape[0]
+
+
+@jit
+def times(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
+    """Product of a matrix in pieces and vectors.
+
+    Args:
+        pieces: The matrix.
+        vectors: One a column, (n, k).
+        size: Number of rows of the matrix.
+    """
+    found: Any = jnp.zeros((size, vectors.shape[1]), vectors.dtype)
+    for rows, columns, matrices in pieces:
+        found = accumulate(found, rows, jnp.einsum("eij,ejk->eik", matrices.astype(vectors.dtype), vectors[columns]))
+    return found
+
+
+@jit
+def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
+    """Product of the transposed matrix and vectors, as :func:`times`."""
+    return times([(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces], vectors, size=size)
+
+
+@jit
+def between(pieces: Pieces, left: Float[Array, "n a"], right: Float[Array, "m b"]) -> Float[Array, "a b"]:
+    """What a matrix in pieces is between vectors: left^T A right."""
+    found: Any = jnp.zeros((left.shape[1], right.shape[1]))
+    for rows, columns, matrices in pieces:
+        found = found + jnp.einsum("eia,eib->ab", left[rows], jnp.einsum("eij,ejb->eib", matrices, right[columns]))
+    return found
+
+
+class Assembled(NamedTuple):
+    """Equations of the coordinates that move, sparse, on the host: M v'' + C v' + K v + D^T m = f, D v = 0.
+
+    Attributes:
+        K, C, M: Stiffness, damping and mass, (n, n) [SI].
+        D: Constraints, (h, n).
+    """
+
+    K: Any
+    C: Any
+    M: Any
+    D: Any
+
+
+class Whole:
+    """Equations of the coordinates that move and the multipliers, all matrices with the places of all others.
+
+    Attributes:
+        n: Coordinates that move.
+    """
+
+    def __init__(self, elements: ElementMatrices):
+        """Add up the elements' matrices.
+
+        Args:
+            elements: With arrays of NumPy.
+        """
+        self.n, h = elements.unknowns
+        self._size = self.n + h
+        self._pattern = _pattern_of(elements)
+        turned = [(columns, rows, np.swapaxes(own, 1, 2)) for rows, columns, own in elements.constraints]
+        groups = [*_groups(elements), turned]
+        start, data = 0, []
+        for pieces in groups:
+            own = np.concatenate([np.zeros(0), *(np.ravel(matrices) for *_, matrices in pieces)])
+            slots = self._pattern.slots[start : start + len(own)]
+            data.append(np.bincount(slots, own, len(self._pattern.rows) + 1)[:-1])
+            start += len(own)
+        self._k, self._c, self._m, self._l, self._d = *data[:4], data[4] + data[5]
+
+    def _matrix(self, data: np.ndarray) -> Any:
+        import scipy.sparse
+
+        return scipy.sparse.csc_array((data, self._pattern.rows, self._pattern.columns), shape=(self._size,) * 2)
+
+    def at(self, mass: float = 0.0) -> Any:
+        """Matrix [[K + c M, D^T], [D, 0]]."""
+        return self._matrix(self._k + mass * self._m + self._d)
+
+    def at_frequency(self, s: complex) -> Any:
+        """Matrix [[K + s C + s^2 M + i L, D^T], [D, 0]] at one s = i w."""
+        return self._matrix(self._k + s * self._c + s**2 * self._m + 1j * self._l + self._d)
+
+    def factors(self, matrix: Any) -> SparseFactors:
+        """Factors of such a matrix, in the order of elimination that the first of them found."""
+        return self._pattern.factors(matrix)
+
+    def bordered(self, matrix: Any, border: np.ndarray) -> Any:
+        """Such a matrix with motions to which the solution is to be orthogonal.
+
+        Args:
+            matrix: As of :meth:`at`.
+            border: Of the coordinates that move, one a column, (n, k).
+        """
+        import scipy.sparse
+
+        rest = np.zeros((self._size - self.n, border.shape[1]))
+        columns = scipy.sparse.csc_array(np.concatenate([border, rest]))
+        return scipy.sparse.block_array([[matrix, columns], [columns.T, None]], format="csc")
+
+    @property
+    def mass(self) -> Any:
+        """M of the coordinates that move, (n, n)."""
+        return self._matrix(self._m)[: self.n, : self.n]
+
+    def apart(self) -> Assembled:
+        """The matrices one by one."""
+        k, c, m, d = (self._matrix(data) for data in (self._k, self._c, self._m, self._d))
+        found = [own[: self.n, : self.n] for own in (k, c, m)] + [d[self.n :, : self.n]]
+        for own in found:
+            own.eliminate_zeros()
+        return Assembled(*found)
+
+
+def _groups(elements: ElementMatrices) -> list[Pieces]:
+    return [elements.stiffness, elements.damping, elements.mass, elements.loss, elements.constraints]
+
+
+_known: OrderedDict[bytes, SparsePattern] = OrderedDict()
+
+
+def _pattern_of(elements: ElementMatrices) -> SparsePattern:
+    """Places of all entries, kept for others whose elements join the same nodes in the same roles."""
+    told = hashlib.blake2b(digest_size=16)
+    groups = _groups(elements)
+    places = [[(rows, columns) for rows, columns, _ in pieces] for pieces in groups]
+    for array in (elements.free, elements.held, *(index for group in places for pair in group for index in pair)):
+        told.update(repr((array.shape, array.dtype)).encode())
+        told.update(np.ascontiguousarray(array).tobytes())
+    told.update(repr([len(group) for group in places]).encode())
+    key = told.digest()
+    pattern = _known.pop(key, None) or _found(elements, places)
+    _known[key] = pattern
+    if len(_known) > MOST:
+        _known.popitem(last=False)
+    return pattern
+
+
+def _found(elements: ElementMatrices, places: list[list[tuple[Any, Any]]]) -> SparsePattern:
+    n, h = elements.unknowns
+    of_x, of_e = np.full(len(elements.sizes), -1), np.full(len(elements.kept), -1)
+    of_x[elements.free], of_e[elements.held] = np.arange(n), n + np.arange(h)
+    inner = [(of_x[rows], of_x[columns]) for group in places[:4] for rows, columns in group]
+    rows = [(of_e[rows], of_x[columns]) for rows, columns in places[4]]
+    return SparsePattern((n + h, n + h), [*inner, *rows, *((c, r) for r, c in rows)])

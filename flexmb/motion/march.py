@@ -1,0 +1,157 @@
+"""The loop of the default solver over its steps, in fewer operations than the general one of diffrax.
+
+What is found is the same; derivatives are those of diffrax's loop, see :mod:`flexmb.motion.integrate`.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..math.indices import TRUSTED
+from ..results import RESULTS
+from .protocol import Equations, MotionState
+from .stages import RODAS5P, between, step_taken
+from .step_size import FAR, SMALLEST_STEP, error_of, greatest, next_step
+
+# A step that would end so close to the end, in round-off of the time, ends there.
+CLOSE = 100
+
+
+class Marched(NamedTuple):
+    """Where steps have led.
+
+    Attributes:
+        states: At the times asked for, in rows; infinite where they were not reached.
+        moved: Greatest displacement so far (extents, radians).
+        steps: Number of steps.
+        result: Code of RESULTS.
+    """
+
+    states: MotionState
+    moved: Float[Array, ""]
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
+
+
+class _March(NamedTuple):
+    """State of the loop.
+
+    Attributes:
+        t: Begin of the next step [s].
+        to: Its end [s].
+        state: State at its begin.
+        z: Accelerations and multipliers there, zero where they are not known.
+        known: Whether they are.
+        before: One over the error of the last step.
+        saved: Number of rows that are known.
+        found: What has been found.
+    """
+
+    t: Float[Array, ""]
+    to: Float[Array, ""]
+    state: MotionState
+    z: Float[Array, "r"]
+    known: Bool[Array, ""]
+    before: Float[Array, ""]
+    saved: Int[Array, ""]
+    found: Marched
+
+
+def march(
+    equations: Equations,
+    span: tuple[Float[Array, ""], Float[Array, ""]],
+    times: Float[Array, "n_t"],
+    start: MotionState,
+    moved: Float[Array, ""],
+    allowed: tuple[Float[Array, ""], Float[Array, ""]],
+    first: Callable[[Float[Array, ""]], Float[Array, ""]],
+    most: int,
+) -> Marched:
+    """States at times, step by step.
+
+    Where the equations are linear in what begins unknown, a step of no length finds the accelerations and multipliers
+    of the start: by the same code as all steps.
+
+    Args:
+        span: Begin and end [s].
+        times: Ascending, within the span, (n_t,) [s].
+        start: State at the begin.
+        moved: Greatest displacement before.
+        allowed: Relative and absolute tolerance.
+        first: Length of the first step [s] by the greatest acceleration.
+        most: Most steps.
+    """
+    (t0, t1), n, count = span, start.u.shape[0], times.shape[0]
+    smallest = SMALLEST_STEP * (t1 - t0)
+    close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
+
+    def first_end(z):
+        fast = jnp.max(jnp.abs(z[: equations.size]), initial=1e-30)
+        return jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1)
+
+    def turn(m: _March) -> _March:
+        h = m.to - m.t
+        taken = step_taken(equations, RODAS5P, m.t, h, m.state, m.z, m.known if equations.linear else True)
+        after = equations.settle(m.to, taken.end, taken.by_z[:n, :n])
+        moved = greatest(m.found.moved, after)
+        error = error_of((m.state, after), taken.error, h, moved, equations.states, allowed)
+        keep = m.known & (error < 1)
+        longer, before = next_step(h, error, m.before, RODAS5P.order, keep)
+        begin = jnp.where(keep, m.to, m.t)
+        end = begin + jnp.maximum(longer, smallest)
+        end = jnp.where(end > close, jnp.where(keep, t1, begin + 0.5 * (t1 - begin)), end)
+        away = keep & (jnp.max(jnp.abs(after.u), initial=0.0) > FAR)
+        result = jnp.where(longer < smallest, RESULTS.step_too_small, RESULTS.successful)
+        result = jnp.where(away, RESULTS.ran_away, result)
+        if equations.linear:
+            regular = jax.lax.cond(m.known, lambda: jnp.array(True), lambda: equations.regular(taken.by_z))
+            result = jnp.where(m.known, result, jnp.where(regular, RESULTS.successful, RESULTS.singular_mass))
+            end = jnp.where(m.known, end, first_end(taken.z))
+
+        def waits(rows):
+            at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
+            return keep & (rows[0] < count) & (at <= m.to)
+
+        def saved(rows):
+            k, states = rows
+            ends = (m.t, m.to), (m.state, after), (m.z[:n], taken.z[:n])
+            own = between(*ends, times.at[k].get(**TRUSTED))
+            put = jax.lax.dynamic_update_index_in_dim
+            return k + 1, jax.tree.map(lambda all_, one: put(all_, one, k, 0), states, own)
+
+        k, states = jax.lax.while_loop(waits, saved, (m.saved, m.found.states))
+        found = Marched(
+            states,
+            jnp.where(keep, moved, m.found.moved),
+            m.found.steps + m.known.astype(jnp.int32),
+            result.astype(jnp.int32),
+        )
+        state = jax.tree.map(lambda a, b: jnp.where(keep, a, b), after, m.state)
+        z = jnp.where(keep | ~m.known, taken.z, m.z)
+        return _March(begin, end, state, z, jnp.array(True), before, k, found)
+
+    def unfinished(m: _March):
+        return (m.found.result == RESULTS.successful) & (~m.known | (m.t < t1)) & (m.found.steps < most)
+
+    none, known = jnp.zeros((), jnp.int32), jnp.array(not equations.linear)
+    rows = jax.tree.map(lambda one: jnp.full((count, *one.shape), jnp.inf), start)
+    found = Marched(rows, greatest(moved, start), none, none)
+    if equations.linear:
+        z, end = jnp.zeros(equations.unknowns), t0
+    else:
+        z, regular = equations.acceleration(t0, start)
+        end = first_end(z)
+        found = found._replace(result=jnp.where(regular, none, RESULTS.singular_mass).astype(jnp.int32))
+    m = jax.lax.while_loop(unfinished, turn, _March(t0, end, start, z, known, jnp.array(1.0), none, found))
+    result = m.found.result
+    # Nothing moves where some motion has no mass.
+    still = (result == RESULTS.singular_mass) | (times <= t0)
+    states = jax.tree.map(lambda row, own: jnp.where(still[:, None], own, row), m.found.states, start)
+    lost = ~jnp.all(jnp.isfinite(states.u))
+    unfinished_ = (result == RESULTS.successful) & (m.t < t1)
+    result = jnp.where(unfinished_, RESULTS.motion_unfinished, result)
+    result = jnp.where((result == RESULTS.successful) & lost, RESULTS.step_too_small, result)
+    return Marched(states, m.found.moved, m.found.steps, result.astype(jnp.int32))

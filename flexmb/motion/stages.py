@@ -1,0 +1,212 @@
+"""Rosenbrock methods for second-order equations with constraints: their coefficients, and one step.
+
+The system is u' = w, w' = a, 0 = R(t, u, w, (a, lambda)). Eliminating the first two from each stage leaves one linear
+system of the size of R, ``R_z + h g R_w + (h g)^2 R_u``, which is factorised once a step.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..math.linear import factorise
+from .protocol import Equations, MotionState
+
+
+class Tableau(NamedTuple):
+    """Coefficients of a Rosenbrock method in the form without products of Jacobian and vector.
+
+    Attributes:
+        gamma: Diagonal.
+        a: Weights of earlier stages in the arguments, strictly lower triangular.
+        c: Weights of earlier stages in the right-hand sides, strictly lower triangular.
+        m: Weights of the stages in the result.
+        error: Weights of the stages in the error estimate.
+        order: Order of the method.
+    """
+
+    gamma: float
+    a: np.ndarray
+    c: np.ndarray
+    m: np.ndarray
+    error: np.ndarray
+    order: int
+
+    @property
+    def alpha(self) -> np.ndarray:
+        """Times of the stages, in steps."""
+        return self._in_standard_form[0].sum(axis=1)
+
+    @property
+    def gammas(self) -> np.ndarray:
+        """Weights of the derivative by time, in steps."""
+        return self._in_standard_form[1].sum(axis=1)
+
+    @property
+    def _in_standard_form(self):
+        gamma = np.linalg.inv(np.eye(len(self.m)) / self.gamma - self.c)
+        return self.a @ gamma, gamma
+
+
+def _lower(rows) -> np.ndarray:
+    full = np.zeros((len(rows) + 1, len(rows) + 1))
+    for i, row in enumerate(rows, 1):
+        full[i, : len(row)] = row
+    return full
+
+
+_LAST = [-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256, 0.030198172008377946]
+RODAS5P = Tableau(
+    gamma=0.21193756319429014,
+    a=_lower(
+        [
+            [3.0],
+            [2.849394379747939, 0.45842242204463923],
+            [-6.954028509809101, 2.489845061869568, -10.358996098473584],
+            [2.8029986275628964, 0.5072464736228206, -0.3988312541770524, -0.04721187230404641],
+            _LAST,
+            [*_LAST, 1.0],
+            [*_LAST, 1.0, 1.0],
+        ]
+    ),
+    c=_lower(
+        [
+            [-14.155112264123755],
+            [-17.97296035885952, -2.859693295451294],
+            [147.12150275711716, -1.41221402718213, 71.68940251302358],
+            [165.43517024871676, -0.4592823456491126, 42.90938336958603, -5.961986721573306],
+            [24.854864614690072, -3.0009227002832186, 47.4931110020768, 5.5814197821558125, -0.6610691825249471],
+            [
+                30.91273214028599,
+                -3.1208243349937974,
+                77.79954646070892,
+                34.28646028294783,
+                -19.097331116725623,
+                -28.087943162872662,
+            ],
+            [
+                37.80277123390563,
+                -3.2571969029072276,
+                112.26918849496327,
+                66.9347231244047,
+                -40.06618937091002,
+                -54.66780262877968,
+                -9.48861652309627,
+            ],
+        ]
+    ),
+    m=np.array([*_LAST, 1.0, 1.0, 1.0]),
+    error=np.eye(8)[7],
+    order=5,
+)
+
+# Of a step of no length that begins without accelerations and multipliers: its first stage finds them, its second
+# removes what keeps redundant constraints solvable.
+STILL_STAGES = 2
+_STILL_ROWS = np.concatenate([np.tri(8, k=-1), np.zeros((8, 10))], axis=1)
+_STILL_WEIGHTS = np.stack([np.arange(8) < STILL_STAGES, np.zeros(8)])
+
+
+def _coefficients(tableau: Tableau) -> np.ndarray:
+    """A row for each stage: weights in arguments and in right-hand sides, its time, weight of the rate by time."""
+    return np.column_stack([tableau.a, tableau.c, tableau.alpha, tableau.gammas])
+
+
+class Taken(NamedTuple):
+    """What a step leads to.
+
+    Attributes:
+        end: State at its end, not yet brought back onto the constraints.
+        z: Accelerations and multipliers there, (n + m,).
+        error: Estimate of the error of the state.
+        by_z: Derivative of the residual by z at its begin, (n + m, n + m).
+    """
+
+    end: MotionState
+    z: Float[Array, "r"]
+    error: MotionState
+    by_z: Float[Array, "r r"]
+
+
+def step_taken(
+    equations: Equations, tableau: Tableau, t, h, state: MotionState, z: Float[Array, "r"], known: Any = True
+) -> Taken:
+    """One step of a Rosenbrock method.
+
+    Args:
+        tableau: Its coefficients.
+        t: Begin [s].
+        h: Length [s].
+        state: State at the begin.
+        z: Accelerations and multipliers there, (n + m,).
+        known: Whether z is known. If it is traced and false, the length must be zero, and z too: it is found.
+
+    Source:
+        Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section VI.4; elimination derived here.
+    """
+    n, stages = state.u.shape[0], len(tableau.m)
+    rows, weights = _coefficients(tableau), np.stack([tableau.m, tableau.error])
+    if known is not True:
+        rows, weights = jnp.where(known, rows, _STILL_ROWS), jnp.where(known, weights, _STILL_WEIGHTS)
+        stages = jnp.where(known, stages, STILL_STAGES)
+    tangent = equations.tangent(t, state, z)
+    hg = h * tableau.gamma
+    # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.
+    rate = 1.0 / jnp.where(h == 0, 1.0, h)
+    factors = factorise(tangent.by_z.at[:, :n].add(hg * tangent.by_w + hg**2 * tangent.by_u))
+    by_both = jnp.concatenate([tangent.by_w, tangent.by_u], axis=1)
+
+    def apart(row):
+        return row[:n], row[n : 2 * n], row[2 * n :]
+
+    def stage(i, increments):
+        row = jax.lax.dynamic_index_in_dim(rows, i, keepdims=False)
+        both, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
+        # Of u, w and z, of all earlier stages.
+        (du, dw, dz), (cu, cw, _) = map(apart, both @ increments)
+        own = MotionState(state.u + du, state.w + dw, state.memory)
+        z_own = z + dz
+        r = equations.residual(t + alpha * h, own, z_own)
+        if tangent.by_t is not None:
+            r = r + gamma * h * tangent.by_t
+        # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
+        right_u, right_w = own.w + cu * rate, z_own[:n] + cw * rate
+        right = r + by_both @ jnp.concatenate([hg * right_w, hg * (right_u + hg * right_w)])
+        own_z = -factors.solve(right)
+        own_w = hg * (own_z[:n] + right_w)
+        own_u = hg * (own_w + right_u)
+        return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([own_u, own_w, own_z]), i, 0)
+
+    rows, nothing = jnp.asarray(rows), jnp.zeros((len(tableau.m), 2 * n + z.shape[0]))
+    (du, dw, dz), (error_u, error_w, _) = map(apart, weights @ jax.lax.fori_loop(0, stages, stage, nothing))
+    error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))
+    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.by_z)
+
+
+def between(times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t) -> MotionState:
+    """State at a time within a step, by Hermite polynomials of order three in positions and in velocities.
+
+    Args:
+        times: Begin and end of the step [s].
+        states: There.
+        rates: Accelerations there, (n,) [1/s^2].
+        t: Time [s].
+    """
+    (t0, t1), (y0, y1), (a0, a1) = times, states, rates
+    h = t1 - t0
+    s = (t - t0) / jnp.where(h == 0, 1.0, h)
+    u = _hermite(s, h, y0.u, y1.u, y0.w, y1.w)
+    w = _hermite(s, h, y0.w, y1.w, a0, a1)
+    return MotionState(u, w, y0.memory + s * (y1.memory - y0.memory))
+
+
+def _hermite(s, h, p0, p1, v0, v1):
+    change = p1 - p0
+    return p0 + s * (h * v0 + s * (3 * change - h * (2 * v0 + v1) + s * (h * (v0 + v1) - 2 * change)))
+
+
+def _finite(error):
+    """A step that went wrong has an error without bound, so that it is refused and shortened."""
+    return jnp.where(jnp.isfinite(error), error, jnp.inf)

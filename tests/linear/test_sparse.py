@@ -1,0 +1,133 @@
+"""Large mechanisms by sparse matrices: modes, compliance and stress are those of dense ones, and so are derivatives."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
+
+
+def bent(thickness=1e-3, check=False):
+    """Clamped strip of six beams that its load bends, with a rigid part at its end and an elongation held."""
+    b = fm.Builder()
+    for i in range(8):
+        b.node(f"n{i}", (0.03 * i, 0.01 * (i % 2)))
+    for i in range(6):
+        section = fm.Rectangle(0.01, thickness, STEEL)
+        released = {"released": (2, 3)} if i == 2 else {}
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, **released)
+    b.add(planar.beam, "n6", "n7", name="rigid")
+    b.fix("n0")
+    b.mass("n7", 0.01)
+    b.force("n7", (0.5, 0.4))
+    b.gravity((0.0, -9.81))
+    return b.build(check=check)
+
+
+def test_answers_are_those_of_dense_matrices():
+    dense, large = bent(check=True), fm.linearize(bent(), sparse=True)
+    own = fm.modes(large, count=4)
+    exact = fm.modes(dense, count=4)
+    assert own.eigenvalues.shape == exact.eigenvalues.shape == (4,)
+    np.testing.assert_allclose(own.eigenvalues, exact.eigenvalues, rtol=1e-9)
+    for node in ("n3", "n7"):
+        for component in ("x", "phi"):
+            shapes = np.abs(np.stack([of.shape(node, component) for of in (own, exact)]))
+            np.testing.assert_allclose(shapes[0], shapes[1], rtol=1e-8, atol=1e-9 * np.max(shapes))
+    for local in (False, True):
+        found, wanted = (fm.compliance(of, "n6", local=local) for of in (large, dense))
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-10 * np.max(np.abs(wanted)))
+    # Both find the equilibrium to 1e-9 of the extent.
+    exact_stress = fm.stress(dense).von_mises
+    for stress in (fm.stress(bent(), sparse=True), fm.stress(bent(), at=large)):
+        np.testing.assert_allclose(stress.von_mises, exact_stress, atol=1e-8 * np.max(exact_stress))
+    np.testing.assert_allclose(large.position("n7"), fm.linearize(dense).position("n7"), rtol=1e-9)
+
+
+def test_matrices_are_those_of_scipy():
+    """Frequencies of the matrices given away, solved by SciPy in the motions that the constraints allow."""
+    import scipy.linalg
+
+    k, _, m, d = (of.toarray() for of in fm.linearize(bent(), sparse=True).sparse())
+    allowed = scipy.linalg.null_space(d / np.linalg.norm(d, axis=1)[:, None])
+    wanted = scipy.linalg.eigh(allowed.T @ k @ allowed, allowed.T @ m @ allowed, eigvals_only=True)[:3]
+    found = fm.modes(bent(), count=3, sparse=True).eigenvalues
+    # SciPy knows the lowest to round-off of the highest.
+    np.testing.assert_allclose(found, wanted, rtol=1e-6)
+
+
+def test_derivatives_are_those_of_central_differences():
+    def answers(thickness):
+        large = fm.linearize(bent(thickness), sparse=True)
+        modes = fm.modes(large, count=3)
+        stress = fm.stress(large.model, at=large).smooth_maximum()
+        # Of one size each.
+        return jnp.stack(
+            [
+                modes.eigenvalues[1] / 1e5,
+                jnp.sum(modes.shape("n4", "y") ** 2),
+                jnp.abs(modes.shape("n4", "y")[2]),
+                fm.compliance(large, "n5")[1, 1] * 1e3,
+                stress / 1e8,
+                fm.frequencies(large, count=2)[1] / 100,
+            ]
+        )
+
+    start, h = 1e-3, 2e-6
+    near = {i: answers(start + i * h) for i in (-2, -1, 1, 2)}
+    difference = (8 * (near[1] - near[-1]) - (near[2] - near[-2])) / (12 * h)
+    # Truncation (h/t)^4, and the equilibrium's 1e-10 over h.
+    np.testing.assert_allclose(jax.jacrev(answers)(start), difference, rtol=1e-6)
+
+
+def test_repeated_frequencies_have_derivatives_of_what_does_not_depend_on_shapes():
+    """A square rod: two modes of one frequency; by a cantilever's formula it is as the thickness."""
+
+    def rod(thickness):
+        b = fm.Builder()
+        for i in range(5):
+            b.node(f"n{i}", (0.1 * i, 0, 0))
+        for i in range(4):
+            section = fm.Rectangle(thickness, thickness, STEEL)
+            b.add(spatial.beam, f"n{i}", f"n{i + 1}", section=section, y=(0, 1, 0))
+        b.fix("n0")
+        return fm.modes(b.build(check=False), count=2, sparse=True)
+
+    def total(thickness):
+        modes = rod(thickness)
+        return jnp.sum(modes.frequencies), jnp.sum(modes.shape("n4", "y") ** 2)
+
+    value, slope = jax.jvp(total, (2e-3,), (1.0,))
+    # Rotary inertia, as the square of thickness over length, is what the formula leaves out.
+    assert float(slope[0]) == pytest.approx(float(value[0]) / 2e-3, rel=1e-4)
+    # Mass goes as the square of the thickness, and so do squares of shapes with the inverse of it.
+    assert float(slope[1]) == pytest.approx(-2 * float(value[1]) / 2e-3, rel=1e-3)
+
+
+def test_what_is_chosen_and_refused():
+    large = fm.linearize(bent(), sparse=True)
+    with pytest.raises(ValueError, match="give `count`"):
+        fm.modes(large)
+    with pytest.raises(ValueError, match="sparse=False does not go with"):
+        fm.modes(large, count=2, sparse=False)
+    with pytest.raises(ValueError, match=r"give fm\.modes a Model"):
+        fm.modes(fm.linearize(bent(check=True)), count=2, sparse=True)
+    with pytest.raises(fm.ModelError, match="few of many"):
+        fm.modes(large, count=100)
+    with pytest.raises(TypeError, match="takes no sparse linearisation"):
+        fm.poles(large)  # type: ignore
+    with pytest.raises(AttributeError, match="no K0, a matrix in the degrees of freedom"):
+        large.K0  # noqa: B018
+    with pytest.raises(ValueError, match="does not go with at="):
+        fm.stress(bent(), at=large, sparse=True)
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 0.001, STEEL))
+    b.fix("a", "x", "y")
+    with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
+        fm.compliance(b.build(check=False), "b", sparse=True)
