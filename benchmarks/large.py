@@ -94,7 +94,7 @@ def questions(beams: int, sparse: bool = True) -> dict:
     def multipliers(thickness):
         if sparse:
             return np.asarray(fm.buckling_loads(of(thickness), count=5, sparse=True))
-        return np.asarray(fm.buckling_loads(of(thickness)))[:5]
+        return np.asarray(fm.buckling_loads(of(thickness), sparse=False))[:5]
 
     def path(thickness):
         pushed = arch(beams, BEYOND * FORCES[beams], check=not sparse).with_property("section.thickness", thickness)
@@ -264,7 +264,7 @@ def elastica_errors() -> dict[int, float]:
     turned = solved.sol((nodes + 1) / 2)[0]
     exact = np.array([weights @ np.cos(turned), weights @ np.sin(turned)]) / 2
     found = {}
-    for count in (10, 100, 1000, 10_000):
+    for count in (10, 100, 1000):
         b = fm.Builder()
         for i in range(count + 1):
             b.node(f"n{i}", (i / count, 0.0))
