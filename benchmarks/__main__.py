@@ -30,6 +30,7 @@ SCRIPTS = (
     "workbench",
     "along",
     "swing",
+    "chains",
     "motion",
     "stability",
 )

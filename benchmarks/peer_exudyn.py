@@ -252,10 +252,11 @@ def in_time(end: float, steps: int):
     return chosen
 
 
-def _motion(built, end: float, steps: int, read) -> Callable[[], Any]:
+def _motion(built, end: float, steps: int, read, tolerance: float = 1e-8) -> Callable[[], Any]:
     """A function that integrates from the undeformed state at rest, and gives what ``read()`` then finds."""
     exudyn = _exudyn()
     chosen, (_, system) = in_time(end, steps), built
+    chosen.timeIntegration.newton.relativeTolerance = tolerance
 
     def run():
         if not system.SolveDynamic(chosen, solverType=exudyn.DynamicSolverType.GeneralizedAlpha):
@@ -266,7 +267,9 @@ def _motion(built, end: float, steps: int, read) -> Callable[[], Any]:
     return run
 
 
-def pendulum(length, mass, bending, stretching, gravity, elements: int, end: float, steps: int) -> Callable[[], Any]:
+def pendulum(
+    length, mass, bending, stretching, gravity, elements: int, end: float, steps: int, tolerance: float = 1e-8
+) -> Callable[[], Any]:
     """A function that lets a rod fall about its end from the horizontal, and gives the place of its tip.
 
     Args:
@@ -278,6 +281,7 @@ def pendulum(length, mass, bending, stretching, gravity, elements: int, end: flo
         elements: Cables in the plane.
         end: Time [s].
         steps: Number of time steps.
+        tolerance: Of Newton's method, relative; 1e-8 is Exudyn's own.
     """
     from exudyn import itemInterface as item
 
@@ -306,7 +310,7 @@ def pendulum(length, mass, bending, stretching, gravity, elements: int, end: flo
         system.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, held]))
     system.Assemble()
     place = exudyn.OutputVariableType.Position
-    return _motion((container, system), end, steps, lambda: system.GetNodeOutput(nodes[-1], place)[:2])
+    return _motion((container, system), end, steps, lambda: system.GetNodeOutput(nodes[-1], place)[:2], tolerance)
 
 
 def spaghetti(elements: int, end: float, load: float, steps: int) -> Callable[[], Any]:

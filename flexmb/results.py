@@ -134,6 +134,11 @@ class RESULTS(enum.IntEnum):
         "The inputs cannot give the forces along what is driven: their effects on it depend on one another, or one has"
         " none. Let them act elsewhere, or name other inputs.",
     )
+    out_of_memory = (
+        32,
+        "The memory does not suffice for the factors of the equations. Use fewer elements, such as spectral beams in"
+        " place of many short ones, or a machine with more memory.",
+    )
 
 
 def told(result: Any) -> str:

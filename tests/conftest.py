@@ -1,9 +1,16 @@
 import gc
 import os
 
-# What tests compute beside the package, one operation at a time, is compiled quickly too. XLA reads this once.
-os.environ["XLA_FLAGS"] = (
-    os.environ.get("XLA_FLAGS", "") + " --xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+# What tests compute beside the package, one operation at a time, is compiled quickly too. XLA reads this once. Flags
+# are part of what kept code is known by, so that each stands once, also where a worker inherits them.
+os.environ["XLA_FLAGS"] = " ".join(
+    dict.fromkeys(
+        [
+            *os.environ.get("XLA_FLAGS", "").split(),
+            "--xla_backend_optimization_level=0",
+            "--xla_cpu_use_fusion_emitters=false",
+        ]
+    )
 )
 
 import hypothesis
@@ -11,12 +18,29 @@ import jax
 import pytest
 
 import flexmb as fm
+from flexmb.compilation.compile import OPTIONS, compile_thoroughly
 from flexmb.setup import cache_folder
 
 fm.enable_x64()
 # Compiled code is kept beside the user's own, so that a second run is quick.
 CACHE = cache_folder() / "tests"
 fm.enable_cache(CACHE, thorough=False)
+
+
+def use_cache():
+    """Switch to the cache of the tests, without counting again what lies in it."""
+    compile_thoroughly(False, keep_traces=True)
+    jax.config.update("jax_compilation_cache_dir", str(CACHE))
+
+
+# To compile thoroughly takes twice as long, and nothing runs long enough here to gain by it.
+OPTIONS["thorough"] = OPTIONS["quick"]
+# Where in Python each operation was written is kept with a program, for some percent of its compilation; nobody
+# reads it here.
+jax.config.update("jax_traceback_in_locations_limit", 0)
+# Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took
+# a tenth of the time of modules that compile much.
+gc.set_threshold(100_000, 50, 100)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
@@ -40,11 +64,17 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("flexmb")
 
 
+def pytest_collection_finish():
+    """What is there before the first test stays to the end."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _compiled_code_is_given_back():
     """Each compiled function holds a dozen memory maps, of which a process has 65530: beyond them compiling crashes."""
     # A command that an earlier module ran has switched to its own.
-    fm.enable_cache(CACHE, thorough=False)
+    use_cache()
     yield
     jax.clear_caches()
     gc.collect()

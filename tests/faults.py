@@ -416,8 +416,8 @@ FAULTS = [
     Fault("control/second_order_form.py", "m.M0, m.C0 + m.D0, m.K", "m.M0, m.C0, m.K", "control/test_state_space.py"),
     Fault(
         "control/held.py",
-        "curvature - loads) @ z + _about_axes",
-        "curvature) @ z + _about_axes",
+        "curvature - loads) @ z + about_axes",
+        "curvature) @ z + about_axes",
         "control/test_second_order_form.py -k loaded_leaf",
     ),
     Fault(

@@ -3,19 +3,17 @@
 from typing import Any
 
 from ..arguments import check_flag
-from ..math.sparse import LARGE
 from ..mechanics.loads import lacks_potential
-from ..mechanics.stress_resultants import is_nonlinear
 from ..model.model import Model, as_model
 from ..statics.equilibrium import load_factors_of
+from ..statics.sparse_structure import by_sparse
 from .linearize import Linearization, Where
 from .sparse_linearize import SparseLinearization, sparse_linearization
 
 
 def is_large(model: Model) -> bool:
     """Whether a mechanism is large enough for sparse matrices to be quicker, and is one that they can describe."""
-    topology = model.topology
-    return topology.n_x >= LARGE and not lacks_potential(topology) and not is_nonlinear(topology)
+    return by_sparse(model, None) and not lacks_potential(model.topology)
 
 
 def sparsely(
@@ -32,7 +30,7 @@ def sparsely(
 
     Raises:
         ValueError: ``sparse`` does not go with what is given.
-        ModelError: See :func:`flexmb.statics.sparse.refuse_what_is_not_sparse`.
+        ModelError: A load or a law has no potential.
         AnalysisError: The equilibrium was not found.
     """
     if sparse is not None:

@@ -501,7 +501,7 @@ def linearize(
     check_flag("sparse", sparse)
     (as_model if sparse else as_determined)(model, "linearize")
     target = load_factors_of(model, load_factor, increment, "linearize")
-    return sparse_linearization(model, target) if sparse else _linearized(model, target, throw)
+    return sparse_linearization(model, target, throw) if sparse else _linearized(model, target, throw)
 
 
 def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:

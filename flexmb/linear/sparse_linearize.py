@@ -11,19 +11,20 @@ from ..arguments import is_concrete
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, short
+from ..errors import ModelError
 from ..math.element_matrices import Assembled, ElementMatrices, Pieces, Whole
 from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
-from ..mechanics.loads import LoadFactors, scaled_loads
-from ..mechanics.stress_resultants import stiffness_pieces
+from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
+from ..mechanics.stress_resultants import is_nonlinear, nonlinear_tangent_pieces, stiffness_pieces, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import told
+from ..results import check, told
 from ..statics.sparse import sparse_equilibrium
 from ..statics.tangent import unknowns
 
@@ -114,13 +115,17 @@ class SparseLinearization(ByName, Result, Record):
         return Summary("SparseLinearization about an equilibrium", rows, "mechanism")
 
 
-def _by_deformations(topology: Topology, parameters: Parameters, companion: str) -> Pieces:
-    """Stiffness or damping of the elements, zero for held deformations, whose stress resultants are multipliers."""
+def _by_deformations(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> tuple[Pieces, Pieces]:
+    """Stiffness and damping of the elements at rest, zero for held deformations, whose stress is a multiplier."""
     kept = put(jnp.ones(topology.n_e), topology.e.held, 0.0)
-    return [
-        (rows, columns, kept[rows][:, :, None] * own * kept[columns][:, None, :])
-        for rows, columns, own in stiffness_pieces(topology, parameters, companion)
-    ]
+    found = [stiffness_pieces(topology, parameters, companion) for companion in ("stiffness", "damping")]
+    if is_nonlinear(topology):
+        tangents = nonlinear_tangent_pieces(topology, parameters, strain, jnp.zeros_like(strain))[1:]
+        found = [[*linear, *tangent] for linear, tangent in zip(found, tangents, strict=True)]
+    elastic, viscous = (
+        [(at, by, kept[at][:, :, None] * own * kept[by][:, None, :]) for at, by, own in pieces] for pieces in found
+    )
+    return elastic, viscous
 
 
 def by_coordinates(jacobians: Pieces, pieces: Pieces, n_e: int) -> Pieces:
@@ -163,7 +168,8 @@ def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFa
     free, _, held = unknowns(topology)
     near = jax.lax.stop_gradient(e)
     _, jacobians = jacobian_pieces(topology, parameters, x, near)
-    elastic, viscous = (_by_deformations(topology, parameters, companion) for companion in ("stiffness", "damping"))
+    loads = scaled_loads(parameters, factors)
+    elastic, viscous = _by_deformations(topology, parameters, strain_of(topology, parameters, loads, e))
 
     curvature = curvature_pieces(topology, parameters, x, near, sigma)
     stiffness = [
@@ -172,9 +178,9 @@ def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFa
             by_coordinates(jacobians, elastic, topology.n_e), curvature, strict=True
         )
     ]
-    gravity = scaled_loads(parameters, factors).gravity
-    if gravity is not None:
-        stiffness += [(rows, columns, -own) for rows, columns, own in weight_pieces(topology, parameters, x, gravity)]
+    if loads.gravity is not None:
+        falling = weight_pieces(topology, parameters, x, loads.gravity)
+        stiffness += [(rows, columns, -own) for rows, columns, own in falling]
     return ElementMatrices(
         stiffness,
         by_coordinates(jacobians, viscous, topology.n_e),
@@ -191,19 +197,26 @@ def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFa
 
 
 @one_thread()
-def sparse_linearization(model: Model, target: LoadFactors) -> SparseLinearization:
+def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) -> SparseLinearization:
     """Linearised equations about the static equilibrium, element by element.
 
     Args:
         model: As for :func:`flexmb.statics.sparse.sparse_equilibrium`.
         target: Load factors.
+        throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
 
     Raises:
-        ModelError: See :func:`flexmb.statics.sparse.refuse_what_is_not_sparse`.
-        AnalysisError: singular_stiffness or not_converged.
+        ModelError: A load or a law has no potential.
+        AnalysisError: singular_configuration, singular_stiffness or not_converged.
     """
     topology, parameters = model.topology, model.parameters
+    if lacks_potential(topology):
+        raise ModelError(
+            "What is linearised by sparse matrices needs a potential: loads that follow a body, moments about fixed"
+            " axes in space and laws of several deformations have none. Give sparse=False, which takes them."
+        )
     x, e, sigma, felt, reactions, external, iterations, result = sparse_equilibrium(topology, parameters, target)
+    check(result, throw)
     elements = element_matrices(topology, parameters, target, x, e, sigma)
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
     return SparseLinearization(elements, x, e, sigma, felt, reactions, external, iterations, result, factors, model)

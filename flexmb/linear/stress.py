@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_whole, is_concrete
+from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, counted, listed, span
@@ -22,7 +22,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..results import told
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
-from .choice import is_large
+from ..statics.sparse_structure import by_sparse
 from .linearize import Linearization, ManyStates, Where
 from .sparse_linearize import SparseLinearization
 
@@ -388,12 +388,10 @@ def _state(
     model: Model, points: int, where: Where, load_factor: float, sparse: bool | None, throw: bool, function: str
 ):
     """Names, places, what both kernels take, code of the state, and whether there are several."""
-    if sparse is not None:
-        check_flag("sparse", sparse)
-        if where.at is not None:
-            raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a state that has been found.")
     as_model(model, function)
-    sparse = where.at is None and (is_large(model) if sparse is None else sparse)
+    if sparse is not None and where.at is not None:
+        raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a state that has been found.")
+    sparse = where.at is None and by_sparse(model, sparse)
     if where.at is None and not sparse:
         as_determined(model, function)
     points = check_whole("points", points, 2)

@@ -208,6 +208,10 @@ class CoordinatesForm(Record):
 
         return stress
 
+    def elastic_stress(self, strain):
+        """Stress resultants of elements of constant stiffness, (n_e,) [N, N m], at strains (n_e,) [m, rad]."""
+        return self.S @ strain
+
     def tangents(self, t, e, ed):
         """Derivatives of the stress resultants by deformations and by their rates, S and S_d; S_d may be None."""
         return stress_tangents(self.topology, self.parameters, self.drive(t).loads, self.S, self.S_d, e, ed)

@@ -351,6 +351,78 @@ def _derived_forces(f, x, sigma, weight):
     return jax.jacfwd(lambda x: _pulled(f, x, sigma, weight))(x)
 
 
+class OfElements(NamedTuple):
+    """Derivatives of the forces of the elements of a block, each by its own coordinates; None where there are none.
+
+    Attributes:
+        e: D_x, (elements, d, k).
+        ed: Of the rates, (elements, d, k).
+        edd: Of the second rates, (elements, d, k).
+        by_x: Of the forces by the coordinates, (elements, k, k) [N/m].
+        by_v: By the velocities, (elements, k, k) [N s/m].
+        mass: By the accelerations, (elements, k, k) [kg].
+    """
+
+    e: Float[Array, "elements d k"] | None
+    ed: Float[Array, "elements d k"] | None
+    edd: Float[Array, "elements d k"] | None
+    by_x: Float[Array, "elements k k"]
+    by_v: Float[Array, "elements k k"]
+    mass: Float[Array, "elements k k"]
+
+
+def deformed_elements(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+    """Deformations and their Jacobians of each block, element by element, None where it has none; see :func:`deformed`.
+
+    Args:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations at the last accepted state, (n_e,) [m, rad].
+    """
+
+    def found(f, x):
+        return _jacobian(lambda x: f(x)[0])(x)
+
+    return [block.over(found, near, x[block.x]) if block.e.shape[1] else None for block in elements]
+
+
+def derivatives_of_elements(
+    elements: tuple[PreparedBlock, ...],
+    at: Moving,
+    falling: Float[Array, "n_x"] | None,
+    stress: Callable[..., Any],
+    stiffness: tuple[Float[Array, "elements d d"] | None, ...],
+    damping: tuple[Float[Array, "elements d d"] | None, ...],
+) -> list[OfElements]:
+    """As :func:`force_derivatives`, element by element, with the stiffness and damping of each block's elements.
+
+    Source:
+        Derivative of :func:`acting_forces`.
+    """
+    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in found], at.near)
+    sigma = stress(kinematics.e, kinematics.ed)
+    return [_of_elements(at, sigma, each, *own) for each, *own in zip(found, stiffness, damping, strict=True)]
+
+
+def _of_elements(at: Moving, sigma, found, stiffness, damping) -> OfElements:
+    """Derivatives of one block from what :func:`_derived_rates` gives, stress resultants, and tangents of its own."""
+    block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = found
+    by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
+    by_v = mass = jnp.zeros_like(by_x)
+    if d is not None and stiffness is not None:
+        by_x = by_x + multiplied(d.mT, multiplied(stiffness, d))
+    if d is not None and damping is not None:
+        by_x = by_x + multiplied(d.mT, multiplied(damping, dd))
+        by_v = multiplied(d.mT, multiplied(damping, d))
+    if block.mass is not None:
+        count, k, axes, columns = j.shape
+        lever = (block.mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
+        every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
+        mass, more_v, more_x = jnp.split(lever.mT @ every, 3, axis=2)
+        by_x, by_v = by_x + more_x, by_v + more_v
+    return OfElements(d, dd, d2, by_x, by_v, mass)
+
+
 def force_derivatives(
     elements: tuple[PreparedBlock, ...],
     at: Moving,
@@ -372,24 +444,13 @@ def force_derivatives(
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
     rows, squares = [], []
-    for block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) in found:
-        by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
-        by_v = mass = jnp.zeros_like(by_x)
-        if d is not None:
-            rows.append((block.e, block.x, (d, dd, d2)))
-        if d is not None and stiffness is not None:
-            strained = multiplied(_own(block, stiffness), d)
-            if damping is not None:
-                strained = strained + multiplied(_own(block, damping), dd)
-                by_v = multiplied(d.mT, multiplied(_own(block, damping), d))
-            by_x = by_x + multiplied(d.mT, strained)
-        if block.mass is not None:
-            count, k, axes, columns = j.shape
-            lever = (block.mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
-            every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
-            mass, more_v, more_x = jnp.split(lever.mT @ every, 3, axis=2)
-            by_x, by_v = by_x + more_x, by_v + more_v
-        squares.append((block.x, block.x, (by_x, by_v, mass)))
+    for each in found:
+        block = each[0]
+        own = [None if of is None or not block.e.shape[1] else _own(block, of) for of in (stiffness, damping)]
+        of = _of_elements(at, sigma, each, *own)
+        if of.e is not None:
+            rows.append((block.e, block.x, (of.e, of.ed, of.edd)))
+        squares.append((block.x, block.x, (of.by_x, of.by_v, of.mass)))
     by_e = scatter_matrices((n_e, n_x), rows, 3)
     forces = scatter_matrices((n_x, n_x), squares, 3)
     return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)

@@ -14,6 +14,8 @@ from ..compilation.record import Record
 from ..math.derivative import with_derivative
 from ..model.model import Model
 from ..results import RESULTS
+from .chain_form import chain_form
+from .chain_levels import Levels
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
@@ -38,6 +40,7 @@ class Problem(Record):
         feedback: Controller, or None.
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
+        levels: Order of the unknowns of a chain, or None.
     """
 
     model: Model
@@ -45,6 +48,7 @@ class Problem(Record):
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
+    levels: Levels | None = None
 
 
 class Start(NamedTuple):
@@ -94,7 +98,14 @@ class Integrated(NamedTuple):
 def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, t1, times, start: MotionState, moved):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
+    own = (
+        integrator.solver,
+        integrator.controller,
+        integrator.adjoint,
+        integrator.event,
+        problem.jumps,
+        problem.levels,
+    )
     given = equations, integrator, problem.jumps, t0, t1, times, start, moved
     if any(one is not None for one in own):
         return _by_diffrax(parts, *given)
@@ -118,12 +129,15 @@ def _by_diffrax(
     import diffrax
 
     from .projected import Projected
+    from .radau import Radau, carried_from
     from .rosenbrock import Rodas5P, Rosenbrock
     from .step_control import DisplacementController
     from .term import MotionTerm
 
     controller = integrator.controller
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
+    if integrator.form == "chain":
+        solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
     if controller is None and not adapts:
@@ -161,7 +175,7 @@ def _by_diffrax(
         adjoint=adjoint,
         event=integrator.event,
         max_steps=integrator.max_steps,
-        solver_state=z0 if isinstance(solver, Rosenbrock) else None,
+        solver_state=carried_from(z0) if isinstance(solver, Radau) else z0 if isinstance(solver, Rosenbrock) else None,
         throw=False,
     )
     states: Any = solution.ys
@@ -194,7 +208,11 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
     return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _equations(problem: Problem, form: str) -> CoordinatesForm | ReducedForm | ControlledForm:
+def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm:
+    if problem.levels is not None:
+        # Its solver asks for element matrices in place of a dense tangent.
+        chain: Any = chain_form(problem.model, problem.driven, problem.levels)
+        return chain
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":
         return reduced_form(mechanism)

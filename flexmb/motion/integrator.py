@@ -22,6 +22,9 @@ class Integrator(Record):
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
             constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
             freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
+            "chain": all coordinates of a mechanism whose elements follow on one another, by Radau's method and without
+            matrices of its size squared; it takes concrete numbers, not those of ``jax.jit`` or ``jax.grad``. None:
+            "chain" where there are many beams and it applies, "coordinates" otherwise.
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
             mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
             where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
@@ -37,7 +40,7 @@ class Integrator(Record):
         max_steps: Most steps to take, with ``progress`` in each part.
     """
 
-    form: Literal["coordinates", "reduced"] = static(default="coordinates")
+    form: Literal["coordinates", "reduced", "chain"] | None = static(default=None)
     rtol: float | Float[Array, ""] = 1e-5
     atol: float | Float[Array, ""] = 1e-13
     solver: diffrax.AbstractSolver | None = None
@@ -46,6 +49,16 @@ class Integrator(Record):
     adjoint: diffrax.AbstractAdjoint | None = None
     event: diffrax.Event | None = None
     max_steps: int = static(default=200_000)
+
+    def _check_chain(self, controlled: bool) -> None:
+        """Refuse what does not go with the form of chains."""
+        if self.form != "chain":
+            return
+        if controlled:
+            raise ValueError('form="chain" takes no controller: leave `form` out.')
+        for name in ("solver", "controller", "adjoint"):
+            if getattr(self, name) is not None:
+                raise ValueError(f'form="chain" has its own solver and steps: leave `{name}` out, or `form`.')
 
     def checked(self, *, controlled: bool, jumps: bool) -> Integrator:
         """The same with its numbers as arrays, and with a solver that keeps the constraints.
@@ -57,7 +70,9 @@ class Integrator(Record):
         Raises:
             ValueError, TypeError: See :func:`simulate`.
         """
-        check_choice("form", self.form, ("coordinates", "reduced"))
+        if self.form is not None:
+            check_choice("form", self.form, ("coordinates", "reduced", "chain"))
+        self._check_chain(controlled)
         if controlled and self.form == "reduced":
             raise ValueError('A controller needs form="coordinates".')
         check_number("rtol", self.rtol, above=0)

@@ -16,11 +16,13 @@ from ..display import Result, States, Summary, course, largest, listed, short, s
 from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
-from ..mechanics.inertia import Felt, mass_matrix, work_of_weight
+from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..results import told
+from .chain_form import chain_form
+from .chain_levels import levels_of
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .element_forces import Moving
@@ -115,7 +117,9 @@ class Motion(ByName, Along, Result, Record):
             Observed.
         """
         model = self.model
-        found = _observe(model.without_names(), self.driven, self.t, self.x, self.xd, self.near, self.u)
+        levels = levels_of(model.topology) if self.form == "chain" else None
+        rows = (self.t, self.x, self.xd, self.near, self.u)
+        found = _observe(model.without_names(), self.driven, *rows, levels)
         return dataclasses.replace(found, labels=model.labels)
 
     def linearizations(self) -> Linearization:
@@ -266,18 +270,19 @@ def _along(model, driven, t, x, xd, near, u):
 
 
 @jit_beside_options
-def _observe(model, driven, t, x, xd, near, u):
+def _observe(model, driven, t, x, xd, near, u, levels):
     topology, parameters = model.topology, model.parameters
     undriven = coordinates_form(topology, parameters, driven)
+    chain = None if levels is None else chain_form(model, driven, levels)
     gravity = parameters.loads.gravity
 
     def one(at):
         t, x, xd, near, u = at
         form = under_inputs(model, undriven, u)
         state = form.state_of(x, xd, near)
-        z, _ = form.acceleration(t, state)
-        kin, sigma, force, whole = form.forces(t, state, z)
-        mass = mass_matrix(topology, parameters, whole.x)
+        balance = form if chain is None else chain
+        z, _ = balance.acceleration(t, state)
+        kin, sigma, force, whole = balance.forces(t, state, z)
         drive = form.drive(t)
         moving = whole.x - parameters.reference
         constant = parameters.loads.force
@@ -286,7 +291,8 @@ def _observe(model, driven, t, x, xd, near, u):
             potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
         stored = strain_of(topology, parameters, drive.loads, kin.e)
         # Stress that comes of stored energy, and that energy.
-        conservative, elastic = form.S @ stored, 0.5 * stored @ form.S @ stored
+        conservative = (undriven if chain is None else chain).elastic_stress(stored)
+        elastic = 0.5 * stored @ conservative
         if is_nonlinear(topology):
             energy, stress = jax.value_and_grad(lambda e: nonlinear_energy(topology, parameters, e))(stored)
             conservative, elastic = conservative + stress, elastic + energy
@@ -304,7 +310,7 @@ def _observe(model, driven, t, x, xd, near, u):
                 return free_deformations(topology, parameters, form.drive(t).loads)
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
-        kinetic = 0.5 * whole.v @ mass @ whole.v
+        kinetic = kinetic_energy(topology, parameters, whole.x, whole.v)
         seen = whole.x, whole.v, whole.a, kin.e, kin.ed, sigma, reactions, applied + reactions
         return Observed(*seen, kinetic, elastic, potential, power, model.labels)
 

@@ -22,6 +22,7 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
+from .chain_levels import LARGE, WIDE, Levels, is_elastic, levels_of, obstacle
 from .controllers import Sampled
 from .drives_by_name import Drives, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
@@ -46,7 +47,7 @@ class Keywords(TypedDict, total=False):
     jumps: ArrayLike | None
     control: Any
     reference: Callable | None
-    form: Literal["coordinates", "reduced"]
+    form: Literal["coordinates", "reduced", "chain"] | None
     rtol: float
     atol: float | None
     solver: diffrax.AbstractSolver | None
@@ -135,7 +136,7 @@ def simulate(
         warn_of_increment(model, "simulate")
     driven = driven_by(model, drives)
     jumps = jump_times(drives, driven)
-    name = "Rodas5P" if integrator.solver is None else type(integrator.solver).__name__
+    given_solver = integrator.solver
     integrator = integrator.checked(controlled=loop.control is not None, jumps=jumps is not None)
     start = _initial(model, initial)
     if progress and not is_concrete((model, times, start, drives.loads)):
@@ -143,7 +144,8 @@ def simulate(
     feedback = as_feedback(model, loop)
     # No number of the program where no rotation in space is measured.
     rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
-    problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None)
+    integrator, levels = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
+    problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None, levels)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
     none = jnp.zeros(len(model.labels.inputs))
@@ -168,10 +170,31 @@ def simulate(
     elif progress:
         left = ((0, len(times) - reached), (0, 0))
         x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
-    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, integrator.form, name)
+    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if levels is None else "Radau"
+    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, str(integrator.form), name)
     failing = throw and not stopped and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass
     check(found.result, throw and not stopped, without_mass(model) if failing else "")
     return found
+
+
+def _in_its_form(integrator: Integrator, model: Model, driven, feedback, numbers) -> tuple[Integrator, Levels | None]:
+    """The integrator with the form that is taken, and the order of the unknowns where it is that of chains."""
+    if integrator.form not in (None, "chain"):
+        return integrator, None
+    asked, top = integrator.form == "chain", model.topology
+    why = obstacle(top, driven)
+    if why is None and not is_concrete((model, driven, numbers, integrator)):
+        why = "its numbers are traced (jax.jit, jax.grad, jax.vmap)"
+    if asked and why is not None:
+        raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
+    if why is None and not asked:
+        own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)
+        if top.x.free.shape[0] < LARGE or not is_elastic(top) or any(one is not None for one in own):
+            why = "another form serves"
+    levels = levels_of(top) if why is None else None
+    if levels is not None and not asked and levels.place.shape[0] > WIDE:
+        levels = None
+    return dataclasses.replace(integrator, form="coordinates" if levels is None else "chain"), levels
 
 
 def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str, Any]) -> Group:

@@ -155,7 +155,10 @@ def _answer(topology: Topology, stiff: Any, rows: Any, right: Any, *, falls: boo
     factors = structure.tangent.factors(structure.bordered(stiff, rows))
     if factors.regular:
         return factors.solve(right, transposed), np.array(RESULTS.successful, np.int32)
-    why = RESULTS.singular_stiffness if structure.independent(rows) else RESULTS.singular_configuration
+    if factors.too_large:
+        why = RESULTS.out_of_memory
+    else:
+        why = RESULTS.singular_stiffness if structure.independent(rows) else RESULTS.singular_configuration
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
 
 
@@ -230,8 +233,9 @@ def _start(topology: Topology, parameters: Parameters) -> _Search:
     free, _, held = unknowns(topology)
     none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
     begin = _Iterate(jnp.asarray(parameters.reference, float), none, none, jnp.zeros(len(held)))
-    numbers = (jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf))
-    return _Search(begin, begin, *numbers, jnp.zeros(len(free)), jnp.array(0.0), zero, zero, zero, jnp.array(False))
+    reached, step, first, before = (jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf))
+    soft = jnp.zeros(len(free)), jnp.array(0.0)
+    return _Search(begin, begin, reached, step, first, before, *soft, zero, zero, zero, jnp.array(False))
 
 
 @jax.custom_jvp
@@ -274,10 +278,10 @@ def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, 
 
 @kernel
 def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
-    """Element matrices of the tangent at a state."""
+    """Element matrices of the tangent at a state, and where they stand in x."""
     sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
-    found = pieces_at(topology, parameters, factors, at.x, near, sigma, near)[0]
-    return found.stiff, found.rows
+    found, of_rows, of_stiff, _ = pieces_at(topology, parameters, factors, at.x, near, sigma, near)
+    return found.stiff, found.rows, of_stiff, of_rows
 
 
 @_balanced.defjvp
@@ -285,25 +289,26 @@ def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
     solved = _balanced(topology, parameters, factors)
     near = deformations(topology, parameters, solved.x, zero_near(topology))
-    free, fast, _ = unknowns(topology)
+    free, fast, held = unknowns(topology)
 
     def equations(parameters, factors):
         return _residual(topology, parameters, factors, near, solved)
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    stiff, rows = jax.lax.stop_gradient(_tangent(topology, parameters, factors, near, solved))
+    stiff, rows, of_stiff, of_rows = _tangent(topology, parameters, factors, near, solved)
+    n = free.shape[0]
 
     def matvec(z):
-        def along(x, multipliers):
-            return _residual(topology, parameters, factors, near, Balanced(x, multipliers))
-
-        direction = put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), z[free.shape[0] :]
-        return jax.jvp(along, solved[:2], direction)[1]
+        # As products of element matrices: JAX traces and transposes them for each derivative.
+        motion, multipliers = put(jnp.zeros(topology.n_x), free, z[:n]), put(jnp.zeros(topology.n_e), held, z[n:])
+        transposed = [(c, r) for r, c in of_rows], [jnp.swapaxes(d, 1, 2) for d in rows]
+        pulled = _along(topology.n_x, of_stiff, stiff, motion) + _along(topology.n_x, *transposed, multipliers)
+        return jnp.concatenate([pulled[free], _along(topology.n_e, of_rows, rows, motion)[held]])
 
     def solve(transposed: bool):
         how = functools.partial(_traced_answer, falls=falls(parameters), transposed=transposed)
-        return lambda _, right: how(topology, stiff, rows, right)[0]
+        return lambda _, right: how(topology, *jax.lax.stop_gradient((stiff, rows)), right)[0]
 
     z = jax.lax.custom_linear_solve(matvec, -change, solve(False), solve(True))
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)

@@ -132,7 +132,8 @@ PROPERTIES = {
     "y": lambda hint: vectors(3),
     "curvature": lambda hint: CURVATURE if float in typing.get_args(hint) else curvatures(),
 }
-# Properties that an element may be without, which then has other code.
+# Properties that an element may be without, which then has other code. A leaf spring in space is always drawn with all
+# of them: it takes fifteen seconds to compile, and what it is without them it has from the beams.
 OPTIONAL = ("y", "curvature")
 # Few options, since each is compiled; ``whole`` tells whether an element has all that it may have.
 OPTIONS = {
@@ -178,7 +179,7 @@ def apart(element: Element, parts: list[np.ndarray]) -> np.ndarray:
 @st.composite
 def drawn(draw, element: Element) -> Drawn:
     optional = {"second_order", "shear", *OPTIONAL} & {*element.option_names, *element.properties}
-    whole = bool(optional) and draw(st.booleans())
+    whole = bool(optional) and (element is spatial.leaf_spring or draw(st.booleans()))
     for name in element.option_names:
         if name not in OPTIONS:
             pytest.fail(f"Option '{name}' of element '{element.name}' is new: add to OPTIONS how to draw it.")

@@ -60,6 +60,25 @@ def test_matrices_are_those_of_scipy():
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
 
+def test_a_spectral_beam_and_a_law_are_those_of_dense_matrices():
+    """Elements whose stiffness depends on their deformations."""
+
+    def model(check):
+        b = fm.Builder()
+        for name, x in (("a", 0.0), ("b", 0.1), ("c", 0.2)):
+            b.node(name, (x, 0.0))
+        section = fm.Rectangle(0.01, 1e-3, STEEL)
+        b.add(planar.spectral_beam, "a", "b", name="ab", section=section)
+        b.add(planar.beam, "b", "c", section=section)
+        b.fix("a")
+        b.mass("c", 0.05)
+        b.force("c", (0.0, 0.5))
+        return b.build(check=check)
+
+    wanted, found = (fm.modes(model(check), count=3, **how) for check, how in ((True, {}), (False, {"sparse": True})))
+    np.testing.assert_allclose(found.eigenvalues, wanted.eigenvalues, rtol=1e-7)
+
+
 def test_derivatives_are_those_of_central_differences():
     def answers(thickness):
         large = fm.linearize(bent(thickness), sparse=True)
@@ -124,6 +143,14 @@ def test_what_is_chosen_and_refused():
         large.K0  # noqa: B018
     with pytest.raises(ValueError, match="does not go with at="):
         fm.stress(bent(), at=large, sparse=True)
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 0.001, STEEL))
+    b.fix("a")
+    b.force("b", (0, 1.0), follower=True)
+    with pytest.raises(fm.ModelError, match="needs a potential"):
+        fm.modes(b.build(check=False), count=1, sparse=True)
     b = fm.Builder()
     b.node("a", (0, 0))
     b.node("b", (1, 0))

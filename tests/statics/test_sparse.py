@@ -3,9 +3,12 @@
 import jax
 import numpy as np
 import pytest
+import scipy.sparse
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.math.sparse import SparseFactors
+from flexmb.statics import sparse_structure
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
 
@@ -178,6 +181,25 @@ def test_derivatives_under_jit_are_those_of_central_differences():
         assert float(found[i]) == pytest.approx(difference, rel=1e-6)
 
 
+def test_sweep_and_tune_against_the_closed_form():
+    def cantilever(EI):
+        b = fm.Builder()
+        b.node("a", (0, 0))
+        b.node("b", (0.3, 0))
+        b.add(planar.beam, "a", "b", section=fm.Rigidity(EA=1e5, EIy=EI))
+        b.fix("a")
+        b.force("b", (0, 1e-6))
+        return b.build(check=False)
+
+    answers = {"tip": lambda model: fm.equilibrium(model, sparse=True).at("b")[1]}
+    designs = np.array([0.5, 1.0, 2.0])
+    found = fm.sweep(cantilever, answers, {"EI": designs})
+    # F L^3 / (3 EI); large deflections add the square of the tip's angle, 1e-14.
+    np.testing.assert_allclose(found["tip"], 1e-6 * 0.3**3 / (3 * designs), rtol=1e-9)
+    tuned = fm.tune(cantilever, answers, {"EI": 1.0}, {"EI": (0.2, 5.0)}, targets={"tip": 6e-9})
+    assert float(tuned.dimensions["EI"]) == pytest.approx(1.5, rel=1e-4)
+
+
 def test_moments_about_fixed_axes():
     b = fm.Builder()
     b.node("a", (0, 0, 0))
@@ -204,6 +226,30 @@ def test_a_failure_is_a_code_where_it_is_not_raised():
     b.fix("n0")
     with pytest.raises(fm.AnalysisError, match="do not determine the configuration"):
         fm.equilibrium(b.build(check=False), sparse=True)
+
+
+def test_memory_that_does_not_suffice_is_named(monkeypatch):
+    def full(*_, **__):
+        raise MemoryError
+
+    model = arm().build(check=False)
+    monkeypatch.setattr("scipy.sparse.linalg.splu", full)
+    monkeypatch.setattr("flexmb.statics.sparse_structure._known", type(sparse_structure._known)())
+    with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
+        fm.equilibrium(model, sparse=True)
+
+
+def test_small_pivots_on_the_diagonal():
+    """Rows change places where pivots on the diagonal would spoil the solution: NumPy's answer for a dense matrix."""
+    rng = np.random.default_rng(7)
+    matrix = rng.standard_normal((30, 30))
+    matrix[np.arange(30), np.arange(30)] = 1e-7 * rng.standard_normal(30)
+    factors = SparseFactors(scipy.sparse.csc_array(matrix))
+    right = rng.standard_normal(30)
+    assert factors.regular
+    for transposed, whole in ((False, matrix), (True, matrix.T)):
+        np.testing.assert_allclose(factors.solve(right, transposed), np.linalg.solve(whole, right), rtol=1e-9)
+    assert not SparseFactors(scipy.sparse.csc_array(np.ones((3, 3)))).regular
 
 
 def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):

@@ -1,0 +1,100 @@
+"""Error against time of the motion of chains of many beams, beside Exudyn: soft pendulums of 16 to 1000 beams.
+
+Both packages take as many beams, and what is compared is the error of time steps and beams together, against few
+spectral beams that many terms describe. Exudyn's Newton method needs a wide tolerance from some hundred beams on.
+Times are those of the processor, of all threads, so that other work on the machine counts little.
+
+    python -m benchmarks chains
+"""
+
+import functools
+import time
+
+SIZES = (16, 64, 256, 1000)
+TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
+STEPS = (250, 500, 1000, 2000)
+RUNS = 3
+
+
+def tip(model, beams: int, rtol: float):
+    """Tip of flexmb's chain at the end [m].
+
+    Args:
+        model: Chain.
+        beams: Number of them.
+        rtol: Of the steps.
+    """
+    import numpy as np
+    from swing import END
+
+    import flexmb as fm
+
+    return np.asarray(fm.simulate(model, [0.0, END], rtol=rtol, form="chain").at(f"n{beams}"))[-1]
+
+
+def of_exudyn(beams: int, steps: int):
+    """A function that gives the tip of Exudyn's chain at the end [m].
+
+    Args:
+        beams: Cables.
+        steps: Time steps.
+    """
+    import peer_exudyn
+    from swing import BENDING, END, GRAVITY, LENGTH, MASS, STRETCHING
+
+    tolerance = 1e-8 if beams <= 64 else 1e-4
+    sizes = (LENGTH, MASS, BENDING, STRETCHING, GRAVITY)
+    return peer_exudyn.pendulum(*sizes, beams, END, steps, tolerance)
+
+
+def processor_time(call) -> tuple[float, float]:
+    """Least and median time of the processor of a few calls [s].
+
+    Args:
+        call: What is timed.
+    """
+    import statistics
+
+    spent = []
+    for _ in range(RUNS):
+        begin = time.process_time()
+        call()
+        spent.append(time.process_time() - begin)
+    return min(spent), statistics.median(spent)
+
+
+def main() -> None:
+    """Compute, time, print, save and draw."""
+    import numpy as np
+    import peer_exudyn
+    from record import PACKAGES, chart, save
+    from swing import END, pendulum
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    fm.enable_cache()
+    exact = np.asarray(fm.simulate(pendulum(4, 5), [0.0, END], rtol=1e-9).at("n4"))[-1]
+    with_peer = peer_exudyn.installed()
+    found, timed = {}, {}
+    for beams in SIZES:
+        model = pendulum(beams)
+        calls = {f"flexmb, {beams} beams: {rtol:g}": functools.partial(tip, model, beams, rtol) for rtol in TOLERANCES}
+        if with_peer:
+            calls |= {f"Exudyn, {beams} cables: {steps}": of_exudyn(beams, steps) for steps in STEPS}
+        for name, call in calls.items():
+            try:
+                error = float(np.linalg.norm(call() - exact))
+            except Exception as fault:  # Its own error class, and others.
+                print(f"{name}: {str(fault).splitlines()[0]}")
+                continue
+            least, median = processor_time(call)
+            found[name], timed[name] = {"error": error}, {"min": least, "median": median, "max": median}
+            print(f"{name:<40} error {error:.1e}, {least:7.3f} s", flush=True)
+    save("chains", {"found": found, "times": timed}, (*PACKAGES, "diffrax", *(("exudyn",) if with_peer else ())))
+    title = "Soft pendulums of 16 to 1000 beams, 1 s"
+    chart("chains", found, timed, title, "time of the processor", "error of the tip at the end, over the length")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,285 @@
+"""Motion of long chains: all nodal coordinates and multipliers, with matrices that are block tridiagonal.
+
+Nothing here is of the size of the mechanism squared: elements are computed and kept element by element, and their
+matrices are added up into the blocks of :mod:`flexmb.motion.chain_levels`.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit_beside_options
+from ..compilation.record import Record
+from ..math.block_tridiagonal import BlockFactors, factorise_blocks
+from ..math.indices import put
+from ..mechanics.blocks import scatter_vector
+from ..mechanics.stress_resultants import stiffness_pieces, strain_of
+from ..model.model import Model
+from .chain_levels import Levels
+from .coordinates_form import REDUNDANT, CoordinatesForm, Whole, coordinates_form
+from .drive import Driven
+from .element_forces import Kinematics, Moving, acting_forces, deformed_elements, derivatives_of_elements, strained
+from .protocol import MotionState, WholeMotion
+
+
+class Pieces(NamedTuple):
+    """Derivatives of the residual, element by element; coordinates of elements come before their held deformations.
+
+    Attributes:
+        by_z: Of each block, (elements, k, k).
+        by_w: (elements, k, k).
+        by_u: (elements, k, k).
+    """
+
+    by_z: tuple[Float[Array, "elements k k"], ...]
+    by_w: tuple[Float[Array, "elements k k"], ...]
+    by_u: tuple[Float[Array, "elements k k"], ...]
+
+
+class ChainForm(Record):
+    """Equations of motion of a chain, as :class:`flexmb.motion.coordinates_form.CoordinatesForm` has them.
+
+    Attributes:
+        form: The same equations; of it nothing is used that is of the size of the mechanism squared.
+        levels: Order of the unknowns.
+        stiffness: Of each block of elements that deforms, (elements, d, d), or None.
+        damping: The same for the rates.
+    """
+
+    form: CoordinatesForm
+    levels: Levels
+    stiffness: tuple[Float[Array, "elements d d"] | None, ...]
+    damping: tuple[Float[Array, "elements d d"] | None, ...]
+
+    @property
+    def states(self) -> int:
+        """Number of states of a controller: none."""
+        return 0
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates that move."""
+        return self.form.size
+
+    def state_of(self, x, xd, near) -> MotionState:
+        """State of nodal coordinates."""
+        return self.form.state_of(x, xd, near)
+
+    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+        """Coordinates, velocities and deformations of a state; no inputs."""
+        return self.form.whole_motion(t, state)
+
+    def stress_of(self, t, multipliers):
+        """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
+        form = self.form
+        drive = form.drive(t)
+
+        def stress(e, ed):
+            strain = strain_of(form.topology, form.parameters, drive.loads, e)
+            pieces = self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)
+            sigma = scatter_vector(e.shape[0], pieces)
+            for more in (drive.loads.prestress, drive.stress):
+                sigma = sigma if more is None else sigma + more
+            return put(sigma, form.held, multipliers)
+
+        return stress
+
+    def _pulled(self, matrices, of):
+        every = zip(self.form.elements, matrices, strict=True)
+        return [(b.e, jnp.sum(own * of[b.e][:, None, :], axis=2)) for b, own in every if own is not None]
+
+    def elastic_stress(self, strain):
+        """Stress resultants of elements of constant stiffness, (n_e,) [N, N m], at strains (n_e,) [m, rad]."""
+        return scatter_vector(strain.shape[0], self._pulled(self.stiffness, strain))
+
+    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
+        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
+        form, n = self.form, self.size
+        at = form.whole(t, state.u, state.w, z[:n])
+        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
+        acting = acting_forces(form.elements, moving, form.falling, self.stress_of(t, z[n:]))
+        return acting.kinematics, acting.sigma, acting.force - form.applied(t, at.x), at
+
+    def residual(self, t, state: MotionState, z):
+        """Forces out of balance at the coordinates that move [N, N m], second rates of the held deformations.
+
+        Source:
+            THEORY.md 5 and 9 (b), eq. (9.1).
+        """
+        form = self.form
+        kin, _, force, at = self.forces(t, state, z)
+        return jnp.concatenate([force[form.free] * form.sizes, kin.edd[form.held] - at.edd])
+
+    def pieces(self, t, state: MotionState, z) -> Pieces:
+        """Derivatives of the residual, element by element.
+
+        Source:
+            Derivative of :meth:`residual` (THEORY.md 6).
+        """
+        form, n = self.form, self.size
+        at = form.whole(t, state.u, state.w, z[:n])
+        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
+        stress = self.stress_of(t, z[n:])
+        # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
+        loose = put(jnp.ones(form.topology.n_e), form.held, 0.0)
+        tangents = [
+            tuple(
+                None if of is None else of * loose[block.e][:, :, None]
+                for of, block in zip(matrices, form.elements, strict=True)
+            )
+            for matrices in (self.stiffness, self.damping)
+        ]
+        found = derivatives_of_elements(form.elements, moving, form.falling, stress, *tangents)
+        sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
+        every = []
+        for block, holds, own in zip(form.elements, self.levels.holds, found, strict=True):
+            size = sizes[block.x]
+            both = size[:, :, None] * size[:, None, :]
+            by_z, by_w, by_u = (both * of for of in (own.mass, own.by_v, own.by_x))
+            if holds:
+                rows: Any = (own.e, own.ed, own.edd)
+                e, ed, edd = (of * size[:, None, :] for of in rows)
+                by_z = self._bordered(by_z, e, e.mT, self._corner(block, e))
+                by_w, by_u = self._bordered(by_w, 2 * ed), self._bordered(by_u, edd)
+            every.append((by_z, by_w, by_u))
+        return Pieces(*(tuple(of) for of in zip(*every, strict=True)))
+
+    def _corner(self, block, rows):
+        """What keeps redundant constraints solvable; see :meth:`CoordinatesForm.system`."""
+        mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
+        return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
+
+    @staticmethod
+    def _bordered(square, rows, columns=None, corner=None):
+        count, d, _ = rows.shape
+        columns = jnp.zeros_like(rows.mT) if columns is None else columns
+        corner = jnp.zeros((count, d, d)) if corner is None else corner
+        upper, lower = (jnp.concatenate(pair, axis=2) for pair in ((square, columns), (rows, corner)))
+        return jnp.concatenate([upper, lower], axis=1)
+
+    def factors(self, pieces: tuple[Array, ...], diagonal=None) -> BlockFactors:
+        """Factors of the sum of element matrices.
+
+        Args:
+            pieces: Of each block, (elements, k, k).
+            diagonal: Added at the unknowns, (unknowns,).
+        """
+        levels = self.levels
+        entries = jnp.concatenate([*(of.reshape(-1) for of in pieces), jnp.zeros(1, pieces[0].dtype)])
+        lower, middle, upper = jnp.sum(entries[levels.table], axis=-1)
+        middle = middle + levels.empty.astype(middle.dtype)
+        if diagonal is not None:
+            more = jnp.append(diagonal, 0.0)[levels.place]
+            middle = middle + jnp.eye(more.shape[0])[:, :, None] * more
+        return factorise_blocks(lower, middle, upper)
+
+    def factors_of_step(self, pieces: Pieces, step) -> BlockFactors:
+        """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
+
+        def of_step(z, w, u):
+            return z.astype(step.dtype) + step * (w.astype(step.dtype) + step * u.astype(step.dtype))
+
+        return self.factors(tuple(map(of_step, *pieces)))
+
+    def solved(self, factors: BlockFactors, right):
+        """Solution by factors, in the order of the unknowns."""
+        levels = self.levels
+        blocks = jnp.append(right, jnp.zeros((), right.dtype))[levels.place]
+        return factors.solve(blocks).reshape(-1)[levels.back]
+
+    def product(self, pieces: tuple[Array, ...], moved):
+        """Product of the sum of element matrices with a change of the coordinates that move, (unknowns,)."""
+        held, found = self.form.held.shape[0], []
+        whole = jnp.append(moved, jnp.zeros(held + 1))
+        for unknowns, matrices in zip(self.levels.unknowns, pieces, strict=True):
+            found.append((unknowns, jnp.sum(matrices * whole[unknowns][:, None, :], axis=2)))
+        return scatter_vector(whole.shape[0], found)[:-1]
+
+    @jit_beside_options
+    def acceleration(self, t, state: MotionState):
+        """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
+
+        Source:
+            THEORY.md 9 (b), eq. (9.2).
+        """
+        z = jnp.zeros(self.size + self.form.held.shape[0])
+        factors = self.factors(self.pieces(t, state, z).by_z)
+        before = self.residual(t, state, z)
+        z = z - self.solved(factors, before)
+        after = self.residual(t, state, z)
+        # What is left of a singular system is no round-off.
+        regular = jnp.all(jnp.isfinite(z)) & (jnp.max(jnp.abs(after)) <= 1e-6 * jnp.max(jnp.abs(before)))
+        return z - self.solved(factors, after), regular | (jnp.max(jnp.abs(before)) == 0.0)
+
+    def rate_of_memory(self, t, state: MotionState, z):
+        """How the memory changes: no turns are counted."""
+        return state.memory
+
+    def gap(self, t, state: MotionState):
+        """Held deformations less what they are held at, (m,) [m, rad]."""
+        return self.form.gap(t, state)
+
+    @jit_beside_options
+    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+        """Positions and velocities brought back onto the constraints, by the masses of the undeformed shape.
+
+        Source:
+            THEORY.md 9, eq. (9.3).
+        """
+        form, n = self.form, self.size
+        if not form.held.shape[0]:
+            return state
+        sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
+        masses = jnp.append(1 / form.mobility, jnp.zeros(form.held.shape[0]))
+
+        def corrected(_, moving):
+            at = form.whole(t, moving[0], moving[1], jnp.zeros(n))
+            found = deformed_elements(form.elements, at.x, form.near(state.memory))
+            pieces, rates = [], []
+            for block, holds, own in zip(form.elements, self.levels.holds, found, strict=True):
+                k = block.x.shape[1]
+                square = jnp.zeros((block.x.shape[0], k, k))
+                if own is not None:
+                    rates.append((block.e, jnp.sum(own[1] * at.v[block.x][:, None, :], axis=2)))
+                if own is not None and holds:
+                    rows = own[1] * sizes[block.x][:, None, :]
+                    square = self._bordered(square, rows, rows.mT, self._corner(block, rows))
+                pieces.append(square)
+            e = strained(form.elements, at.x, form.near(state.memory))
+            ed = scatter_vector(e.shape[0], rates)
+            factors = self.factors(tuple(pieces), masses)
+            zero = jnp.zeros(n)
+            excess = (e[form.held] - at.e, ed[form.held] - at.ed)
+            return tuple(
+                of - self.solved(factors, jnp.append(zero, gone))[:n] for of, gone in zip(moving, excess, strict=True)
+            )
+
+        # The second time removes what the first left, which is of second order.
+        u, w = jax.lax.fori_loop(0, 2, corrected, (state.u, state.w))
+        return MotionState(u, w, state.memory)
+
+
+def chain_form(model: Model, driven: tuple[Driven, ...], levels: Levels) -> ChainForm:
+    """Equations of motion of a chain.
+
+    Args:
+        levels: Order of its unknowns.
+
+    Returns:
+        ChainForm.
+    """
+    topology, parameters = model.topology, model.parameters
+    form = coordinates_form(topology, parameters, driven)
+
+    def of_blocks(companion: str) -> tuple[Any, ...]:
+        pieces = iter(stiffness_pieces(topology, parameters, companion))
+        found = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
+        moving = [
+            ("deformation" in block.companions and block.e.shape[1]) or "inertia" in block.companions
+            for block in topology.blocks
+        ]
+        return tuple(own for own, moves in zip(found, moving, strict=True) if moves)
+
+    return ChainForm(form, levels, of_blocks("stiffness"), of_blocks("damping"))

@@ -1,0 +1,175 @@
+"""The order of a chain: which unknowns of its motion follow on which, so that elements join neighbours alone."""
+
+import functools
+from collections import deque
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..compilation.record import Record, static
+from ..math.block_tridiagonal import rounds_of
+from ..mechanics.stress_resultants import is_nonlinear
+from ..model.topology import Topology
+from .drive import MOMENTS, Driven
+
+# By itself the form of chains is chosen from so many coordinates that move on, and where levels have at most so many
+# unknowns (measured, benchmarks/chains.py).
+LARGE, WIDE = 150, 16
+
+
+class Levels(Record):
+    """Unknowns, accelerations and multipliers, in levels: an element joins unknowns of one level or of two neighbours.
+
+    Attributes:
+        place: Number of the unknown in each place of each level, one past the last where there is none, (b, count).
+        back: Place of each unknown among those of ``place``, flattened, (unknowns,).
+        table: Which entries of the element matrices, one after the other, make up each entry of the lower, diagonal and
+            upper blocks; one past the last for none, (3, b, b, count, most).
+        empty: Ones on the diagonal of places without an unknown, (b, b, count).
+        unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
+        holds: Whether deformations of each such block are held.
+    """
+
+    place: Int[Array, "b count"]
+    back: Int[Array, "unknowns"]
+    table: Int[Array, "three b b count most"]
+    empty: Float[Array, "b b count"]
+    unknowns: tuple[Int[Array, "elements k"], ...]
+    holds: tuple[bool, ...] = static()
+
+
+def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
+    """What of a mechanism the form of chains does not cover, as a sentence, or None."""
+    if is_nonlinear(topology):
+        return "an element states an energy, a dissipation or a law of its own"
+    if topology.counts_turns:
+        return "an element counts the turns of an angle"
+    for block in topology.blocks:
+        if block.element.force is not None:
+            return f"'{block.element.name}' is a load that follows the motion"
+        if "deformation" not in block.companions and not {"stiffness", "damping"}.isdisjoint(block.companions):
+            return f"stiffness and deformations of '{block.element.name}' are computed apart"
+    if any(one.quantity in MOMENTS for one in driven):
+        return "a moment in space depends on time"
+    return None
+
+
+def is_elastic(topology: Topology) -> bool:
+    """Whether no deformation is held but norms of Euler parameters: such systems need no exchange of rows."""
+    held = np.zeros(topology.n_e, bool)
+    held[np.asarray(topology.e.held)] = True
+    return all(block.x.shape[1] <= 4 or not np.any(held[np.asarray(block.e)]) for block in topology.blocks)
+
+
+def levels_of(topology: Topology) -> Levels:
+    """Levels of a mechanism, on the host; found once for equal structures."""
+    blocks = [
+        (np.asarray(block.x), np.asarray(block.e) if "deformation" in block.companions else np.asarray(block.e)[:, :0])
+        for block in topology.blocks
+        if ("deformation" in block.companions and block.e.shape[1]) or "inertia" in block.companions
+    ]
+    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    arrays = [free, held, *(array for pair in blocks for array in pair)]
+    key = tuple((array.shape, array.astype(np.int64).tobytes()) for array in arrays)
+    return _levels(key, topology.n_x, topology.n_e)
+
+
+@functools.lru_cache(8)
+def _levels(key, n_x: int, n_e: int) -> Levels:
+    free, held, *rest = (np.frombuffer(data, np.int64).reshape(shape) for shape, data in key)
+    n, count = len(free), len(free) + len(held)
+    of_x, of_e = np.full(n_x, count), np.full(n_e, count)
+    of_x[free], of_e[held] = np.arange(n), n + np.arange(len(held))
+    unknowns, holds = [], []
+    for x, e in zip(rest[::2], rest[1::2], strict=True):
+        own = of_e[e]
+        holds.append(bool(np.any(own < count)))
+        unknowns.append(np.concatenate([of_x[x], own], axis=1) if holds[-1] else of_x[x])
+    elements = [row[row < count] for rows in unknowns for row in rows]
+    level = _level_of_each(elements, n, count)
+    order = np.argsort(level, kind="stable")
+    sizes = np.bincount(level)
+    wide, many = int(np.max(sizes)), rounds_of(len(sizes))[1]
+    within = np.empty(count, int)
+    within[order] = np.arange(count) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    place = np.full((wide, many), count)
+    place[within, level] = np.arange(count)
+    table = _table(unknowns, np.append(level, -9), np.append(within, 0), wide, many, count)
+    empty = np.eye(wide)[:, :, None] * (place == count)
+    back = within * many + level
+    return Levels(
+        *(jnp.asarray(place), jnp.asarray(back), jnp.asarray(table), jnp.asarray(empty)),
+        tuple(jnp.asarray(u) for u in unknowns),
+        tuple(holds),
+    )
+
+
+def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:
+    """Level of each unknown: steps from one end, counted over elements; multipliers lie with the last they act on."""
+    groups = [own[own < n] for own in elements]
+    groups = [own for own in groups if len(own)]
+    # Elements between others' nodes, such as masses and norms, say nothing about the order.
+    largest: dict[int, int] = {}
+    for own in groups:
+        for i in own:
+            largest[i] = max(largest.get(i, 0), len(own))
+    joined: list[list[int]] = [[] for _ in range(n)]
+    wide = [own for own in groups if len(own) >= min(largest[i] for i in own)]
+    for number, own in enumerate(wide):
+        for i in own:
+            joined[i].append(number)
+    # Unknowns of the same elements are one.
+    alike: dict[tuple[int, ...], int] = {}
+    node = np.array([alike.setdefault(tuple(numbers) or (-1 - i,), len(alike)) for i, numbers in enumerate(joined)])
+    members = [sorted(set(node[own].tolist())) for own in wide]
+    near: list[set[int]] = [set() for _ in range(len(alike))]
+    for own in members:
+        for i in own:
+            near[i].update(own)
+    found = np.full(len(alike), -1)
+    ends = sorted(range(len(alike)), key=lambda i: len(near[i]))
+    base = 0
+    for start in ends:
+        if found[start] < 0:
+            # From the far end of what is reached first.
+            reached = _steps(near, start)
+            reached = _steps(near, max(reached, key=lambda i: (reached[i], -len(near[i]))))
+            for i, steps in reached.items():
+                found[i] = base + steps
+            base = int(np.max(found)) + 1
+    level = np.zeros(count, int)
+    level[:n] = found[node]
+    for own in elements:
+        coordinates = own[own < n]
+        level[own[own >= n]] = np.max(level[coordinates], initial=0)
+    return level
+
+
+def _steps(near: list[set[int]], start: int) -> dict[int, int]:
+    reached, queue = {start: 0}, deque([start])
+    while queue:
+        i = queue.popleft()
+        for j in near[i]:
+            if j not in reached:
+                reached[j] = reached[i] + 1
+                queue.append(j)
+    return reached
+
+
+def _table(unknowns, level, within, wide: int, many: int, count: int):
+    """Entries of the element matrices that belong to each entry of the blocks."""
+    rows = np.concatenate([np.repeat(u, u.shape[1], axis=1).ravel() for u in unknowns])
+    columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknowns])
+    kept = np.flatnonzero((rows < count) & (columns < count))
+    i, j = rows[kept], columns[kept]
+    # An element that joined levels further apart would be refused here.
+    places = (level[j] - level[i] + 1, within[i], within[j], level[i])
+    slot = np.asarray(np.ravel_multi_index(places, (3, wide, wide, many)))
+    order = np.argsort(slot, kind="stable")
+    slot, kept = slot[order], kept[order]
+    numbers = np.bincount(slot, minlength=3 * wide * wide * many)
+    first = np.cumsum(numbers) - numbers
+    table = np.full((len(numbers), int(np.max(numbers))), len(rows))
+    table[slot, np.arange(len(slot)) - first[slot]] = kept
+    return table.reshape(3, wide, wide, many, -1)

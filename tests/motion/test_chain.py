@@ -1,0 +1,113 @@
+"""Motion in the form of chains, against the dense form, whose answers other tests compare with references."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.motion.chain_levels import levels_of
+
+TIMES = np.linspace(0.0, 0.1, 6)
+SECTION = fm.Rigidity(EA=1e4, EIy=1.0, EIz=1.3, GIt=0.8, mass=1.0, Jx=1e-3, Jy=5e-4, Jz=5e-4)
+
+
+def foot(t):
+    """Motion of the foot [m]."""
+    return 0.05 * (1 - jnp.cos(20 * t))
+
+
+def pendulum(beams: int):
+    """Planar beams on a foot that is driven up and down; every second one keeps its length."""
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (i / beams, 0.0))
+    for i in range(beams):
+        released = [2, 3] if i % 2 else None
+        own = {"section": SECTION, "damping": fm.Damping(EA=1.0, EIy=1e-2)}
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"rod {i + 1}", released=released, **own)
+    b.fix("n0", "x")
+    b.prescribe("n0", "y")
+    b.mass(f"n{beams}", 0.2)
+    b.gravity((0.0, -9.81))
+    return b.build()
+
+
+def arm(beams: int):
+    """Spatial beams from a clamp."""
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (i / beams, 0.0, 0.0))
+    for i in range(beams):
+        b.add(spatial.beam, f"n{i}", f"n{i + 1}", name=f"rod {i + 1}", section=SECTION, y=(0, 1, 0))
+    b.fix("n0")
+    b.force(f"n{beams}", (0.0, 1.0, 0.7))
+    return b.build()
+
+
+@pytest.mark.parametrize("plane", [True, False])
+def test_motion_and_what_follows_from_it_are_those_of_the_dense_form(plane):
+    drives = {"motion": {"n0.y": foot}} if plane else {}
+    model = pendulum(4) if plane else arm(3)
+    dense = fm.simulate(model, TIMES, rtol=1e-8, **drives)
+    chain = fm.simulate(model, TIMES, rtol=1e-7, form="chain", **drives)
+    assert (chain.form, chain.solver) == ("chain", "Radau")
+    np.testing.assert_allclose(chain.x, dense.x, atol=1e-7)
+    np.testing.assert_allclose(chain.xd, dense.xd, atol=1e-5)
+    seen, wanted = chain.observe(), dense.observe()
+    for name, tolerance in (("reactions", 1e-2), ("sigma", 1e-2), ("kinetic", 1e-6), ("elastic", 1e-5)):
+        np.testing.assert_allclose(getattr(seen, name), getattr(wanted, name), atol=tolerance, err_msg=name)
+    np.testing.assert_allclose(seen.potential, wanted.potential, atol=1e-6)
+    np.testing.assert_allclose(seen.power, wanted.power, atol=1e-2)
+
+
+def test_elements_join_neighbouring_levels_alone():
+    levels = levels_of(arm(5).topology)
+    place = np.asarray(levels.place)
+    count = len(levels.back)
+    # Three of position and four Euler parameters with the multiplier of their norm.
+    assert place.shape[0] == 8
+    level = np.full(count + 1, -1)
+    for number, column in enumerate(place.T):
+        level[column] = number
+    for unknowns in levels.unknowns:
+        for row in np.asarray(unknowns):
+            assert np.ptp(level[row[row < count]]) <= 1
+    np.testing.assert_array_equal(place.reshape(-1)[np.asarray(levels.back)], np.arange(count))
+
+
+def test_what_the_form_does_not_cover_is_refused_by_name():
+    model = arm(1)
+    with pytest.raises(ValueError, match="leave `solver` out"):
+        fm.simulate(model, TIMES, form="chain", solver=fm.motion.Rodas5P())
+    with pytest.raises(fm.ModelError, match="traced"):
+        jax.jit(lambda t: fm.simulate(model, t, form="chain").x)(TIMES)
+    b = fm.Builder()
+    b.node("p", (0.0, 0.0, 0.0))
+    b.node("q", (1.0, 0.0, 0.0))
+    b.add(spatial.beam, "p", "q", section=SECTION, y=(0, 1, 0))
+    b.fix("p")
+    b.force("q", (0.0, 1.0, 0.0), follower=True)
+    with pytest.raises(fm.ModelError, match="a load that follows"):
+        fm.simulate(b.build(), TIMES, form="chain")
+
+
+def test_many_beams_take_it_by_themselves_and_few_do_not(monkeypatch):
+    model = arm(3)
+    assert fm.simulate(model, TIMES, rtol=1e-8).form == "coordinates"
+    monkeypatch.setattr("flexmb.motion.simulate.LARGE", 10)
+    assert fm.simulate(model, TIMES, rtol=1e-7).form == "chain"
+    # With lengths that are held it is to be asked for.
+    assert fm.simulate(pendulum(4), TIMES, motion={"n0.y": foot}, rtol=1e-8).form == "coordinates"
+
+
+def test_a_motion_without_mass_is_named():
+    b = fm.Builder()
+    b.node("p", (0.0, 0.0))
+    b.node("q", (1.0, 0.0))
+    b.add(planar.beam, "p", "q", section=fm.Rigidity(EA=1e4, EIy=1.0, mass=0.0))
+    b.fix("p")
+    b.force("q", (0.0, 1.0))
+    with pytest.raises(fm.AnalysisError, match="mass matrix is singular"):
+        fm.simulate(b.build(), TIMES, form="chain")
