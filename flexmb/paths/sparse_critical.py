@@ -50,10 +50,11 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
     if not factored.regular:
         shift = SHIFT * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
-    if factored.negative is not None:
+    negative = factored.negative if factored.negative is not None else _by_congruence(tangent, factored, len(sizes))
+    if negative is not None:
         values, start = _nearest(factored, rest, sizes, start, TOLD, shift)
-        return _told(values, start, factored.negative - rest - int(np.sum(values < -shift)))
-    # Values become negative through zero: all negative ones are found where the farthest that are found are positive.
+        return _told(values, start, negative - rest - int(np.sum(values < -shift)))
+    # Values become negative through zero: few are farther than those that are found, where the farthest are positive.
     count = 2 * TOLD
     while 2 * count < every:
         values, start = _nearest(factored, rest, sizes, start, count, shift)
@@ -61,6 +62,31 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
             return _told(values, start, 0)
         count *= 2
     return _told(*_all_of(tangent, sizes), 0)
+
+
+def _by_congruence(tangent: Any, factored: SparseFactors, n: int) -> int | None:
+    """Number of negative eigenvalues of a tangent with constraints, whose rows change places in its own factors.
+
+    Source:
+        [[K + g D^T D, t D^T], [t D, 0]] is congruent to [[K, D^T], [D, 0]], as adding g/2 D^T times the last rows to
+        the first ones shows, and the same for columns. Coordinates that only constraints hold have a stiffness in it,
+        and with g and t so large all entries are alike. Multipliers are eliminated after all that they constrain.
+    """
+    import scipy.sparse
+
+    order = factored.ordering
+    if order is None or n == tangent.shape[0]:
+        return None
+    stiffness, rows = tangent[:n, :n], tangent[n:, :n]
+    largest, arm = abs(stiffness).max(), abs(rows).max()
+    stiff, even = largest / arm**2 * (rows.T @ rows), largest / arm * rows
+    whole = scipy.sparse.block_array([[stiffness + stiff, even.T], [even, None]]).tocsc()
+    place = np.empty(len(order))
+    place[order] = np.arange(len(order))
+    joined = rows.tocoo()
+    of, columns = joined.coords
+    np.maximum.at(place, n + of, place[columns] + 0.5)
+    return SparseFactors(whole, np.argsort(place, kind="stable")).negative
 
 
 def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:

@@ -28,9 +28,10 @@ class SparsePath(OverLoad, ByName, Result, Record):
         x: Nodal coordinates, (steps, n_x) [m, rad, -].
         e: Deformations, (steps, n_e) [m, rad].
         sigma: Stress resultants; for FIXED deformations the multiplier, (steps, n_e) [N, N m].
-        critical_values: Those eigenvalues of the stiffness, in extents and radians, that are nearest to zero,
-            ascending, (steps, n) [N m].
-        stable: Whether all of them are positive, (steps,).
+        critical_values: Those eigenvalues of the stiffness, in extents and radians, that are nearest to zero, four of
+            them or all, ascending, (steps, n) [N m].
+        negative: How many eigenvalues of the stiffness are negative, those that are not told too, (steps,).
+        stable: Whether all eigenvalues are positive, (steps,).
         critical_points: Limit and bifurcation points in the order of the path.
         result: Code of RESULTS.
         model: The mechanism.
@@ -42,6 +43,7 @@ class SparsePath(OverLoad, ByName, Result, Record):
     e: Float[Array, "steps n_e"]
     sigma: Float[Array, "steps n_e"]
     critical_values: Float[np.ndarray, "steps n"]
+    negative: Int[np.ndarray, "steps"]
     stable: Bool[np.ndarray, "steps"]
     critical_points: tuple[CriticalPoint, ...]
     result: Int[Array, ""]
@@ -80,14 +82,15 @@ def walk_of_sparse(
     points = [s.point for s in walker.steps]
     e = np.stack([point.strained for point in points])
     e[:, equations.held] = np.stack([point.near[equations.held] for point in points])
-    values = np.stack([s.values for s in walker.steps])
+    values, below = np.stack([s.values for s in walker.steps]), np.array([int(s.below) for s in walker.steps])
     found = SparsePath(
         load_factor=jnp.asarray([s.load for s in walker.steps]),
         x=jnp.asarray(np.stack([point.x for point in points])),
         e=jnp.asarray(e),
         sigma=jnp.asarray(np.stack([equations.sigma(walker.ramp, point) for point in points])),
         critical_values=values,
-        stable=np.all(values > 0, axis=1),
+        negative=below + np.sum(values < 0, axis=1),
+        stable=np.all(values > 0, axis=1) & (below == 0),
         critical_points=tuple(walker.critical),
         result=jnp.asarray(int(code), jnp.int32),
         model=model,

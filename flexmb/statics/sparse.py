@@ -233,8 +233,9 @@ def _start(topology: Topology, parameters: Parameters) -> _Search:
     free, _, held = unknowns(topology)
     none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
     begin = _Iterate(jnp.asarray(parameters.reference, float), none, none, jnp.zeros(len(held)))
-    numbers = (jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf))
-    return _Search(begin, begin, *numbers, jnp.zeros(len(free)), jnp.array(0.0), zero, zero, zero, jnp.array(False))
+    reached, step, first, before = (jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf))
+    soft = jnp.zeros(len(free)), jnp.array(0.0)
+    return _Search(begin, begin, reached, step, first, before, *soft, zero, zero, zero, jnp.array(False))
 
 
 @jax.custom_jvp

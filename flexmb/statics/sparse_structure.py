@@ -119,7 +119,7 @@ def structure_of(topology: Topology, falls: bool) -> Structure:
     told.update(repr((falls, *((b.companions, b.x.shape, b.e.shape) for b in topology.blocks))).encode())
     for leaf in jax.tree.leaves(topology):
         told.update(repr(leaf.shape).encode())
-        told.update(np.ascontiguousarray(leaf))
+        told.update(np.asarray(leaf).tobytes())
     key = told.digest()
     structure = _known.pop(key, None) or Structure(topology, falls)
     _known[key] = structure

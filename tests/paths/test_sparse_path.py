@@ -41,6 +41,37 @@ def test_a_path_by_sparse_factors_is_that_of_dense_matrices(case):
         np.testing.assert_allclose(one.phi, other.phi, atol=1e-6)
 
 
+def frame(bays, floors, load, sparse, **options):
+    """Storeys of columns and beams, pressed from above: columns sway together and against each other."""
+    b = fm.Builder()
+    section = fm.Rigidity(EA=1e4, EIy=(10 / floors) ** 2, mass=1.0)
+    for i in range(bays + 1):
+        for j in range(floors + 1):
+            b.node(f"n{i}_{j}", (i / floors, j / floors))
+    for i in range(bays + 1):
+        for j in range(floors):
+            b.add(planar.beam, f"n{i}_{j}", f"n{i}_{j + 1}", section=section, **options)
+            if i < bays:
+                b.add(planar.beam, f"n{i}_{j + 1}", f"n{i + 1}_{j + 1}", section=section)
+        b.fix(f"n{i}_0")
+        b.force(f"n{i}_{floors}", (0.0, -load))
+    return b.build(check=not sparse)
+
+
+@pytest.mark.parametrize("options", [{}, {"released": (2, 3)}])
+def test_a_frame_loses_its_stiffness_again_and_again(options):
+    # More negative values than the path tells. Their number is that of the pivots; where columns cannot be shortened,
+    # and rows of their constraints change places, of those of a congruent matrix.
+    dense, sparse = (fm.path(frame(3, 5, 1000.0, way, **options), sparse=way) for way in (False, True))
+    assert len(dense.critical_points) > 4
+    assert [p.kind for p in sparse.critical_points] == [p.kind for p in dense.critical_points]
+    for one, other in zip(sparse.critical_points, dense.critical_points, strict=True):
+        assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
+    negative = [np.sum(np.linalg.eigvalsh(k) < 0) for k in np.asarray(dense.K0 + dense.N0 + dense.G0)]
+    np.testing.assert_array_equal(sparse.negative, negative)
+    np.testing.assert_array_equal(sparse.stable, np.array(negative) == 0)
+
+
 @pytest.mark.parametrize("side", [1, -1])
 def test_post_buckling(side):
     # A2, closed form, at a turn of the tip of 40 degrees; cubic beams converge with order two, 1e-2 (1/n)^2 measured.

@@ -1,0 +1,29 @@
+"""Critical values by sparse factors, against all eigenvalues by NumPy."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+
+from flexmb.math.sparse import SparseFactors
+from flexmb.paths.sparse_critical import TOLD, critical_values_of
+
+
+@pytest.mark.parametrize("constraints", [0, 10])
+@pytest.mark.parametrize("softer", [0.0, 0.4, 1.9])
+def test_values_nearest_to_zero_and_number_below(constraints, softer):
+    n = 60
+    stiffness = (2.1 - softer) * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    rows = np.zeros((constraints, n))
+    for i in range(constraints):
+        # One coordinate alone in each, without a stiffness of its own, as the length of Euler parameters.
+        stiffness[6 * i] = stiffness[:, 6 * i] = 0.0
+        rows[i, [6 * i, 6 * i + 3]] = 2.0, 0.5 * (i % 2)
+    tangent = scipy.sparse.csc_array(np.block([[stiffness, rows.T], [rows, np.zeros((constraints, constraints))]]))
+    sizes = 1 + np.arange(n) / n
+    found = critical_values_of(tangent, SparseFactors(tangent), sizes, np.zeros(n))
+    free = scipy.linalg.null_space(rows * sizes) if constraints else np.eye(n)
+    exact = np.linalg.eigvalsh(free.T @ (sizes[:, None] * stiffness * sizes) @ free)
+    nearest = np.sort(exact[np.argsort(np.abs(exact))[:TOLD]])
+    np.testing.assert_allclose(found.values, nearest, rtol=1e-10)
+    assert found.below == np.count_nonzero(exact < 0) - np.count_nonzero(nearest < 0)
