@@ -23,6 +23,7 @@ SCRIPTS = (
     "response",
     "lean",
     "size",
+    "large",
     "designs",
     "batch",
     "large_deflection",

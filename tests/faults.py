@@ -592,7 +592,6 @@ FAULTS = [
         "control/test_loops.py -k refused",
     ),
     Fault("motion/march.py", "at <= m.to)", "at < m.to)", "motion/test_march.py -k states"),
-    Fault("motion/march.py", "jnp.where(keep | ~m.known, taken.z, m.z)", "taken.z", "motion/test_march.py -k states"),
     Fault(
         "motion/controlled_form.py",
         "Constant(u[places.forces[1]])",
@@ -724,7 +723,7 @@ FAULTS = [
         "motion/step_size.py",
         "h * jnp.abs(error.w[:n])",
         "0 * jnp.abs(error.w[:n])",
-        "motion/test_march.py -k states",
+        "motion/test_step_control.py",
     ),
     Fault(
         "motion/reduced_form.py",

@@ -1,5 +1,7 @@
 """Responses and state spaces of large mechanisms by sparse matrices, against dense ones and differences."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -89,7 +91,8 @@ def test_responses_are_those_of_dense_matrices(losses):
 @pytest.mark.filterwarnings("ignore:.*state space of.*:flexmb.FlexmbWarning")
 @pytest.mark.parametrize("kept", [{"modes": 3}, {"modes": [0, 2]}, {"bandwidth": 200.0}])
 def test_state_spaces_are_those_of_dense_matrices(kept):
-    wanted, found = fm.to_statespace(rod(check=True), **kept), fm.to_statespace(rod(), sparse=True, **kept)
+    wanted: Any = fm.to_statespace(rod(check=True), **kept)
+    found: Any = fm.to_statespace(rod(), sparse=True, **kept)
     assert found.state_labels == wanted.state_labels
     one, other = (np.array([system(2j * np.pi * f) for f in HERTZ]) for system in (wanted, found))
     assert np.max(np.abs(one - other) / np.max(np.abs(one), axis=0)) < 1e-8
@@ -102,7 +105,7 @@ def test_derivatives_are_those_of_central_differences():
     def answers(thickness):
         large = fm.linearize(rod(thickness), sparse=True)
         response = fm.frequency_response(large, HERTZ[:2], loss_factor=0.01).response[:, :2]
-        system, _ = fm.state_matrices(large, modes=2)
+        system, _ = fm.control.state_matrices(large, modes=2)
         size = len(system.A)
         at = system.C.astype(complex) @ jnp.linalg.solve(
             100j * np.eye(size) - system.A.astype(complex), system.B.astype(complex)

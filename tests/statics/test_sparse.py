@@ -181,6 +181,25 @@ def test_derivatives_under_jit_are_those_of_central_differences():
         assert float(found[i]) == pytest.approx(difference, rel=1e-6)
 
 
+def test_sweep_and_tune_against_the_closed_form():
+    def cantilever(EI):
+        b = fm.Builder()
+        b.node("a", (0, 0))
+        b.node("b", (0.3, 0))
+        b.add(planar.beam, "a", "b", section=fm.Rigidity(EA=1e5, EIy=EI))
+        b.fix("a")
+        b.force("b", (0, 1e-6))
+        return b.build(check=False)
+
+    answers = {"tip": lambda model: fm.equilibrium(model, sparse=True).at("b")[1]}
+    designs = np.array([0.5, 1.0, 2.0])
+    found = fm.sweep(cantilever, answers, {"EI": designs})
+    # F L^3 / (3 EI); large deflections add the square of the tip's angle, 1e-14.
+    np.testing.assert_allclose(found["tip"], 1e-6 * 0.3**3 / (3 * designs), rtol=1e-9)
+    tuned = fm.tune(cantilever, answers, {"EI": 1.0}, {"EI": (0.2, 5.0)}, targets={"tip": 6e-9})
+    assert float(tuned.dimensions["EI"]) == pytest.approx(1.5, rel=1e-4)
+
+
 def test_moments_about_fixed_axes():
     b = fm.Builder()
     b.node("a", (0, 0, 0))
