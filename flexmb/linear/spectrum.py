@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..errors import AnalysisError, ModelError
 from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
-from ..math.sparse import SparseFactors
+from ..math.sparse import SparseFactors, negative_where_held
 from ..math.subspace import independent_rows
 from ..results import RESULTS
 
@@ -222,6 +222,30 @@ class Lowest(NamedTuple):
     multipliers: np.ndarray
 
 
+def _below_all(tangent: Any, mass: Any) -> tuple[float, SparseFactors]:
+    """A shift s that no eigenvalue is below -s of, and the factors of [[K + s M, D^T], [D, 0]].
+
+    What is nearest to zero is the lowest only where nothing is below: an unstable mechanism has negative eigenvalues,
+    some of them perhaps far from it.
+
+    Raises:
+        AnalysisError: singular_stiffness.
+    """
+    import scipy.sparse
+
+    n, total = mass.shape[0], tangent.shape[0]
+    ratio = tangent.diagonal()[:n].max() / mass.diagonal().max()
+    none = scipy.sparse.csr_array((total - n, total - n))
+    shift = 0.0
+    while shift <= ratio:
+        padded = tangent if shift == 0.0 else (tangent + scipy.sparse.block_diag([shift * mass, none])).tocsc()
+        factored = SparseFactors(padded)
+        if factored.regular and not negative_where_held(padded, factored, n):
+            return shift, factored
+        shift = 10 * shift or FIRST_SHIFT * ratio
+    raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+
+
 def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with sparse factors.
 
@@ -236,21 +260,13 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     Source:
         Shift-inverted Lanczos method of ARPACK.
     """
-    import scipy.sparse
     import scipy.sparse.linalg
 
     linalg: Any = scipy.sparse.linalg
     n, total = mass.shape[0], tangent.shape[0]
     if count >= n - (total - n):
         raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many frequencies. Leave it out.")
-    ratio = tangent.diagonal()[:n].max() / mass.diagonal().max()
-    shift, factored = 0.0, SparseFactors(tangent)
-    if not factored.regular:
-        shift = FIRST_SHIFT * ratio
-        padded = scipy.sparse.block_diag([shift * mass, scipy.sparse.csr_array((total - n, total - n))])
-        factored = SparseFactors((tangent + padded).tocsc())
-        if not factored.regular:
-            raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    shift, factored = _below_all(tangent, mass)
 
     def solved(right):
         return factored.solve(np.concatenate([np.ravel(right), np.zeros(total - n)]))

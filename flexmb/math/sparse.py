@@ -189,3 +189,39 @@ class SparseFactors:
         whole = np.empty_like(z)
         whole[self._order] = z
         return whole
+
+
+def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | None:
+    """Number of negative eigenvalues of a symmetric K where constraints D v = 0 hold; None where pivots do not tell it.
+
+    Args:
+        tangent: Sparse, regular [[K, D^T], [D, 0]], (n + h, n + h).
+        factored: Its factors.
+        n: Size of K.
+
+    Source:
+        Sylvester's law of inertia: with h constraints there are h negative pivots more than there are such eigenvalues.
+        Where rows change places in the factors: [[K + g D^T D, t D^T], [t D, 0]] is congruent to [[K, D^T], [D, 0]], as
+        adding g/2 D^T times the last rows to the first ones shows, and the same for columns. Coordinates that only
+        constraints hold have a stiffness in it, and with g and t so large all entries are alike. Multipliers are
+        eliminated after all that they constrain. Where rows change places there too: K + g D^T D, which has so many
+        negative eigenvalues at least, and no more for a g large enough (Finsler's lemma).
+    """
+    import scipy.sparse
+
+    rest, order = tangent.shape[0] - n, factored.ordering
+    if factored.negative is not None:
+        return factored.negative - rest
+    if order is None or rest == 0:
+        return None
+    stiffness, rows = tangent[:n, :n], tangent[n:, :n]
+    largest, arm = abs(stiffness).max(), abs(rows).max()
+    stiff, even = largest / arm**2 * (rows.T @ rows), largest / arm * rows
+    whole = scipy.sparse.block_array([[stiffness + stiff, even.T], [even, None]]).tocsc()
+    place = np.empty(len(order))
+    place[order] = np.arange(len(order))
+    joined = rows.tocoo()
+    of, columns = joined.coords
+    np.maximum.at(place, n + of, place[columns] + 0.5)
+    negative = SparseFactors(whole, np.argsort(place, kind="stable")).negative
+    return SparseFactors(stiffness + stiff).negative if negative is None else negative - rest

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..math.sparse import SparseFactors
+from ..math.sparse import SparseFactors, negative_where_held
 
 # Critical values that are told: those nearest to zero.
 TOLD = 4
@@ -40,7 +40,6 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
         start: Any motion, (n,); near to those that are looked for if it can be.
 
     Source:
-        Sylvester's law of inertia: with h constraints there are h negative pivots more than negative critical values.
         Shift-inverted Lanczos method of ARPACK.
     """
     rest = tangent.shape[0] - len(sizes)
@@ -50,10 +49,10 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
     if not factored.regular:
         shift = SHIFT * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
-    negative = factored.negative if factored.negative is not None else _by_congruence(tangent, factored, len(sizes))
+    negative = negative_where_held(tangent, factored, len(sizes))
     if negative is not None:
         values, start = _nearest(factored, rest, sizes, start, TOLD, shift)
-        return _told(values, start, negative - rest - int(np.sum(values < -shift)))
+        return _told(values, start, negative - int(np.sum(values < -shift)))
     # Values become negative through zero: few are farther than those that are found, where the farthest are positive.
     count = 2 * TOLD
     while 2 * count < every:
@@ -62,31 +61,6 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
             return _told(values, start, 0)
         count *= 2
     return _told(*_all_of(tangent, sizes), 0)
-
-
-def _by_congruence(tangent: Any, factored: SparseFactors, n: int) -> int | None:
-    """Number of negative eigenvalues of a tangent with constraints, whose rows change places in its own factors.
-
-    Source:
-        [[K + g D^T D, t D^T], [t D, 0]] is congruent to [[K, D^T], [D, 0]], as adding g/2 D^T times the last rows to
-        the first ones shows, and the same for columns. Coordinates that only constraints hold have a stiffness in it,
-        and with g and t so large all entries are alike. Multipliers are eliminated after all that they constrain.
-    """
-    import scipy.sparse
-
-    order = factored.ordering
-    if order is None or n == tangent.shape[0]:
-        return None
-    stiffness, rows = tangent[:n, :n], tangent[n:, :n]
-    largest, arm = abs(stiffness).max(), abs(rows).max()
-    stiff, even = largest / arm**2 * (rows.T @ rows), largest / arm * rows
-    whole = scipy.sparse.block_array([[stiffness + stiff, even.T], [even, None]]).tocsc()
-    place = np.empty(len(order))
-    place[order] = np.arange(len(order))
-    joined = rows.tocoo()
-    of, columns = joined.coords
-    np.maximum.at(place, n + of, place[columns] + 0.5)
-    return SparseFactors(whole, np.argsort(place, kind="stable")).negative
 
 
 def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:

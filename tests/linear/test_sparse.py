@@ -158,3 +158,28 @@ def test_what_is_chosen_and_refused():
     b.fix("a", "x", "y")
     with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
         fm.compliance(b.build(check=False), "b", sparse=True)
+
+
+@pytest.mark.parametrize("released", [None, (2, 3)])
+def test_what_is_far_below_zero_is_not_lost(released):
+    """A column beyond its second buckling load: both frequencies below zero, though others are nearer to it."""
+    import scipy.linalg
+
+    section, load = fm.Rectangle(0.01, 1e-3, STEEL), 12 * np.pi**2 / 4 * 210e9 * 0.01 * 1e-9 / 12
+    b = fm.Builder()
+    for i in range(21):
+        b.node(f"n{i}", (i / 20, 0.0))
+    for i in range(20):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section, **({} if released is None else {"released": released}))
+    b.fix("n0")
+    b.force("n20", (-load, 0.0))
+    lin = fm.linearize(b.build(check=False), sparse=True)
+    k, _, m, d = (of.toarray() for of in lin.sparse())
+    allowed = scipy.linalg.null_space(d) if len(d) else np.eye(len(k))
+    wanted = scipy.linalg.eigh(allowed.T @ k @ allowed, allowed.T @ m @ allowed, eigvals_only=True)[:3]
+    assert np.sum(wanted < 0) == 2
+    # The lowest but one is nearest to zero.
+    for count in (1, 3):
+        found = fm.modes(lin, count=count)
+        np.testing.assert_allclose(found.eigenvalues, wanted[:count], rtol=1e-5)
+        assert not bool(found.stable)
