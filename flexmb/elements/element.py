@@ -80,6 +80,10 @@ class Element:
         shape: ``f(*nodes, ref, place, **properties) -> (d,)``, where a point of the element is, 0 at its first end and
             1 at its last, for pictures; its properties are among those of the deformation. Without it an element with
             two points and two rotations is drawn as a cubic, another as a line between its points.
+        passage: ``f(*nodes, ref, **properties) -> (way, turn)`` of an element with strain series, from its
+            coefficients alone: where its last node is seen from its first, (d,) [m], and the rotation between both, an
+            angle (1,) [rad] or Euler parameters (4,) [-], in axes of the first node's rotation. Where these hold, the
+            deformations before the coefficients are zero. Its properties are among those of the deformation.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers. Those of
             this package also take many elements at once, stacked along leading axes.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
@@ -106,6 +110,7 @@ class Element:
     surface: Callable[..., Any] | None = None
     thermal: Callable[..., Any] | None = None
     shape: Callable[..., Any] | None = None
+    passage: Callable[..., Any] | None = None
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     measured: tuple[int, ...] = ()
@@ -262,7 +267,7 @@ class Element:
         return {name: value for name, value in self.options.items() if name in _keywords(function)}
 
     def _functions(self) -> list[Callable[..., Any]]:
-        companions = (getattr(self, name) for name in (*COMPANIONS, "shape", "check"))
+        companions = (getattr(self, name) for name in (*COMPANIONS, "shape", "passage", "check"))
         return [self.deformation, *(c for c in companions if c is not None)]
 
     def reference(self, coordinates) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.quadrature import gauss, legendre_coefficients
-from ..math.rotation import rotation_plane
+from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams
 from .element import Element
 from .nodes import Angle, Point2, Series2, Static
@@ -123,12 +123,32 @@ def _damping(*, ref, damping: Damping, order, section=None, curvature=None):
     return series_matrix(damping, section, order, _length(ref, curvature), 3, FIELDS)
 
 
+def _stretched(turn, c, ref, length, rule, curvature):
+    """Directions, and these times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
+    stretch, bend = c.reshape(2, -1)
+    angle = turn + rule.angles @ bend
+    if curvature is not None:
+        angle = angle + curvature * length * (rule.nodes - 0.5)
+    x = (ref.q - ref.p) / beams.beam_length(ref)
+    cosine, sine = cosine_and_sine(angle)
+    directions = cosine[:, None] * x + sine[:, None] * jnp.stack([-x[1], x[0]])
+    return directions, (length + rule.elongations @ stretch)[:, None] * directions
+
+
 def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, curvature=None):
-    """Positions and directions at the nodes of the quadrature."""
-    length, axes, directions, stretched, rule = _line(rot_p, c, ref, order, section, curvature)
-    positions = p + rule.along @ stretched @ axes.T
+    """Position of end p, then stretched directions and directions at the nodes of the quadrature.
+
+    Positions are sums of the former, so that what varies is done place by place, and the sums are in H.
+    """
+    length = _length(ref, curvature)
+    rule = _rule(order, section, length)
+    directions, stretched = _stretched(rot_p[0] - ref.rot_p[0], c, ref, length, rule, curvature)
     masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
-    return jnp.concatenate([positions, directions @ axes.T]), jnp.diag(masses.T.ravel())
+    positions = jnp.concatenate([jnp.ones((len(rule.nodes), 1)), jnp.asarray(rule.along)], axis=1)
+    own = (positions.T * masses[:, 0]) @ positions
+    n, k = own.shape[0], len(rule.nodes)
+    h = jnp.zeros((n + k, n + k)).at[:n, :n].set(own).at[n:, n:].set(jnp.diag(masses[:, 1]))
+    return jnp.concatenate([p[None], stretched, directions]), h
 
 
 def _turn(lever, force):
@@ -145,7 +165,9 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fal
     wrench = jnp.append(force, moment + _turn(axes.T @ (q - p), force))
     if fall is not None:
         masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * length
-        pulls, turning = jnp.split((masses.T.ravel()[:, None] * fall) @ axes, 2)
+        n = masses.shape[0] + 1
+        pulls = masses[:, :1] * ((fall[0] + rule.along @ fall[1:n]) @ axes)
+        turning = masses[:, 1:] * (fall[n:] @ axes)
         moments = _turn(rule.along @ stretched, pulls) + _turn(directions, turning)
         loads = jnp.concatenate([pulls, moments[:, None]], axis=1).reshape(-1, len(rule.inner), 3)
         wrench = wrench + rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
@@ -166,6 +188,14 @@ def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section=None, curvature=
     return p + axes @ _to_place(c, length, order, section, curvature, place)[1]
 
 
+def _passage(p, rot_p, q, rot_q, c, *, ref, order, section=None, curvature=None):
+    """End q seen from end p."""
+    length = _length(ref, curvature)
+    rule = _rule(order, section, length)
+    _, stretched = _stretched(-ref.rot_p[0], c, ref, length, rule, curvature)
+    return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ c.reshape(2, -1)[CURVATURE]
+
+
 def _check(*, ref, section=None, curvature=None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
     return faults or check_section(section, ref, curvature)
@@ -179,6 +209,7 @@ spectral_beam = Element(
     resultants=_resultants,
     thermal=_thermal,
     shape=_shape,
+    passage=_passage,
     check=_check,
     series=_fields,
 )

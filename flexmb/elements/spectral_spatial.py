@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..math.linear import multiplied
 from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
-from ..math.rigid import exponential, product, products, screws
+from ..math.rigid import compose_turns, exponential, product, products, screws, turn_parameters, turn_product
 from ..math.rotation import CROSS, initial_frame, rotation_matrix
 from . import beams
 from .element import Element
@@ -108,12 +108,17 @@ def _frames(rot_p, rot_q, ref, y, curvature, length):
     return at_p @ half.T, at_q @ half
 
 
-def _steps(c, length, rule, curvature):
-    """Screw motions of the steps along the beam, (steps, 4, 4)."""
+def _screws(c, length, rule, curvature):
+    """Screw motions of the steps along the beam, (steps, 6)."""
     own = (rule.basis.reshape(-1, c.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
     if curvature is not None:
         own = own + jnp.concatenate([curvature, jnp.zeros(3)])
-    return exponential(screws(own.reshape(-1, 3, 6) * length, rule.lengths))
+    return screws(own.reshape(-1, 3, 6) * length, rule.lengths)
+
+
+def _steps(c, length, rule, curvature):
+    """Poses of the steps along the beam, (steps, 4, 4)."""
+    return exponential(_screws(c, length, rule, curvature))
 
 
 def _spectral_beam(
@@ -209,6 +214,23 @@ def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, shear, section=None, y=N
     return p + at_p @ product(_steps(c, length, _rule(order, shear, section, length, place), curvature))[:3, 3]
 
 
+def _passage(p, rot_p, q, rot_q, c, *, ref, order, shear, section=None, y=None, curvature=None):
+    """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
+    length = _length(ref, curvature)
+    own = _screws(c, length, _rule(order, shear, section, length), curvature)
+    axes = rotation_matrix(ref.rot_p).T @ initial_frame(ref.p, ref.q, y)
+    turn = turn_product(turn_parameters(own))
+    if curvature is not None:
+        half = jnp.concatenate([curvature * length / 2, jnp.zeros(3)])
+        back = turn_parameters(-half[None])[0]
+        axes = axes @ exponential(half[None])[0, :3, :3].T
+        turn = compose_turns(compose_turns(back, turn), back)
+    # From axes of the undeformed beam to global ones, and from the reference of p to that of q.
+    turn = jnp.concatenate([turn[:1], initial_frame(ref.p, ref.q, y) @ turn[1:]])
+    conjugate = ref.rot_p * np.array([1.0, -1, -1, -1])
+    return axes @ product(exponential(own))[:3, 3], compose_turns(compose_turns(conjugate, turn), ref.rot_q)
+
+
 def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
     size = None if curvature is None else np.linalg.norm(np.asarray(curvature), axis=-1)
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)
@@ -234,6 +256,7 @@ spectral_beam = Element(
     resultants=_resultants,
     thermal=_thermal,
     shape=_shape,
+    passage=_passage,
     check=_check,
     series=_fields,
 )

@@ -22,6 +22,11 @@ HAT[:3, 3, 3:] = np.eye(3)
 # Lie bracket of two six-vectors: matrix(a) matrix(b) - matrix(b) matrix(a) = matrix(A b) with A = a . ADJOINT.
 ADJOINT = np.zeros((6, 6, 6))
 ADJOINT[:3, :3, :3] = ADJOINT[:3, 3:, 3:] = ADJOINT[3:, 3:, :3] = np.moveaxis(CROSS, 1, 0)
+# Quaternion product: (a b)_i = TURNS[i, j, k] a_j b_k.
+TURNS = np.zeros((4, 4, 4))
+TURNS[0] = np.diag([1.0, -1, -1, -1])
+TURNS[1:, 0, 1:] = TURNS[1:, 1:, 0] = np.eye(3)
+TURNS[1:, 1:, 1:] = CROSS
 # (1 - cos t)/t^2 and (t - sin t)/t^3 as power series in -t^2; ten terms are exact to rounding up to t = 2.
 TERMS = 10
 
@@ -67,6 +72,49 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
     square = multiplied(matrix, matrix)
     b, c = total[:, 0, None, None], total[:, 1, None, None]
     return jnp.eye(4) + matrix + b * square + c * multiplied(square, matrix)
+
+
+def turn_parameters(v: Float[Array, "n 6"]) -> Float[Array, "n 4"]:
+    """Euler parameters of the rotations of screw motions.
+
+    Args:
+        v: Rotation vectors and translations, rotations up to 4 rad, (n, 6) [rad, m].
+
+    Returns:
+        (n, 4) [-], scalar first, differentiable at zero rotation.
+
+    Source:
+        (cos t, sin t h/t) with h half the rotation vector and t its length: 1 - t^2 (1 - cos t)/t^2 and
+        1 - t^2 (t - sin t)/t^3.
+    """
+    half = v[:, :3] / 2
+    z = -jnp.sum(half**2, axis=1)[:, None]
+    found = 1.0 + z * _series(z, 0)
+    return jnp.concatenate([found[:, :1], found[:, 1:] * half], axis=1)
+
+
+def compose_turns(a: Float[Array, "*n 4"], b: Float[Array, "*n 4"]) -> Float[Array, "*n 4"]:
+    """Euler parameters of a rotation after which another is made about axes that turn along.
+
+    Args:
+        a: Of the first, (..., 4) [-].
+        b: Of the second, (..., 4) [-].
+
+    Source:
+        Quaternion product.
+    """
+    return jnp.einsum("ijk,...j,...k->...i", TURNS, a, b)
+
+
+def turn_product(turns: Float[Array, "n 4"]) -> Float[Array, "4"]:
+    """Product of rotations in order, n a power of two, as :func:`product`.
+
+    Args:
+        turns: Euler parameters, (n, 4) [-].
+    """
+    while turns.shape[0] > 1:
+        turns = compose_turns(turns[0::2], turns[1::2])
+    return turns[0]
 
 
 def _bracket(a: Array, b: Array) -> Array:

@@ -281,8 +281,7 @@ class CoordinatesForm(Record):
             mass: Mass matrix of what moves, scaled by its sizes, (n, n).
             rows: Derivatives of the held deformations, (m, n).
         """
-        corner = -REDUNDANT * jnp.diag(rows**2 @ self.mobility)
-        return jnp.block([[mass, rows.T], [rows, corner]]) if self.held.shape[0] else mass
+        return bordered(mass, rows, self.mobility)
 
     def tangent(self, t, state: MotionState, z) -> Tangent:
         """Derivatives of the residual.
@@ -413,6 +412,21 @@ class CoordinatesForm(Record):
         mass = self.scaled(mass_matrix(self.topology, self.parameters, at.x))
         right = jnp.concatenate([momentum, at.ed - (jacobian @ at.v)[self.held]])
         return factorise(self.system(mass, self.columns(jacobian))).solve(right)[:n]
+
+
+def bordered(mass, rows, mobility):
+    """Mass matrix and constraints as one matrix, kept regular where constraints are redundant, (n + m, n + m).
+
+    Args:
+        mass: Mass matrix of what moves, scaled by its sizes, (n, n).
+        rows: Derivatives of the held deformations, (m, n).
+        mobility: Inverse masses of what moves, (n,).
+
+    Source:
+        THEORY.md 9 (b), eq. (9.2).
+    """
+    corner = -REDUNDANT * jnp.diag(rows**2 @ mobility)
+    return jnp.block([[mass, rows.T], [rows, corner]]) if rows.shape[0] else mass
 
 
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:

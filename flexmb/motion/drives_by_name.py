@@ -16,7 +16,7 @@ from ..elements.element import Element
 from ..errors import ModelError
 from ..mechanics.blocks import heat_sizes
 from ..model.model import Labels, Model, Signal
-from .drive import Driven, Table
+from .drive import MOMENTS, Driven, Table
 
 
 class Drives(Record):
@@ -42,6 +42,22 @@ class Drives(Record):
     inputs: Mapping[str, Callable] | None = None
     increment: Callable | None = None
     jumps: ArrayLike | None = None
+
+
+def acted_on(model: Model, driven: tuple[Driven, ...]) -> set[int] | None:
+    """Coordinates that forces and moments may act on, weight apart; None: all.
+
+    Args:
+        driven: What depends on time, as :func:`driven_by` has it.
+    """
+    top, loads = model.topology, model.parameters.loads
+    at = [block.x for block in top.blocks if block.element.force is not None]
+    at += [one.at for one in driven if one.quantity in ("force", *MOMENTS)]
+    if model.parameters.increment is not None or not is_concrete((at, loads.force)):
+        return None
+    if loads.force is not None:
+        at.append(np.flatnonzero(np.asarray(loads.force)))
+    return {int(i) for own in at for i in np.asarray(own).ravel()}
 
 
 def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] | None:

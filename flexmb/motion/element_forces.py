@@ -18,7 +18,7 @@ from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Block, Topology
 
 # Functions of an element of so few operations run quicker, and compile as quickly, differentiated time after time.
 SHORT = 100
@@ -63,33 +63,72 @@ class PreparedBlock(Record):
 
 def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
     """All elements that deform or carry mass, with what does not change in a motion worked out."""
-    found = []
-    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        deformation, known = companion_of(block, properties, "deformation")
-        inertia, own = companion_of(block, properties, "inertia")
-        own = known if inertia is None else own
-        if not block.e.shape[1]:
-            deformation = None
-        if deformation is None and inertia is None:
-            continue
-        counts = deformation is not None and block.element.tracks_angle
-        ref = parameters.reference[block.x]
+    pairs = zip(topology.blocks, parameters.properties, strict=True)
+    found = (prepared_block(block, properties, parameters.reference) for block, properties in pairs)
+    return tuple(one for one in found if one is not None)
 
-        def both(x, *rest, deformation=deformation, inertia=inertia, counts=counts):
-            *near, ref, own = rest
-            e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
-            return e, None if inertia is None else inertia(x, ref, own)[0]
 
-        first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
-        like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
-        varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
-        early, late = split(both, varying, first)
-        kept = jax.vmap(early)(ref, own)
-        mass = None if inertia is None else jax.vmap(lambda *own, f=inertia: f(*own)[1])(ref, ref, own)
-        # Another block computes the deformations of elements whose companions differ.
-        measured = block.e if deformation is not None else block.e[:, :0]
-        found.append(PreparedBlock(late, block.x, measured, kept, mass, counts))
-    return tuple(found)
+def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
+    """Elements of one block, with what does not change in a motion worked out; None if they neither deform nor weigh.
+
+    Args:
+        properties: Their stacked properties.
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+    """
+    deformation, known = companion_of(block, properties, "deformation")
+    inertia, own = companion_of(block, properties, "inertia")
+    own = known if inertia is None else own
+    if not block.e.shape[1]:
+        deformation = None
+    if deformation is None and inertia is None:
+        return None
+    counts = deformation is not None and block.element.tracks_angle
+    ref = reference[block.x]
+
+    def both(x, *rest):
+        *near, ref, own = rest
+        e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
+        return e, None if inertia is None else inertia(x, ref, own)[0]
+
+    first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
+    like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
+    varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
+    early, late = split(both, varying, first)
+    kept = jax.vmap(early)(ref, own)
+    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
+    # Another block computes the deformations of elements whose companions differ.
+    measured = block.e if deformation is not None else block.e[:, :0]
+    return PreparedBlock(late, block.x, measured, kept, mass, counts)
+
+
+def without_last_end(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
+    """As :func:`prepared_block`, of beams with strain series whose last end follows from the first and the strains.
+
+    Their deformations are their coefficients alone, and what they do depends on the first end and on these.
+
+    Args:
+        properties: Their stacked properties.
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+    """
+    inertia, own = companion_of(block, properties, "inertia")
+    deforms = "deformation" in block.companions
+    if inertia is None and not deforms:
+        return None
+    ends, first = block.splits[1], block.splits[-1]
+    closure = block.e.shape[1] - (block.x.shape[1] - first)
+    ref = reference[block.x]
+
+    def both(near, ref, own):
+        x = jnp.concatenate([near[:ends], ref[ends:first], near[ends:]])
+        return near[ends:] if deforms else None, None if inertia is None else inertia(x, ref, own)[0]
+
+    columns = [*range(ends), *range(first, block.x.shape[1])]
+    x = block.x[:, columns]
+    shapes = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
+    early, late = split(both, (jax.ShapeDtypeStruct((len(columns),), ref.dtype),), shapes)
+    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
+    e = block.e[:, closure:] if deforms else block.e[:, :0]
+    return PreparedBlock(late, x, e, jax.vmap(early)(ref, own), mass, False)
 
 
 def _jacobian(f):
@@ -212,7 +251,7 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
     return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
 
 
-def _second_rate(function, x, v, a):
+def second_rate(function, x, v, a):
     """Value of a function of coordinates and its first and second rate of change along a motion."""
 
     def first(x, v):
@@ -222,10 +261,10 @@ def _second_rate(function, x, v, a):
     return value, rate, second
 
 
-def _rates(f, x, v, a, falling):
+def rates_along(f, x, v, a, falling=None):
     """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
     if length(f, x) <= SHORT:
-        y, yd, (edd, sdd) = _second_rate(f, x, v, a)
+        y, yd, (edd, sdd) = second_rate(f, x, v, a)
         if falling is not None and sdd is not None:
             sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
         return y, yd, (edd, sdd)
@@ -234,7 +273,7 @@ def _rates(f, x, v, a, falling):
 
 
 def _with_jacobians(f, x, v, a, falling):
-    """As :func:`_rates`, and the Jacobians of e and s."""
+    """As :func:`rates_along`, and the Jacobians of e and s."""
     if length(f, x) <= SHORT:
         (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
         ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
@@ -247,10 +286,10 @@ def _with_jacobians(f, x, v, a, falling):
     return (y, (ed, None), (edd, sdd)), (d, j)
 
 
-def _derived_rates(f, x, v, a, falling):
-    """As :func:`_rates`, and their derivatives by the coordinates."""
+def derived_rates(f, x, v, a, falling=None):
+    """As :func:`rates_along`, and their derivatives by the coordinates."""
     if length(f, x) <= SHORT:
-        return _jacobian(lambda x: _rates(f, x, v, a, falling))(x)
+        return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
     rows = jets(f, (x, v, a), falling, directed=True)
     return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
 
@@ -309,7 +348,7 @@ def acting_forces(
     Source:
         THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
     """
-    found = [(block, block.over(_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, block.over(rates_along, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics(found, at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces = []
@@ -398,14 +437,14 @@ def derivatives_of_elements(
     Source:
         Derivative of :func:`acting_forces`.
     """
-    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     return [_of_elements(at, sigma, each, *own) for each, *own in zip(found, stiffness, damping, strict=True)]
 
 
 def _of_elements(at: Moving, sigma, found, stiffness, damping) -> OfElements:
-    """Derivatives of one block from what :func:`_derived_rates` gives, stress resultants, and tangents of its own."""
+    """Derivatives of one block from what :func:`derived_rates` gives, stress resultants, and tangents of its own."""
     block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = found
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
     by_v = mass = jnp.zeros_like(by_x)
@@ -439,18 +478,29 @@ def force_derivatives(
         Derivative of :func:`acting_forces`.
     """
     n_e, n_x = at.near.shape[0], at.x.shape[0]
-    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics, sigma, found = element_derivatives(elements, at, falling, stress, tangents)
+    rows = [(block.e, block.x, rows) for block, rows, _ in found if rows is not None]
+    by_e = scatter_matrices((n_e, n_x), rows, 3)
+    forces = scatter_matrices((n_x, n_x), [(block.x, block.x, squares) for block, _, squares in found], 3)
+    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)
+
+
+def element_derivatives(elements, at: Moving, falling, stress, tangents=None):
+    """As :func:`force_derivatives`, of each element by itself; arguments as there.
+
+    Returns:
+        Kinematics, stress resultants, and of each block it, the derivatives of deformations, rates and second rates by
+        the element's coordinates (None where it does not deform), and those of the forces by coordinates, velocities
+        and accelerations.
+    """
+    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
-    rows, squares = [], []
+    derived = []
     for each in found:
         block = each[0]
         own = [None if of is None or not block.e.shape[1] else _own(block, of) for of in (stiffness, damping)]
         of = _of_elements(at, sigma, each, *own)
-        if of.e is not None:
-            rows.append((block.e, block.x, (of.e, of.ed, of.edd)))
-        squares.append((block.x, block.x, (of.by_x, of.by_v, of.mass)))
-    by_e = scatter_matrices((n_e, n_x), rows, 3)
-    forces = scatter_matrices((n_x, n_x), squares, 3)
-    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)
+        derived.append((block, None if of.e is None else (of.e, of.ed, of.edd), (of.by_x, of.by_v, of.mass)))
+    return kinematics, sigma, derived

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.derivative import with_derivative
+from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
 from .chain_form import chain_form
@@ -26,6 +27,7 @@ from .march import Marched, march
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
 from .step_size import SMALLEST_STEP
+from .tree_form import TreeForm, tree_form
 
 # The first step is at most one of so many parts of the time, or of an interval between two samples.
 FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
@@ -41,6 +43,7 @@ class Problem(Record):
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
         levels: Order of the unknowns of a chain, or None.
+        tree: Beams whose last ends are computed, for the form "tree".
     """
 
     model: Model
@@ -49,6 +52,7 @@ class Problem(Record):
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
     levels: Levels | None = None
+    tree: Tree | None = None
 
 
 class Start(NamedTuple):
@@ -208,7 +212,7 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
     return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
 
 
-def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm:
+def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm | TreeForm:
     if problem.levels is not None:
         # Its solver asks for element matrices in place of a dense tangent.
         chain: Any = chain_form(problem.model, problem.driven, problem.levels)
@@ -216,6 +220,8 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":
         return reduced_form(mechanism)
+    if form == "tree" and problem.tree is not None:
+        return tree_form(mechanism, problem.tree)
     if isinstance(problem.feedback, Feedback):
         return controlled_form(problem.model, mechanism, problem.feedback, problem.measured_from)
     return mechanism

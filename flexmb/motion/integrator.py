@@ -10,9 +10,14 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_choice, check_number, check_whole, shown
 from ..compilation.record import Record, static
+from ..errors import ModelError
+from ..mechanics.tree import Tree
 
 if TYPE_CHECKING:
     import diffrax
+
+
+FORMS = ("coordinates", "reduced", "chain", "tree")
 
 
 class Integrator(Record):
@@ -20,11 +25,13 @@ class Integrator(Record):
 
     Attributes:
         form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
-            constraints after every step; no choice of degrees of freedom can fail on the way. "reduced": the degrees of
-            freedom, from which the rest follows in every evaluation; fewer unknowns, but it fails at a dead point.
-            "chain": all coordinates of a mechanism whose elements follow on one another, by Radau's method and without
-            matrices of its size squared; it takes concrete numbers, not those of ``jax.jit`` or ``jax.grad``. None:
-            "chain" where there are many beams and it applies, "coordinates" otherwise.
+            constraints after every step; no choice of degrees of freedom can fail on the way. "tree": the same, but
+            that the last ends of spectral beams are computed from their first ends and strains wherever they close no
+            loop. "reduced": the degrees of freedom, from which the rest follows in every evaluation; fewer unknowns,
+            but it fails at a dead point. "chain": all coordinates of a mechanism whose elements follow on one another,
+            by Radau's method and without matrices of its size squared; it takes concrete numbers, not those of
+            ``jax.jit`` or ``jax.grad``. None: "chain" where there are many beams and it applies; "tree" where there are
+            such beams and no controller, event or ``EnergyKeeping()``, which need all coordinates; or "coordinates".
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
             mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
             where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
@@ -40,7 +47,7 @@ class Integrator(Record):
         max_steps: Most steps to take, with ``progress`` in each part.
     """
 
-    form: Literal["coordinates", "reduced", "chain"] | None = static(default=None)
+    form: Literal["coordinates", "reduced", "chain", "tree"] | None = static(default=None)
     rtol: float | Float[Array, ""] = 1e-5
     atol: float | Float[Array, ""] = 1e-13
     solver: diffrax.AbstractSolver | None = None
@@ -71,10 +78,12 @@ class Integrator(Record):
             ValueError, TypeError: See :func:`simulate`.
         """
         if self.form is not None:
-            check_choice("form", self.form, ("coordinates", "reduced", "chain"))
+            check_choice("form", self.form, FORMS)
         self._check_chain(controlled)
-        if controlled and self.form == "reduced":
+        if controlled and self.form in ("reduced", "tree"):
             raise ValueError('A controller needs form="coordinates".')
+        if self.event is not None and self.form == "tree":
+            raise ValueError('An event sees the state of all coordinates: it needs form="coordinates".')
         check_number("rtol", self.rtol, above=0)
         check_number("atol", self.atol, least=0)
         if self.dt0 is not None:
@@ -111,7 +120,7 @@ class Integrator(Record):
             if value is not None and not isinstance(value, kind):
                 raise TypeError(f"Argument `{name}` must be {wanted}, not {shown(value)}.")
         solver = self.solver
-        if isinstance(solver, EnergyKeeping) and (controlled or self.form == "reduced"):
+        if isinstance(solver, EnergyKeeping) and (controlled or self.form in ("reduced", "tree")):
             raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
         if not isinstance(solver, diffrax.AbstractAdaptiveSolver | None) and self.controller is None:
             name = type(solver).__name__
@@ -122,3 +131,27 @@ class Integrator(Record):
                     f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`."
                 )
         return solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver)
+
+    def on(self, tree: Tree | None, *, controlled: bool) -> Integrator:
+        """The same with "tree" as its form where none is given and that serves, as checked before.
+
+        Args:
+            tree: Beams of the mechanism whose last ends can be computed.
+            controlled: Whether there is a controller.
+
+        Raises:
+            ModelError: The form is "tree", but there are no such beams.
+        """
+        if self.form == "tree" and tree is None:
+            raise ModelError(
+                'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, in a'
+                " mechanism whose connections are not traced. Leave `form` out, and what serves is chosen."
+            )
+        if self.form is not None:
+            return self
+        needs_all = controlled or self.event is not None or tree is None
+        if self.solver is not None and not needs_all:
+            from .energy_keeping import EnergyKeeping
+
+            needs_all = isinstance(self.solver, EnergyKeeping)
+        return self if needs_all else dataclasses.replace(self, form="tree")

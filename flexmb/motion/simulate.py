@@ -18,13 +18,14 @@ from ..compilation.record import Record
 from ..errors import ModelError
 from ..linear.loose import without_mass
 from ..mechanics.signals import terms_of
+from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from .chain_levels import LARGE, WIDE, Levels, is_elastic, levels_of, obstacle
 from .controllers import Sampled
-from .drives_by_name import Drives, driven_by, jump_times
+from .drives_by_name import Drives, acted_on, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, as_feedback
@@ -47,7 +48,7 @@ class Keywords(TypedDict, total=False):
     jumps: ArrayLike | None
     control: Any
     reference: Callable | None
-    form: Literal["coordinates", "reduced", "chain"] | None
+    form: Literal["coordinates", "reduced", "chain", "tree"] | None
     rtol: float
     atol: float | None
     solver: diffrax.AbstractSolver | None
@@ -144,8 +145,17 @@ def simulate(
     feedback = as_feedback(model, loop)
     # No number of the program where no rotation in space is measured.
     rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
-    integrator, levels = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
-    problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None, levels)
+    chosen, levels = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
+    tree = None
+    if levels is None and integrator.form in (None, "tree"):
+        tree = tree_of(top, acted_on(model, driven))
+        chosen = integrator.on(tree, controlled=loop.control is not None)
+    # Where none of these serves.
+    integrator = chosen if chosen.form is not None else dataclasses.replace(chosen, form="coordinates")
+    whence = start.x if rotations else None
+    problem = Problem(model.without_names(), driven, feedback, jumps, whence, levels)
+    if integrator.form == "tree":
+        problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
     none = jnp.zeros(len(model.labels.inputs))

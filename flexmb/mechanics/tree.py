@@ -1,0 +1,352 @@
+"""Beams with strain series whose last end is computed from the first and from the strains, found from the topology.
+
+From held nodes outwards (or from any node of a part that is held nowhere) each such beam gives the pose of its other
+end, unless that is held, or given by another beam already. What is left are the beams that close loops.
+"""
+
+from __future__ import annotations
+
+import collections
+from collections.abc import Callable, Collection
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from ..arguments import is_concrete
+from ..compilation.program import split
+from ..compilation.record import Record, static
+from ..elements.nodes import unit_norm
+from ..math.indices import put
+from ..math.rigid import compose_turns
+from ..math.rotation import cosine_and_sine, rotation_matrix
+from ..model.parameters import Parameters
+from ..model.topology import Block, Topology
+from .blocks import deforming, element_function, with_rigidities
+
+CONJUGATE = np.array([1.0, -1, -1, -1])
+
+
+class Poses(Record):
+    """Poses that beams give, and from what; beams in the order of their blocks.
+
+    Attributes:
+        rows: Of each block the beams that give them.
+        ends: Coordinates of the position that each beam gives, (beams, d).
+        turns: Those of the rotation, (beams, r).
+        whence: Coordinates of the position that the chain of each beam starts from, (beams, d).
+        turned_from: Those of the rotation, (beams, r).
+        base: Coordinates of the rotation at the end that each beam starts from, (beams, r).
+        along: 1 for the beams on the way to each position, (beams, beams).
+        before: Beam whose turn comes before that of each, one before, two before, four before, ..; their number where
+            there is none, (levels, beams).
+        back: Whether a beam starts from its last end, (beams,).
+    """
+
+    rows: tuple[Int[Array, "_s"], ...]
+    ends: Int[Array, "beams d"]
+    turns: Int[Array, "beams r"]
+    whence: Int[Array, "beams d"]
+    turned_from: Int[Array, "beams r"]
+    base: Int[Array, "beams r"]
+    along: Float[Array, "beams beams"]
+    before: Int[Array, "levels beams"]
+    back: Bool[Array, "beams"]
+
+
+class Tree(Record):
+    """Beams whose last end is computed.
+
+    Attributes:
+        rows: Of each block the elements that do without their last end, and those that stay as they are.
+        poses: All poses that are computed.
+        felt: Those of them on which something acts or depends; None where there are none.
+        kept: Free coordinates that are not computed, (n,).
+        kept_places: Their places among the free ones, (n,).
+        held_places: Places, among the held deformations, of those that do not hold by themselves, (m,).
+    """
+
+    rows: tuple[tuple[Int[Array, "_s"], Int[Array, "_w"]], ...]
+    poses: Poses
+    felt: Poses | None
+    kept: Int[Array, "n"]
+    kept_places: Int[Array, "n"]
+    held_places: Int[Array, "m"]
+
+
+class _Beam(NamedTuple):
+    """A beam with strain series: its block and row, coordinates of its nodes as tuples, and its closure."""
+
+    block: int
+    row: int
+    ends: tuple[tuple[int, ...], tuple[int, ...]]
+    turns: tuple[tuple[int, ...], tuple[int, ...]]
+    closure: tuple[int, ...]
+
+
+class _Walked(NamedTuple):
+    """A beam as it is walked: whether from its last end, and the beams before it by position and by rotation."""
+
+    beam: _Beam
+    back: bool
+    after: int | None
+    turned_after: int | None
+
+
+def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | None:
+    """The beams whose last end can be computed; None where there are none, or where the topology is traced.
+
+    Args:
+        acted: Coordinates that loads act on; None: all.
+    """
+    if not is_concrete(topology):
+        return None
+    walked = _walk(list(_beams(topology)), set(np.asarray(topology.x.free).tolist()))
+    if not walked:
+        return None
+    poses = _poses(topology, walked)
+    computed = {*poses.ends.ravel().tolist(), *poses.turns.ravel().tolist()}
+    rows, closed = _rows(topology, {one.beam.closure[0] for one in walked}, computed)
+    closed |= {e for one in walked for e in one.beam.closure}
+    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    made: Any = Tree
+    kept_places = np.flatnonzero(~np.isin(free, list(computed)))
+    felt = _felt(walked, computed if acted is None else _read(topology, rows) | set(acted))
+    return made(
+        rows,
+        poses,
+        _poses(topology, felt) if felt else None,
+        free[kept_places],
+        kept_places,
+        np.flatnonzero(~np.isin(held, list(closed))),
+    )
+
+
+def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
+    """Poses of beams, the beams before them among these."""
+    order = sorted(range(len(walked)), key=lambda i: walked[i].beam[:2])
+    place = {i: k for k, i in enumerate(order)} | {None: None}
+    walked = [walked[i] for i in order]
+    after, turned_after = ([place[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
+    # Arrays of NumPy, as those of a topology outside a trace.
+    made: Any = Poses
+    nodes = {name: np.array([_at(one, name) for one in walked]) for name in ("ends", "turns", "near", "base")}
+    whence, turned_from = (
+        np.array([nodes[own][_way(before, i)[-1]] for i in range(len(walked))])
+        for own, before in (("near", after), ("base", turned_after))
+    )
+    blocks = range(len(topology.blocks))
+    return made(
+        tuple(np.array([one.beam.row for one in walked if one.beam.block == k], int) for k in blocks),
+        nodes["ends"],
+        nodes["turns"],
+        whence,
+        turned_from,
+        nodes["base"],
+        np.array([np.isin(np.arange(len(walked)), _way(after, i)) for i in range(len(walked))], float),
+        _jumps(turned_after),
+        np.array([one.back for one in walked]),
+    )
+
+
+def _read(topology: Topology, rows) -> set[int]:
+    """Coordinates that elements depend on; beams whose last end is computed do not depend on that."""
+    found: set[int] = set()
+    for block, (short, whole) in zip(topology.blocks, rows, strict=True):
+        x = np.asarray(block.x)
+        found |= set(x[whole].ravel().tolist())
+        if short.shape[0]:
+            found |= set(x[short, : block.splits[1]].ravel().tolist())
+    return found
+
+
+def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
+    """Beams that give what is read, and those before them, numbered anew."""
+    needed: set[int] = set()
+    for i in reversed(range(len(walked))):
+        one = walked[i]
+        if i in needed or read.intersection((*_at(one, "ends"), *_at(one, "turns"))):
+            needed |= {i, *(own for own in (one.after, one.turned_after) if own is not None)}
+    number = {i: k for k, i in enumerate(sorted(needed))} | {None: None}
+    return [
+        one._replace(after=number[one.after], turned_after=number[one.turned_after])
+        for i, one in enumerate(walked)
+        if i in needed
+    ]
+
+
+def _at(one: _Walked, name: str) -> tuple[int, ...]:
+    """Coordinates of the end that a beam gives, or of the one that it starts from."""
+    columns = one.beam.turns if name in ("turns", "base") else one.beam.ends
+    return columns[one.back if name in ("near", "base") else not one.back]
+
+
+def _beams(topology: Topology):
+    """All beams with strain series whose closure is FIXED."""
+    fixed = set(np.asarray(topology.e.fixed).tolist())
+    for number, block in enumerate(topology.blocks):
+        if block.element.passage is None or "deformation" not in block.companions:
+            continue
+        closure = block.element.fields[0][0] - 1
+        for row, (x, e) in enumerate(zip(np.asarray(block.x), np.asarray(block.e), strict=True)):
+            p, turn_p, q, turn_q, _ = (tuple(part.tolist()) for part in np.split(x, block.splits))
+            own = tuple(e[:closure].tolist())
+            if fixed.issuperset(own):
+                yield _Beam(number, row, (p, q), (turn_p, turn_q), own)
+
+
+def _walk(beams: list[_Beam], free: set[int]) -> list[_Walked]:
+    """Beams in the order in which they are reached, from held positions first."""
+    at: dict[tuple[int, ...], list[tuple[_Beam, bool]]] = {}
+    for beam in beams:
+        for back in (False, True):
+            at.setdefault(beam.ends[back], []).append((beam, back))
+    given: dict[tuple[int, ...], int | None] = {}
+    found: list[_Walked] = []
+    for start in sorted(at, key=lambda position: bool(free.intersection(position))):
+        queue = collections.deque([start] if start not in given else [])
+        if queue:
+            given[start] = None
+        while queue:
+            position = queue.popleft()
+            for beam, back in at[position]:
+                (base, turn), end = (beam.turns[back], beam.turns[not back]), beam.ends[not back]
+                taken = end in given or turn in given or turn == base
+                if taken or not free.issuperset((*end, *turn)):
+                    continue
+                found.append(_Walked(beam, back, given[position], given.setdefault(base)))
+                given[end] = given[turn] = len(found) - 1
+                queue.append(end)
+    return found
+
+
+def _way(before: list[int | None], last: int) -> list[int]:
+    """A beam, the one before it, and so on."""
+    way = [last]
+    while (own := before[way[-1]]) is not None:
+        way.append(own)
+    return way
+
+
+def _jumps(before: list[int | None]) -> np.ndarray:
+    """The beam one before each, two before, four before, and so on, as long as there is one."""
+    none = len(before)
+    now, found = np.array([none if own is None else own for own in before] + [none]), []
+    while np.any(now != none):
+        found.append(now[:-1])
+        now = now[now]
+    return np.array(found, int).reshape(-1, none)
+
+
+def _rows(topology: Topology, first: set[int], computed: set[int]) -> tuple[tuple, set[int]]:
+    """Of each block the elements without their last end, and those that stay; unit norms that hold by themselves."""
+    rows, norms = [], set()
+    for block in topology.blocks:
+        x, e, none = np.asarray(block.x), np.asarray(block.e), np.zeros(len(block.x), bool)
+        short, left = none, none
+        if block.element.passage is not None:
+            short = np.isin(e[:, 0], list(first))
+        elif block.element.deformation is unit_norm:
+            left = np.all(np.isin(x, list(computed)), axis=1)
+            norms |= set(e[left].ravel().tolist())
+        rows.append((np.flatnonzero(short), np.flatnonzero(~short & ~left)))
+    return tuple(rows), norms
+
+
+def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) -> tuple[Block, dict[str, Any]]:
+    """Some elements of a block, with their properties.
+
+    Args:
+        properties: Stacked properties of the block.
+        rows: Numbers of the elements.
+    """
+    if rows.shape[0] == block.x.shape[0]:
+        return block, properties
+    own = jax.tree.map(lambda leaf: jnp.asarray(leaf)[rows], with_rigidities(properties))
+    parts = {name: getattr(block, name) for name in ("element", "companions", "options", "splits", "meaning")}
+    return Block(x=block.x[rows], e=block.e[rows], **parts), own
+
+
+class Passages(Record):
+    """Poses of the last ends of the beams of one block as functions of their coefficients.
+
+    Attributes:
+        function: ``(c, *kept_el) -> (way, turn)`` of one beam.
+        c: Index of the coefficients of each, (beams, coefficients).
+        kept: Constants of each.
+    """
+
+    function: Callable[..., Any] = static()
+    c: Int[Array, "beams coefficients"]
+    kept: tuple[Array, ...]
+
+    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "d+r"]:
+        """Way and turn of one beam, side by side."""
+        return jnp.concatenate(self.function(c, *kept))
+
+
+def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[Passages, ...]:
+    """Of each block whose beams give poses what these follow from, with what stays worked out."""
+    found = []
+    for block, properties, rows in zip(topology.blocks, parameters.properties, poses.rows, strict=True):
+        if not rows.shape[0]:
+            continue
+        block, properties = some_of(block, properties, rows)
+        own = with_rigidities(deforming(block, properties))
+        passage: Any = element_function(block, block.element.passage, own)
+        first = block.splits[-1]
+        ref = parameters.reference[block.x]
+
+        def function(c, ref, own, passage=passage, first=first):
+            return passage(jnp.concatenate([ref[:first], c]), ref, own)
+
+        like = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), (ref, own))
+        early, late = split(function, (jax.ShapeDtypeStruct(ref[0, first:].shape, ref.dtype),), like)
+        found.append(Passages(late, block.x[:, first:], jax.vmap(early)(ref, own)))
+    return tuple(found)
+
+
+def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams d+r"]:
+    """Way and turn from the first to the last end of each beam, side by side.
+
+    Args:
+        found: Of :func:`passages`.
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+    """
+    return jnp.concatenate([jax.vmap(one.along)(x[one.c], *one.kept) for one in found])
+
+
+def linked(poses: Poses, passed: Float[Array, "beams d+r"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
+    """Nodal coordinates with those computed that beams give.
+
+    Args:
+        poses: Which.
+        passed: Way and turn of each beam.
+        x: Nodal coordinates, of which those that are computed are not read, (n_x,) [m, rad, -].
+
+    Source:
+        THEORY.md 9 (d), eq. (9.7).
+    """
+    ways, turns = jnp.split(passed, [poses.ends.shape[1]], axis=1)
+    spatial = turns.shape[1] == 4
+    compose, turned = (compose_turns, _turned) if spatial else (jnp.add, _turned_in_plane)
+    inverse = turns * CONJUGATE if spatial else -turns
+    back = poses.back[:, None]
+    # A way back starts at the last end.
+    ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
+    none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
+    for before in poses.before:
+        turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
+    x = put(x, poses.turns, compose(x[poses.turned_from], turns))
+    return put(x, poses.ends, x[poses.whence] + poses.along @ turned(x[poses.base], ways))
+
+
+def _turned(turns, vectors):
+    return jnp.einsum("nij,nj->ni", jax.vmap(rotation_matrix)(turns), vectors)
+
+
+def _turned_in_plane(turns, vectors):
+    c, s = cosine_and_sine(turns[:, 0])
+    return jnp.stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1)

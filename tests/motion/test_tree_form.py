@@ -1,0 +1,103 @@
+"""Motion where the last ends of spectral beams are computed: the same as in all coordinates, without their closures."""
+
+import diffrax
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.math.rigid import compose_turns
+from flexmb.math.rotation import rotation_matrix, rotation_plane
+from flexmb.mechanics.tree import tree_of
+
+TIMES = [0.0, 0.01, 0.02]
+
+
+def planar_frame(force=2.0):
+    """Beams that branch, two of them walked from their last end, and a rigid bar that closes a loop."""
+    section = fm.Rigidity(EA=1e3, EIy=1.0, mass=1.0, Jy=0.01)
+    b = fm.Builder()
+    for name, place in {"a": (0, 0), "b": (1, 0.2), "c": (2, 0), "d": (1, 1), "e": (2, 1)}.items():
+        b.node(name, place)
+    for p, q in ("ba", "bc", "db", "de"):
+        b.add(planar.spectral_beam(2), p, q, section=section, name=p + q)
+    b.add(planar.beam, "c", "e", section=section, released=(), name="ce")
+    b.fix("a")
+    b.mass("c", 1.0)
+    b.force("e", (1.0, force))
+    b.gravity((0, -9.81))
+    return b.build()
+
+
+def unit(values):
+    return np.asarray(values) / np.linalg.norm(values)
+
+
+@pytest.mark.parametrize("curved", [False, True])
+@pytest.mark.parametrize("space", [False, True])
+def test_the_pose_that_a_beam_gives_closes_it(space, curved):
+    random = np.random.default_rng(3)
+    p, q, at = np.eye(3) + random.standard_normal((3, 3))
+    element = spatial.spectral_beam(2, shear=True) if space else planar.spectral_beam(3)
+    own = {"order": 2, "shear": True} if space else {"order": 3}
+    c = 0.3 * random.standard_normal(12 if space else 6)
+    if space:
+        turns = [unit(random.standard_normal(4)) for _ in range(3)]
+        curvature = {"curvature": np.array([0.0, 0.2, -0.1])} if curved else {}
+    else:
+        p, q, at = p[:2], q[:2], at[:2]
+        turns = [random.standard_normal(1) for _ in range(3)]
+        curvature = {"curvature": 0.2} if curved else {}
+
+    @jax.jit
+    def closure():
+        ref = element.reference((p, turns[0], q, turns[1], np.zeros_like(c)))
+        assert element.passage is not None
+        way, turn = element.passage(p, turns[0], q, turns[1], c, ref=ref, **own, **curvature)
+        if space:
+            ends = at + rotation_matrix(jnp.asarray(turns[2])) @ way, compose_turns(turns[2], turn)
+        else:
+            ends = at + rotation_plane(turns[2][0]) @ way, turns[2] + turn
+        return element.deformation(at, turns[2], *ends, c, ref=ref, **own, **curvature)
+
+    found = np.asarray(closure())
+    np.testing.assert_allclose(found[: -len(c)], 0, atol=1e-13)
+    np.testing.assert_allclose(found[-len(c) :], c, atol=1e-15)
+
+
+def test_a_tree_moves_as_all_coordinates_do():
+    model = planar_frame()
+    tree = tree_of(model.topology)
+    assert tree is not None
+    assert tree.held_places.shape == (3,)
+    assert model.topology.x.free.shape[0] - tree.kept.shape[0] == 12
+    other, found = (fm.simulate(model, TIMES, form=form, rtol=1e-9, atol=1e-12) for form in ("coordinates", None))
+    assert (other.form, found.form) == ("coordinates", "tree")
+    np.testing.assert_allclose(found.x, other.x, atol=1e-9)
+    np.testing.assert_allclose(found.xd, other.xd, atol=1e-6)
+    np.testing.assert_allclose(found.near, other.near, atol=1e-9)
+
+
+def test_derivative_by_a_load():
+    def place(force):
+        return fm.simulate(planar_frame(force), TIMES[:2], rtol=1e-8, adjoint=diffrax.ForwardMode()).x[-1]
+
+    step = 0.1
+    difference = (place(2.0 + step) - place(2.0 - step)) / (2 * step)
+    np.testing.assert_allclose(jax.jacfwd(place)(2.0), difference, atol=1e-9)
+
+
+def test_what_needs_all_coordinates_gets_them():
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.add(planar.beam, "a", "b", section=fm.Rigidity(EA=1e3, EIy=1.0, mass=1.0))
+    b.fix("a")
+    model = b.build()
+    assert tree_of(model.topology) is None
+    with pytest.raises(fm.ModelError, match="spectral beam with FIXED closure"):
+        fm.simulate(model, TIMES, form="tree")
+    with pytest.raises(ValueError, match='controller needs form="coordinates"'):
+        fm.simulate(model, TIMES, form="tree", control=abs)
