@@ -13,8 +13,6 @@ SINGULAR = 1e-14
 # A diagonal entry is a pivot where it is this share of the largest in its column. It may be small where stiffnesses are
 # far apart; rows that change places would fill the factors.
 DIAGONAL = 1e-8
-# Factors with so many times the entries of their matrix, where rows changed places, are found again in another order.
-FILLED = 10
 # What a solution leaves, beside the matrix times it and the right-hand side; where more is left, rows change places.
 BACKWARD = 1e-10
 
@@ -124,13 +122,6 @@ class SparseFactors:
             return
         if ordering is None:
             self.ordering = np.argsort(self._factors.perm_c)
-            moved = not np.array_equal(self._factors.perm_r, self._factors.perm_c)
-            if moved and self._factors.L.nnz + self._factors.U.nnz > FILLED * matrix.nnz:
-                # A multiplier that comes before its coordinates has no pivot, and rows that change places for it fill
-                # the factors of a long chain. In a narrow band they cannot.
-                band = scipy.sparse.csgraph.reverse_cuthill_mckee(self._matrix.tocsr(), symmetric_mode=True)
-                self.__init__(matrix, band.astype(int))
-                return
         if not self._with_good_pivots():
             # Small pivots on the diagonal make others large.
             self._change_rows()
