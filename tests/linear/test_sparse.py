@@ -166,11 +166,12 @@ def test_what_is_far_below_zero_is_not_lost(released):
     import scipy.linalg
 
     section, load = fm.Rectangle(0.01, 1e-3, STEEL), 12 * np.pi**2 / 4 * 210e9 * 0.01 * 1e-9 / 12
+    own = {} if released is None else {"released": released}
     b = fm.Builder()
     for i in range(21):
         b.node(f"n{i}", (i / 20, 0.0))
     for i in range(20):
-        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section, **({} if released is None else {"released": released}))
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section, **own)
     b.fix("n0")
     b.force("n20", (-load, 0.0))
     lin = fm.linearize(b.build(check=False), sparse=True)
