@@ -11,7 +11,8 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.mechanics.deformation import deformations, zero_near
 from flexmb.mechanics.loads import LoadFactors
-from flexmb.statics.sparse import assemble, balanced, elastic_stress
+from flexmb.statics.sparse import balanced
+from flexmb.statics.tangent import assemble, elastic_stress
 
 
 @pytest.mark.parametrize("preload", [(0.0, 0.5), (0.3, 1.0)])
