@@ -164,7 +164,7 @@ class Builder(Description):
         usual = element.freed(properties)
         for i in (*released_in(name, usual if released is None else released, n_e), *element.measured):
             roles[i - 1] = Role.DEPENDENT
-        resolved = self.joined_nodes(element, name, [str(n) for n in nodes])
+        resolved = self._resolve(element, name, [str(n) for n in nodes])
         kinds = list(element.nodes.values())
         starts = [self.nodes[n].start if n in self.nodes else k.start for n, k in zip(resolved, kinds, strict=True)]
         self._check_member(element, name, starts, properties)
@@ -842,7 +842,7 @@ class Builder(Description):
             self._owner(("node", part, 1))
         self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
 
-    def joined_nodes(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
+    def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
         """One node for each positional parameter of an element; rotations and own coordinates may not be there yet."""
         kinds = [(p, k) for p, k in element.nodes.items() if k.part != "internal"]
         expected = ", ".join(f"{p} ({k.part})" for p, k in kinds)

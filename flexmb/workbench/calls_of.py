@@ -141,7 +141,7 @@ class Calls:
                 ends.append((owner if owner in self.b.nodes else node, {part}))
         shown = [end for end, _ in ends]
         try:
-            if self.b.joined_nodes(member.element, "", shown)[: len(named)] == tuple(node for node, _ in named):
+            if self.b._resolve(member.element, "", shown)[: len(named)] == tuple(node for node, _ in named):  # type: ignore[attr-defined]
                 return shown
         except ValueError:
             pass
