@@ -13,8 +13,8 @@ from ..mechanics.stress_resultants import is_nonlinear
 from ..model.topology import Topology
 from .drive import MOMENTS, Driven
 
-# By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there on
-# the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
+# By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
+# on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
 WIDE = 16
 
 
