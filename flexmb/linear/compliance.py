@@ -60,7 +60,7 @@ def compliance(
         KeyError: No such node.
         ValueError: ``local``, of a node without a rotation.
         AnalysisError: singular_stiffness where the node takes part in a motion that meets no stiffness; of other nodes
-            the compliance is that of the rest, but not by sparse matrices.
+            the compliance is that of the rest, but not where ``sparse`` is asked for.
 
     Source:
         THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
@@ -75,7 +75,13 @@ def compliance(
         raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     if isinstance(lin, SparseLinearization):
-        return _compliance_of_large(lin, places, local)
+        try:
+            return _compliance_of_large(lin, places, local)
+        except AnalysisError:
+            if sparse is not None or lin is model or lin is at:
+                raise
+        # Dense matrices know of nodes that no free motion takes along.
+        lin = linearized(model, "compliance", where=where)
     found, jacobian, result = _compliance(lin.matrices, places, local=local)
     if not isinstance(result, jax.core.Tracer) and int(result) == RESULTS.singular_stiffness:
         return _beside_free_motions(lin, node, np.asarray(jacobian))
