@@ -70,7 +70,8 @@ def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *
 
     def backward(carried, changes):
         pulled, marks = carried
-        whole = [jnp.zeros(c.shape, c.dtype) if isinstance(c, SymbolicZero) else c for c in jax.tree.leaves(changes)]
+        given: list[Any] = jax.tree.leaves(changes)
+        whole = [jnp.zeros(c.shape, c.dtype) if isinstance(c, SymbolicZero) else c for c in given]
         found = iter(pulled(jax.tree.unflatten(jax.tree.structure(changes), whole)))
         return tuple(None if mark is None else next(found) for mark in marks)
 

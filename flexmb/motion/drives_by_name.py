@@ -51,7 +51,7 @@ def acted_on(model: Model, driven: tuple[Driven, ...]) -> set[int] | None:
         driven: What depends on time, as :func:`driven_by` has it.
     """
     top, loads = model.topology, model.parameters.loads
-    at = [block.x for block in top.blocks if block.element.force is not None]
+    at: list[Any] = [block.x for block in top.blocks if block.element.force is not None]
     at += [one.at for one in driven if one.quantity in ("force", *MOMENTS)]
     if model.parameters.increment is not None or not is_concrete((at, loads.force)):
         return None

@@ -62,7 +62,8 @@ def frame(bays, floors, load, sparse, **options):
 def test_a_frame_loses_its_stiffness_again_and_again(options):
     # More negative values than the path tells. Their number is that of the pivots; where columns cannot be shortened,
     # and rows of their constraints change places, of those of a congruent matrix.
-    dense, sparse = (fm.path(frame(3, 5, 1000.0, way, **options), sparse=way) for way in (False, True))
+    dense = fm.path(frame(3, 5, 1000.0, False, **options))
+    sparse = fm.path(frame(3, 5, 1000.0, True, **options), sparse=True)
     assert len(dense.critical_points) > 4
     assert [p.kind for p in sparse.critical_points] == [p.kind for p in dense.critical_points]
     for one, other in zip(sparse.critical_points, dense.critical_points, strict=True):
