@@ -33,6 +33,12 @@ def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple)
     return jax.jvp(of_varied, ([leaves[i] for i in varied],), ([changes[i] for i in varied],))
 
 
+def _number_of(change: Any) -> Any:
+    """A change, zeros where it is known to be none."""
+    shaped: Any = change
+    return jnp.zeros(shaped.shape, shaped.dtype) if isinstance(change, SymbolicZero) else change
+
+
 def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *arguments: Any) -> Any:
     """Value of a function whose derivatives, in reverse mode, are those of another one that gives the same.
 
@@ -70,8 +76,7 @@ def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *
 
     def backward(carried, changes):
         pulled, marks = carried
-        given: list[Any] = jax.tree.leaves(changes)
-        whole = [jnp.zeros(c.shape, c.dtype) if isinstance(c, SymbolicZero) else c for c in given]
+        whole = [_number_of(change) for change in jax.tree.leaves(changes)]
         found = iter(pulled(jax.tree.unflatten(jax.tree.structure(changes), whole)))
         return tuple(None if mark is None else next(found) for mark in marks)
 
