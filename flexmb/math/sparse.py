@@ -15,6 +15,8 @@ SINGULAR = 1e-14
 DIAGONAL = 1e-8
 # What a solution leaves, beside the matrix times it and the right-hand side; where more is left, rows change places.
 BACKWARD = 1e-10
+# How much stiffer than all else constraints are that springs stand for: critical values change by its inverse.
+FIRM = 1e4
 
 
 class SparsePattern:
@@ -94,13 +96,15 @@ class SparseFactors:
         Sylvester's law of inertia, for the negative pivots on the diagonal.
     """
 
-    def __init__(self, matrix: Any, ordering: np.ndarray | None = None):
+    def __init__(self, matrix: Any, ordering: np.ndarray | None = None, on_diagonal: bool = False):
         """Factor a matrix.
 
         Args:
             matrix: Square, sparse.
             ordering: Order of elimination, such as that of the factors of a matrix of the same pattern, (n,); None:
                 one is found by minimum degree, of columns alone where the diagonal has zeros.
+            on_diagonal: Whether pivots are looked for on a diagonal with zeros too: multipliers come after what they
+                constrain in the ordering.
         """
         import scipy.sparse
 
@@ -116,7 +120,7 @@ class SparseFactors:
         self.negative: int | None = None
         # Of multipliers the diagonal is zero. Rows that change places meanwhile fill an order that counts on
         # the diagonal: a mesh of 1900 spatial beams takes 4.4 s, in an order of columns 0.1 s.
-        self.too_large, self._by_rows = False, bool(np.any(matrix.diagonal() == 0))
+        self.too_large, self._by_rows = False, not on_diagonal and bool(np.any(matrix.diagonal() == 0))
         by = "COLAMD" if self._by_rows else "MMD_AT_PLUS_A"
         if not self._factor(by if ordering is None else "NATURAL"):
             return
@@ -214,5 +218,5 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
     joined = rows.tocoo()
     of, columns = joined.coords
     np.maximum.at(place, n + of, place[columns] + 0.5)
-    negative = SparseFactors(whole, np.argsort(place, kind="stable")).negative
-    return SparseFactors(stiffness + stiff).negative if negative is None else negative - rest
+    negative = SparseFactors(whole, np.argsort(place, kind="stable"), on_diagonal=True).negative
+    return SparseFactors(stiffness + FIRM * stiff).negative if negative is None else negative - rest
