@@ -83,6 +83,9 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
         )
     if bandwidth is None:
         kept = _numbered(modes)
+        n, h = lin.elements.unknowns
+        if max(kept) >= n - h:
+            raise ValueError(f"Argument `modes` = {shown(modes)}: this mechanism has {n - h} modes.")
         return kept, lowest(lin.elements, max(kept) + 1)
     check_number("bandwidth", bandwidth, above=0)
     if not is_concrete(lin.elements):
@@ -90,14 +93,14 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
     count = FIRST
     while True:
         n, h = lin.elements.unknowns
-        found = lowest(lin.elements, min(count, n - h - 1))
+        found = lowest(lin.elements, min(count, n - h))
         below = np.flatnonzero(np.asarray(to_frequency(found.values)) <= bandwidth)
         if not len(below):
             raise ValueError(
                 f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode,"
                 f" {float(to_frequency(found.values)[0]):.5g} Hz, so that no state would be left."
             )
-        if len(below) < found.values.shape[0] or count >= n - h - 1:
+        if len(below) < found.values.shape[0] or count >= n - h:
             return tuple(below.tolist()), found
         count *= 2
 

@@ -12,7 +12,7 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
-from ..math.sparse import SparseFactors
+from ..math.sparse import FEW, AllowedMotions, SparseFactors
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
@@ -29,6 +29,7 @@ from ..statics.sparse import (
     second_variation,
 )
 from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
+from .spectrum import check_modes
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -133,10 +134,14 @@ def _refuse_unstable(structural: Any, geometric: Any) -> None:
     import scipy.sparse.linalg
 
     n, linalg = geometric.shape[0], scipy.sparse.linalg
-    _, moved = _operator(structural, n)
-    start = moved.matvec(np.cos(np.arange(n) ** 2))
-    most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
-    if most[0] >= 1:
+    factored, moved = _operator(structural, n)
+    left = 2 * n - structural.shape[0]
+    if left <= FEW:
+        most = AllowedMotions(structural, factored, n).largest(-geometric, left)[0]
+    else:
+        start = moved.matvec(np.cos(np.arange(n) ** 2))
+        most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
+    if np.max(most, initial=0.0) >= 1:
         raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
 
 
@@ -154,7 +159,13 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     if abs(scaled).max() == 0:
         return _Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
     start = moved.matvec(np.cos(np.arange(n) ** 2))
-    inverse, motions = linalg.eigsh(-scaled, k=count, M=stiffness, Minv=moved, v0=start, which="LM", tol=1e-13)
+    if n - rest <= max(FEW, 3 * count):
+        try:
+            inverse, motions = AllowedMotions(stays, factored, n).largest(-scaled, count)
+        except np.linalg.LinAlgError:
+            raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
+    else:
+        inverse, motions = linalg.eigsh(-scaled, k=count, M=stiffness, Minv=moved, v0=start, which="LM", tol=1e-13)
     order = np.argsort(-np.abs(inverse))
     inverse, motions = inverse[order], motions[:, order]
     size = np.einsum("ij,ij->j", motions, stiffness @ motions)
@@ -164,6 +175,7 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     # Once more, for the multipliers too: K v + D^T m = -lambda G v.
     forces = np.vstack([-(scaled @ motions) / np.where(bounded, inverse, 1.0), np.zeros((rest, count))])
     full = np.stack([factored.solve(force) for force in forces.T], axis=1)
+    check_modes((full[:n] - motions)[:, bounded], motions[:, bounded], stiffness, "load multipliers")
     return _Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))
 
 

@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..errors import AnalysisError, ModelError
 from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
-from ..math.sparse import SparseFactors, negative_where_held
+from ..math.sparse import FEW, AllowedMotions, SparseFactors, negative_where_held
 from ..math.subspace import independent_rows
 from ..results import RESULTS
 
@@ -30,6 +30,11 @@ SHIFT_GROWTH = 8.0
 # then keep nine digits.
 GENERAL_SHIFT = 1e-6
 MAX_SHIFTS = 40
+# Of more motions than these all are not found by sparse matrices.
+MANY = 2000
+# One more iteration changes what Lanczos iterations found by less than this share of it, whose square is the error of
+# an eigenvalue.
+TRUE = 1e-4
 # A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
 MASSLESS = 100 * float(np.finfo(float).eps)
 # A combination of degrees of freedom has no mass where that is below this share of what the degrees of freedom have
@@ -246,6 +251,24 @@ def _below_all(tangent: Any, mass: Any) -> tuple[float, SparseFactors]:
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
+def _few_lowest(tangent: Any, mass: Any, shift: float, factored: SparseFactors, count: int):
+    """Lowest eigenvalues and their motions, of few motions that constraints leave; factors are those of a shift.
+
+    Raises:
+        AnalysisError: singular_stiffness.
+        ModelError: Fewer motions have mass.
+    """
+    n = mass.shape[0]
+    try:
+        inverse, motions = AllowedMotions(tangent, factored, n).largest(mass, count)
+    except np.linalg.LinAlgError:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
+    with_mass = int(np.sum(inverse > MASSLESS * np.max(inverse, initial=0.0)))
+    if with_mass < count:
+        raise ModelError(f"Argument `count` = {count}: only {with_mass} motions of this mechanism have mass.")
+    return 1 / inverse - shift, motions
+
+
 def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with sparse factors.
 
@@ -264,22 +287,49 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
 
     linalg: Any = scipy.sparse.linalg
     n, total = mass.shape[0], tangent.shape[0]
-    if count >= n - (total - n):
-        raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many frequencies. Leave it out.")
+    every = 2 * n - total
+    if 3 * count >= every > MANY:
+        raise ModelError(f"Argument `count` = {count}: sparse matrices give few of the {every} frequencies, not all.")
     shift, factored = _below_all(tangent, mass)
 
     def solved(right):
         return factored.solve(np.concatenate([np.ravel(right), np.zeros(total - n)]))
 
-    operator = linalg.LinearOperator((n, n), matvec=lambda right: solved(right)[:n], dtype=float)
-    first = solved(mass @ np.cos(np.arange(n) ** 2))[:n]
-    values, motions = linalg.eigsh(mass, k=count, M=mass, sigma=-shift, OPinv=operator, v0=first, which="LM", tol=1e-13)
+    if every <= max(FEW, 3 * count):
+        values, motions = _few_lowest(tangent, mass, shift, factored, count)
+    else:
+        operator = linalg.LinearOperator((n, n), matvec=lambda right: solved(right)[:n], dtype=float)
+        first = solved(mass @ np.cos(np.arange(n) ** 2))[:n]
+        how: Any = {"M": mass, "sigma": -shift, "OPinv": operator, "v0": first, "which": "LM", "tol": 1e-13}
+        values, motions = linalg.eigsh(mass, k=count, **how)
     order = np.argsort(values)
     values, motions = values[order], motions[:, order]
     motions = motions / np.sqrt(np.einsum("ij,ij->j", motions, mass @ motions))
     # Once more, for the multipliers too: K v + D^T m = (w^2 + s) M v.
-    full = [solved((w + shift) * (mass @ v)) for w, v in zip(values, motions.T, strict=True)]
-    return Lowest(values, motions, np.stack(full, axis=1)[n:])
+    full = np.stack([solved((w + shift) * (mass @ v)) for w, v in zip(values, motions.T, strict=True)], axis=1)
+    check_modes(full[:n] - motions, motions, mass, "frequencies")
+    return Lowest(values, motions, full[n:])
+
+
+def check_modes(left: np.ndarray, motions: np.ndarray, matrix: Any, what: str) -> None:
+    """Raise where Lanczos iterations ended with motions that are none.
+
+    Args:
+        left: What one more iteration changes of them, (n, count).
+        motions: Found, (n, count).
+        matrix: Positive semidefinite, that measures both, (n, n).
+        what: Was looked for.
+
+    Raises:
+        AnalysisError: not_converged.
+    """
+    wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
+    if not np.all(wrong <= TRUE**2 * own):
+        raise AnalysisError(
+            RESULTS.not_converged.name,
+            f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
+            " of freedom.",
+        )
 
 
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

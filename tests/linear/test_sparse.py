@@ -135,8 +135,8 @@ def test_what_is_chosen_and_refused():
         fm.modes(large, count=2, sparse=False)
     with pytest.raises(ValueError, match=r"give fm\.modes a Model"):
         fm.modes(fm.linearize(bent(check=True)), count=2, sparse=True)
-    with pytest.raises(fm.ModelError, match="few of many"):
-        fm.modes(large, count=100)
+    # All that there are.
+    assert fm.modes(large, count=100).eigenvalues.shape == fm.modes(bent(check=True)).eigenvalues.shape
     with pytest.raises(TypeError, match="takes no sparse linearisation"):
         fm.poles(large)  # type: ignore
     with pytest.raises(AttributeError, match="no K0, a matrix in the degrees of freedom"):
@@ -184,3 +184,32 @@ def test_what_is_far_below_zero_is_not_lost(released):
         found = fm.modes(lin, count=count)
         np.testing.assert_allclose(found.eigenvalues, wanted[:count], rtol=1e-5)
         assert not bool(found.stable)
+
+
+def comb(leaves, check=False):
+    """Upright leaf springs whose tops rigid bodies join: constraints leave six motions, however many they are."""
+    b = fm.Builder()
+    for i in range(leaves):
+        b.node(f"f{i}", (0.05 * i, 0.0, 0.0))
+        b.node(f"t{i}", (0.05 * i, 0.0, 0.1))
+        b.add(spatial.beam, f"f{i}", f"t{i}", section=fm.Rectangle(0.02, 5e-4, STEEL), y=(0, 1, 0))
+        b.fix(f"f{i}")
+        b.force(f"t{i}", (0.0, 0.0, -1.0))
+    for i in range(leaves - 1):
+        b.add(spatial.rigid_body, f"t{i}", f"t{i + 1}")
+    b.input("t0", "x")
+    b.output("t0", "x")
+    return b.build(check=check)
+
+
+def test_few_motions_of_many_coordinates_are_found_one_and_all():
+    """One cubic beam whose top may only shift buckles at 10 EI/L^2; its six frequencies are those of dense matrices."""
+    large = comb(3)
+    loads = fm.buckling_loads(large, count=3, sparse=True)
+    # Of leaf springs that are shortened by 1e-6 and stand on a rigid ground.
+    assert loads[0] == pytest.approx(10 * 210e9 * 0.02 * 5e-4**3 / 12 / 0.1**2, rel=2e-3)
+    assert np.all(loads[1:] > 1e4)
+    found = fm.frequencies(large, count=10, sparse=True)
+    np.testing.assert_allclose(found, fm.frequencies(comb(3, check=True)), rtol=1e-9)
+    with pytest.raises(ValueError, match="6 modes"):
+        fm.to_statespace(large, modes=8, sparse=True)

@@ -129,7 +129,8 @@ def test_body_about_its_middle_axis():
 
 def test_balances_about_the_middle_axis():
     panels, found = middle_axis()
-    check_balances(found, panels, step=1e-3, differences=1e-11, integrated=1e-8)
+    # Differences of an energy of one over 2e-3 s are known to some 1e-12 of power.
+    check_balances(found, panels, step=1e-3, differences=5e-11, integrated=1e-8)
 
 
 @functools.cache
