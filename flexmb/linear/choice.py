@@ -17,7 +17,7 @@ def is_large(model: Model) -> bool:
 
 
 def sparsely(
-    given: Any, function: str, where: Where, sparse: bool | None, *, few: bool = True
+    given: Any, function: str, where: Where, sparse: bool | None, *, few: bool = True, throw: bool = True
 ) -> SparseLinearization | None:
     """What a public function is asked about, where sparse matrices are to answer; None where dense ones are.
 
@@ -27,9 +27,10 @@ def sparsely(
         where: Which state.
         sparse: Whether to; None: where a mechanism is large.
         few: Whether so little is asked for that sparse matrices are worth it.
+        throw: Whether a failure is an error, as it always is by sparse matrices.
 
     Raises:
-        ValueError: ``sparse`` does not go with what is given.
+        ValueError: ``sparse`` does not go with what is given, or ``at`` is of another model.
         ModelError: A load or a law has no potential.
         AnalysisError: The equilibrium was not found.
     """
@@ -40,6 +41,10 @@ def sparsely(
         if sparse is False:
             raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
         where.refuse(function, given=about is given)
+        if about is not given and isinstance(given, Model) and given.labels.x != about.labels.x:
+            raise ValueError(
+                f"Argument `at` of fm.{function} is of another model: its nodes are not those of this one."
+            )
         return about
     if isinstance(given, Linearization) or where.at is not None:
         if sparse:
@@ -49,7 +54,11 @@ def sparsely(
             )
         return None
     model = as_model(given, function)
-    if not (few and is_large(model) if sparse is None else sparse):
+    if not (few and throw and is_large(model) if sparse is None else sparse):
         return None
+    if not throw:
+        raise ValueError(
+            f"By sparse matrices fm.{function} always raises where it fails: leave `throw` or `sparse` out."
+        )
     where.refuse(function)
     return sparse_linearization(model, load_factors_of(model, 1.0, where.increment, function))

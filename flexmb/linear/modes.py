@@ -144,7 +144,7 @@ def frequencies(
     where = Where(at, step, time, increment)
     if sparse and count is None:
         raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-    large = sparsely(model, "frequencies", where, sparse, few=count is not None)
+    large = sparsely(model, "frequencies", where, sparse, few=count is not None, throw=throw)
     if large is not None:
         if count is None:
             raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
@@ -226,7 +226,7 @@ def modes(
     """
     count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
-    large = sparsely(model, "modes", where, sparse, few=count is not None)
+    large = sparsely(model, "modes", where, sparse, few=count is not None, throw=throw)
     if large is not None:
         return _modes_of_large(large, count)
     lin = linearized(model, "modes", throw, where)

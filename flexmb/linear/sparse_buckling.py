@@ -29,7 +29,7 @@ from ..statics.sparse import (
     second_variation,
 )
 from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
-from .spectrum import check_modes
+from .lanczos import BEFORE, check_modes, more_below, with_all_copies
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -151,6 +151,7 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     Source:
         THEORY.md 7, eq. (7.4), by the Lanczos method of ARPACK in the inner product of the stiffness that stays.
     """
+    import scipy.sparse
     import scipy.sparse.linalg
 
     n, linalg = scaled.shape[0], scipy.sparse.linalg
@@ -158,14 +159,36 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     stiffness, rest = stays[:n, :n], stays.shape[0] - n
     if abs(scaled).max() == 0:
         return _Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
-    start = moved.matvec(np.cos(np.arange(n) ** 2))
     if n - rest <= max(FEW, 3 * count):
         try:
             inverse, motions = AllowedMotions(stays, factored, n).largest(-scaled, count)
         except np.linalg.LinAlgError:
             raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
     else:
-        inverse, motions = linalg.eigsh(-scaled, k=count, M=stiffness, Minv=moved, v0=start, which="LM", tol=1e-13)
+
+        def search(values, known, start):
+            # ARPACK takes the product with the first matrix for that of the inner product and the operator: what is
+            # known is taken out of that matrix.
+            forces = stiffness @ known
+
+            def beside(motion):
+                motion = np.ravel(motion)
+                return -(scaled @ motion) - forces @ (values * (forces.T @ motion))
+
+            operator = linalg.LinearOperator((n, n), matvec=beside, dtype=float)
+            how: Any = {"M": stiffness, "Minv": moved, "which": "LM", "tol": 1e-13}
+            return linalg.eigsh(operator, k=count, v0=moved.matvec(start), **how)
+
+        def passed_over(inverse):
+            if abs(inverse[-1]) <= abs(inverse[0]) / UNBOUNDED:
+                return False
+            limit = (1 - BEFORE) / abs(inverse[-1])
+            wide = scipy.sparse.block_diag([limit * scaled, scipy.sparse.csr_array((rest, rest))])
+            sides = [(stays + side * wide).tocsc() for side in (1.0, -1.0)]
+            found = [int(np.sum(side * inverse > 1 / limit)) for side in (1.0, -1.0)]
+            return any(more_below(matrix, n, own) for matrix, own in zip(sides, found, strict=True))
+
+        inverse, motions = with_all_copies(search, passed_over, lambda inverse: -np.abs(inverse), (n, count))
     order = np.argsort(-np.abs(inverse))
     inverse, motions = inverse[order], motions[:, order]
     size = np.einsum("ij,ij->j", motions, stiffness @ motions)

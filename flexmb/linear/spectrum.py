@@ -18,6 +18,7 @@ from ..math.linear import diagonal_of, factorise, is_positive_definite, is_posit
 from ..math.sparse import FEW, AllowedMotions, SparseFactors, negative_where_held
 from ..math.subspace import independent_rows
 from ..results import RESULTS
+from .lanczos import BEFORE, check_modes, more_below, with_all_copies
 
 # A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
 LOWEST = 1e-14
@@ -32,9 +33,6 @@ GENERAL_SHIFT = 1e-6
 MAX_SHIFTS = 40
 # Of more motions than these all are not found by sparse matrices.
 MANY = 2000
-# One more iteration changes what Lanczos iterations found by less than this share of it, whose square is the error of
-# an eigenvalue.
-TRUE = 1e-4
 # A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
 MASSLESS = 100 * float(np.finfo(float).eps)
 # A combination of degrees of freedom has no mass where that is below this share of what the degrees of freedom have
@@ -278,11 +276,12 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
 
     Raises:
         ModelError: There are not so many.
-        AnalysisError: singular_stiffness.
+        AnalysisError: singular_stiffness or not_converged.
 
     Source:
         Shift-inverted Lanczos method of ARPACK.
     """
+    import scipy.sparse
     import scipy.sparse.linalg
 
     linalg: Any = scipy.sparse.linalg
@@ -298,10 +297,22 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     if every <= max(FEW, 3 * count):
         values, motions = _few_lowest(tangent, mass, shift, factored, count)
     else:
-        operator = linalg.LinearOperator((n, n), matvec=lambda right: solved(right)[:n], dtype=float)
-        first = solved(mass @ np.cos(np.arange(n) ** 2))[:n]
-        how: Any = {"M": mass, "sigma": -shift, "OPinv": operator, "v0": first, "which": "LM", "tol": 1e-13}
-        values, motions = linalg.eigsh(mass, k=count, **how)
+
+        def search(_, known, start):
+            def moved(right):
+                z = solved(right)[:n]
+                return z - known @ (known.T @ (mass @ z))
+
+            operator = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
+            how: Any = {"M": mass, "sigma": -shift, "OPinv": operator, "which": "LM", "tol": 1e-13}
+            return linalg.eigsh(mass, k=count, v0=moved(mass @ start), **how)
+
+        def passed_over(values):
+            limit = values[-1] - BEFORE * abs(values[-1])
+            lowered = scipy.sparse.block_diag([limit * mass, scipy.sparse.csr_array((total - n, total - n))])
+            return more_below((tangent - lowered).tocsc(), n, int(np.sum(values < limit)))
+
+        values, motions = with_all_copies(search, passed_over, lambda values: values, (n, count))
     order = np.argsort(values)
     values, motions = values[order], motions[:, order]
     motions = motions / np.sqrt(np.einsum("ij,ij->j", motions, mass @ motions))
@@ -309,27 +320,6 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     full = np.stack([solved((w + shift) * (mass @ v)) for w, v in zip(values, motions.T, strict=True)], axis=1)
     check_modes(full[:n] - motions, motions, mass, "frequencies")
     return Lowest(values, motions, full[n:])
-
-
-def check_modes(left: np.ndarray, motions: np.ndarray, matrix: Any, what: str) -> None:
-    """Raise where Lanczos iterations ended with motions that are none.
-
-    Args:
-        left: What one more iteration changes of them, (n, count).
-        motions: Found, (n, count).
-        matrix: Positive semidefinite, that measures both, (n, n).
-        what: Was looked for.
-
-    Raises:
-        AnalysisError: not_converged.
-    """
-    wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
-    if not np.all(wrong <= TRUE**2 * own):
-        raise AnalysisError(
-            RESULTS.not_converged.name,
-            f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
-            " of freedom.",
-        )
 
 
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -84,7 +84,7 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
 
     Source:
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, sections IV.5 and IV.8; for equations of
-        second order THEORY.md 9, eq. (9.7).
+        second order THEORY.md 9, eq. (9.10).
     """
 
     rtol: Any = 1e-5

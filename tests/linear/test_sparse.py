@@ -213,3 +213,28 @@ def test_few_motions_of_many_coordinates_are_found_one_and_all():
     np.testing.assert_allclose(found, fm.frequencies(comb(3, check=True)), rtol=1e-9)
     with pytest.raises(ValueError, match="6 modes"):
         fm.to_statespace(large, modes=8, sparse=True)
+
+
+def test_every_copy_of_a_repeated_value_is_found():
+    """Sixty leaf springs alike have sixty lowest frequencies and load multipliers; iterations see one of each."""
+    section = fm.Rectangle(0.01, 1e-3, STEEL)
+    b = fm.Builder()
+    for j in range(60):
+        for i in range(3):
+            b.node(f"n{j} {i}", (0.05 * i, 0.05 * j))
+        for i in range(2):
+            b.add(planar.beam, f"n{j} {i}", f"n{j} {i + 1}", section=section)
+        b.fix(f"n{j} 0")
+        b.force(f"n{j} 2", (-1.0, 0.0))
+    model = b.build(check=False)
+    for answer in (fm.frequencies, fm.buckling_loads):
+        for count in (30, 70):
+            found = np.asarray(answer(model, count=count, sparse=True))
+            assert np.sum(np.abs(found / found[0] - 1) < 1e-6) == min(count, 60)
+
+
+def test_another_model_and_failures_that_are_not_raised_are_refused():
+    with pytest.raises(ValueError, match="of another model"):
+        fm.compliance(comb(2), "t0", at=fm.linearize(bent(), sparse=True))
+    with pytest.raises(ValueError, match="always raises"):
+        fm.modes(bent(), count=2, sparse=True, throw=False)

@@ -1,0 +1,88 @@
+"""Eigenvalues by Lanczos iterations with sparse factors: none of repeated ones is passed over, none is round-off."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..errors import AnalysisError
+from ..math.sparse import SparseFactors, negative_where_held
+from ..results import RESULTS
+
+# One more iteration changes what was found by less than this share of it, whose square is the error of an eigenvalue.
+TRUE = 1e-4
+# Eigenvalues are counted up to this share before the last of those found.
+BEFORE = 1e-6
+# Searches for what others passed over; each finds one copy of every repeated eigenvalue at least.
+SEARCHES = 100
+
+
+def with_all_copies(
+    search: Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]],
+    passed_over: Callable[[np.ndarray], bool],
+    farness: Callable[[np.ndarray], np.ndarray],
+    size: tuple[int, int],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and motions, as many of each as there are.
+
+    From one start, iterations see one motion of each eigenvalue; only round-off shows them others.
+
+    Args:
+        search: Eigenvalues (count,) and motions (n, count), orthonormal, beside those that are known, (k,) and (n, k),
+            from a start, (n,).
+        passed_over: Whether there are more up to the last of some eigenvalues, sorted.
+        farness: By which eigenvalues are sorted.
+        size: n and count.
+
+    Returns:
+        Sorted, (count,) and (n, count).
+
+    Raises:
+        AnalysisError: not_converged.
+    """
+    n, count = size
+    start = np.cos(np.arange(n) ** 2)
+    values, motions = search(np.zeros(0), np.zeros((n, 0)), start)
+    for k in range(SEARCHES):
+        order = np.argsort(farness(values), kind="stable")[:count]
+        values, motions = values[order], motions[:, order]
+        if not passed_over(values):
+            return values, motions
+        more, others = search(values, motions, np.cos((k + 2) * np.arange(n) ** 2 + k))
+        if np.min(farness(more)) >= farness(values)[-1]:
+            return values, motions
+        values, motions = np.concatenate([values, more]), np.concatenate([motions, others], axis=1)
+    raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
+
+
+def more_below(matrix: Any, n: int, found: int) -> bool:
+    """Whether a symmetric matrix with constraints has more negative eigenvalues than those found.
+
+    Args:
+        matrix: Sparse [[A, D^T], [D, 0]].
+        n: Size of A.
+        found: Number of them.
+    """
+    negative = negative_where_held(matrix, SparseFactors(matrix), n)
+    return negative is not None and negative > found
+
+
+def check_modes(left: np.ndarray, motions: np.ndarray, matrix: Any, what: str) -> None:
+    """Raise where iterations ended with motions that are none.
+
+    Args:
+        left: What one more iteration changes of them, (n, count).
+        motions: Found, (n, count).
+        matrix: Positive semidefinite, that measures both, (n, n).
+        what: Was looked for.
+
+    Raises:
+        AnalysisError: not_converged.
+    """
+    wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
+    if not np.all(wrong <= TRUE**2 * own):
+        raise AnalysisError(
+            RESULTS.not_converged.name,
+            f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
+            " of freedom.",
+        )
