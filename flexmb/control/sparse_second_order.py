@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
-from ..errors import ModelError
+from ..errors import AnalysisError, ModelError
 from ..linear.sparse_linearize import SparseLinearization, by_coordinates
 from ..linear.sparse_solve import solved, spread
 from ..math.element_matrices import ElementMatrices, between, times, times_transposed
@@ -15,6 +15,9 @@ from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Signal
 from .held import Held, about_axes, held_by, held_of, seeds
 from .second_order_form import kinds_of
+
+# Share of a force below which what is left beside those of constraints is round-off.
+IDLE = 1e-9
 
 
 class SparseSecondOrder(NamedTuple):
@@ -182,11 +185,28 @@ def _carried(lin: SparseLinearization, held: tuple[Held, ...]) -> Float[Array, "
     return by_x + spread(elements, moved[: elements.unknowns[0]])
 
 
+def _carries(lin: SparseLinearization, forces: np.ndarray) -> np.ndarray:
+    """Whether forces on what moves, (n, k), meet more than constraints, (k,)."""
+    elements, n_x = lin.elements, lin.x.shape[0]
+    n, h = elements.unknowns
+    largest = np.max(np.abs(forces), axis=0, initial=0.0)
+    if not h or not np.any(largest):
+        return largest > 0
+    try:
+        moved = solved(elements, jnp.concatenate([jnp.asarray(forces), jnp.zeros((h, forces.shape[1]))]))
+    except AnalysisError:
+        # Of a motion without stiffness that is not known.
+        return largest > 0
+    elastic = times(elements.stiffness, spread(elements, moved[:n]), size=n_x)[elements.free]
+    return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE * largest
+
+
 def _refuse_idle(lin: SparseLinearization, found: SparseSecondOrder) -> None:
     """Refuse inputs that move nothing; of concrete numbers."""
     if not is_concrete(found[:4]):
         return
-    forces = np.any(np.asarray(found.B)[:, np.asarray(lin.elements.free)], axis=(0, 1))
+    own = np.asarray(found.B)[:, np.asarray(lin.elements.free)]
+    forces = np.any(np.array([_carries(lin, of) for of in own]), axis=0)
     idle = np.flatnonzero(~forces & ~np.any(np.asarray(found.D), axis=(0, 1)))
     if len(idle):
         s = lin.labels.inputs[idle[0]]

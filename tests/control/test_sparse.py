@@ -133,3 +133,19 @@ def test_what_is_refused():
         fm.frequency_response(large, 0.0)
     with pytest.raises(ValueError, match="no element is of"):
         fm.frequency_response(large, HERTZ, loss_factor={"nobody": 0.1})
+
+
+def test_an_input_on_what_constraints_hold_is_refused():
+    b = fm.Builder()
+    for name, at in (("wall", (0.0, 0.0)), ("block", (0.0, 0.1)), ("tip", (0.2, 0.1))):
+        b.node(name, at)
+    b.add(planar.rigid_body, "wall", "block")
+    b.add(planar.beam, "block", "tip", section=fm.Rectangle(0.01, 1e-3, fm.Material(E=210e9, G=80e9, rho=7850.0)))
+    b.fix("wall")
+    b.output("tip", "y")
+    b.input("block", "y", name="push")
+    model = b.build(check=False)
+    with pytest.raises(fm.ModelError, match=r"'push'.* moves nothing"):
+        fm.frequency_response(model, [1.0], sparse=True)
+    with pytest.raises(fm.ModelError, match=r"'push'.* moves nothing"):
+        fm.to_statespace(model, modes=2, sparse=True)
