@@ -211,7 +211,7 @@ class ChainForm(Record):
         after = self.residual(t, state, z)
         # What is left of a singular system is no round-off.
         regular = jnp.all(jnp.isfinite(z)) & (jnp.max(jnp.abs(after)) <= 1e-6 * jnp.max(jnp.abs(before)))
-        return z - self.solved(factors, after), regular | (jnp.max(jnp.abs(before)) == 0.0)
+        return z - self.solved(factors, after), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
         """How the memory changes: no turns are counted."""
