@@ -40,15 +40,26 @@ def with_all_copies(
     Raises:
         AnalysisError: not_converged.
     """
+    import scipy.sparse.linalg
+
+    def searched(*given):
+        try:
+            return search(*given)
+        except scipy.sparse.linalg.ArpackError as fault:
+            raise AnalysisError(
+                RESULTS.not_converged.name,
+                f"{fault} Ask for fewer, or give sparse=False and a model with degrees of freedom.",
+            ) from None
+
     n, count = size
     start = np.cos(np.arange(n) ** 2)
-    values, motions = search(np.zeros(0), np.zeros((n, 0)), start)
+    values, motions = searched(np.zeros(0), np.zeros((n, 0)), start)
     for k in range(SEARCHES):
         order = np.argsort(farness(values), kind="stable")[:count]
         values, motions = values[order], motions[:, order]
         if not passed_over(values):
             return values, motions
-        more, others = search(values, motions, np.cos((k + 2) * np.arange(n) ** 2 + k))
+        more, others = searched(values, motions, np.cos((k + 2) * np.arange(n) ** 2 + k))
         if np.min(farness(more)) >= farness(values)[-1]:
             return values, motions
         values, motions = np.concatenate([values, more]), np.concatenate([motions, others], axis=1)

@@ -261,10 +261,33 @@ def _few_lowest(tangent: Any, mass: Any, shift: float, factored: SparseFactors, 
         inverse, motions = AllowedMotions(tangent, factored, n).largest(mass, count)
     except np.linalg.LinAlgError:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
-    with_mass = int(np.sum(inverse > MASSLESS * np.max(inverse, initial=0.0)))
-    if with_mass < count:
-        raise ModelError(f"Argument `count` = {count}: only {with_mass} motions of this mechanism have mass.")
-    return 1 / inverse - shift, motions
+    return _with_mass(inverse, shift, count), motions
+
+
+def _with_mass(inverse: np.ndarray, shift: float, count: int) -> np.ndarray:
+    """Eigenvalues of those of the inverse, all with mass."""
+    found = int(np.sum(inverse > MASSLESS * np.max(inverse, initial=0.0)))
+    if found < count:
+        raise ModelError(
+            f"Argument `count` = {count}: only {found} motions of this mechanism have mass. Ask for as many, or give"
+            " sparse=False and a model with degrees of freedom."
+        )
+    return 1 / inverse - shift
+
+
+def _few_heavy(solved: Callable[[np.ndarray], np.ndarray], mass: Any, shift: float, heavy: np.ndarray, count: int):
+    """Lowest eigenvalues and their motions, where few coordinates have mass: M = S S^T, and S^T C S has the same ones.
+
+    Raises:
+        ModelError: Fewer motions have mass.
+    """
+    own, turned = np.linalg.eigh(mass[heavy][:, heavy].toarray())
+    roots = np.zeros((mass.shape[0], len(heavy)))
+    roots[heavy] = turned * np.sqrt(np.maximum(own, 0.0))
+    moved = np.reshape([solved(root) for root in roots.T], (len(heavy), -1)).T[: len(roots)]
+    inverse, shares = np.linalg.eigh(roots.T @ moved)
+    values = _with_mass(inverse[::-1][:count], shift, count)
+    return values, moved @ shares[:, ::-1][:, :count]
 
 
 def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
@@ -289,6 +312,9 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     every = 2 * n - total
     if 3 * count >= every > MANY:
         raise ModelError(f"Argument `count` = {count}: sparse matrices give few of the {every} frequencies, not all.")
+    heavy = np.flatnonzero(mass.diagonal() > 0)
+    if not len(heavy):
+        _with_mass(np.zeros(0), 0.0, count)
     shift, factored = _below_all(tangent, mass)
 
     def solved(right):
@@ -296,6 +322,8 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
 
     if every <= max(FEW, 3 * count):
         values, motions = _few_lowest(tangent, mass, shift, factored, count)
+    elif len(heavy) <= max(FEW, 3 * count):
+        values, motions = _few_heavy(solved, mass, shift, heavy, count)
     else:
 
         def search(_, known, start):

@@ -238,3 +238,19 @@ def test_another_model_and_failures_that_are_not_raised_are_refused():
         fm.compliance(comb(2), "t0", at=fm.linearize(bent(), sparse=True))
     with pytest.raises(ValueError, match="always raises"):
         fm.modes(bent(), count=2, sparse=True, throw=False)
+
+
+def test_a_mass_on_many_beams_without_mass():
+    """Closed form: a point mass at the end of a cantilever bends and stretches it; nothing else has mass."""
+    b = fm.Builder()
+    for i in range(41):
+        b.node(f"n{i}", (i / 40, 0.0))
+    for i in range(40):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=1.0, mass=0.0))
+    b.mass("n40", 1.0)
+    b.fix("n0")
+    model = b.build(check=False)
+    found = fm.frequencies(model, count=2, sparse=True)
+    np.testing.assert_allclose(found, np.sqrt([3.0, 1e4]) / (2 * np.pi), rtol=1e-8)
+    with pytest.raises(fm.ModelError, match="only 2 motions of this mechanism have mass"):
+        fm.frequencies(model, count=3, sparse=True)
