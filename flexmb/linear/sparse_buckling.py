@@ -12,7 +12,7 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
-from ..math.sparse import FEW, AllowedMotions, SparseFactors
+from ..math.sparse import SparseFactors
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
@@ -29,7 +29,7 @@ from ..statics.sparse import (
     second_variation,
 )
 from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
-from .lanczos import BEFORE, check_modes, more_below, with_all_copies
+from .lanczos import BEFORE, FEW, AllowedMotions, check_modes, more_below, with_all_copies
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9

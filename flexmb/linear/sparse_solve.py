@@ -17,7 +17,7 @@ from ..math.element_matrices import ElementMatrices, Whole, times, times_transpo
 from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..results import RESULTS
-from .spectrum import Lowest, lowest_of_sparse
+from .sparse_spectrum import Lowest, lowest_of_sparse
 
 # Eigenvalues nearer than this, relatively, are taken to be repeated.
 NEAR = 1e-8

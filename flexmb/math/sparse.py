@@ -15,9 +15,6 @@ SINGULAR = 1e-14
 DIAGONAL = 1e-8
 # What a solution leaves, beside the matrix times it and the right-hand side; where more is left, rows change places.
 BACKWARD = 1e-10
-# Where constraints leave so few motions, or three times those that are asked for, they are found one and all: Lanczos
-# iterations that exhaust them go on with vectors of round-off.
-FEW = 60
 # How much stiffer than all else constraints are that springs stand for: critical values change by its inverse.
 FIRM = 1e4
 
@@ -223,54 +220,3 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
     np.maximum.at(place, n + of, place[columns] + 0.5)
     negative = SparseFactors(whole, np.argsort(place, kind="stable"), on_diagonal=True).negative
     return SparseFactors(stiffness + FIRM * stiff).negative if negative is None else negative - rest
-
-
-class AllowedMotions:
-    """The motions that constraints D v = 0 leave, where they are few, and an operator in them.
-
-    Attributes:
-        basis: Orthonormal, one a column, (n, n - h).
-        flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h).
-    """
-
-    def __init__(self, tangent: Any, factored: SparseFactors, n: int):
-        """Find them.
-
-        Args:
-            tangent: Sparse [[K, D^T], [D, 0]], K positive definite where the constraints hold, (n + h, n + h).
-            factored: Its factors.
-            n: Size of K.
-
-        Raises:
-            numpy.linalg.LinAlgError: K is not positive definite.
-        """
-        rest = tangent.shape[0] - n
-        self.basis = _orthonormal_allowed(tangent, n) if rest else np.eye(n)
-        moved = factored.solve(np.vstack([self.basis, np.zeros((rest, n - rest))]))[:n]
-        flexible = self.basis.T @ moved
-        self.flexibility = np.linalg.cholesky((flexible + flexible.T) / 2)
-
-    def largest(self, matrix: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1, (n, count).
-
-        Args:
-            matrix: Sparse symmetric A, (n, n).
-            count: How many.
-        """
-        own = self.flexibility.T @ (self.basis.T @ (matrix @ self.basis)) @ self.flexibility
-        values, vectors = np.linalg.eigh((own + own.T) / 2)
-        chosen = np.argsort(-np.abs(values), kind="stable")[:count]
-        return values[chosen], self.basis @ (self.flexibility @ vectors[:, chosen])
-
-
-def _orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
-    """Any motions, projected onto those that the constraints leave, (n, n - h)."""
-    import scipy.sparse
-
-    rest, rows = tangent.shape[0] - n, tangent[n:, :n].tocsr()
-    rows = scipy.sparse.diags_array(1 / abs(rows).max(axis=1).toarray().ravel()) @ rows
-    projector = SparseFactors(scipy.sparse.block_array([[scipy.sparse.eye_array(n), rows.T], [rows, None]]))
-    found = np.random.default_rng(0).standard_normal((n, n - rest))
-    for _ in range(2):
-        found = np.linalg.qr(projector.solve(np.vstack([found, np.zeros((rest, n - rest))]))[:n])[0]
-    return found
