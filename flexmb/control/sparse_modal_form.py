@@ -59,6 +59,10 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
     kept, found = _chosen(lin, modes, bandwidth)
     elements, (n_x, h) = lin.elements, (lin.x.shape[0], lin.elements.unknowns[1])
     hertz = to_frequency(found.values)
+    if is_concrete(hertz):
+        hertz = hertz[np.isfinite(hertz)]
+        if max(kept) >= len(hertz):
+            raise ValueError(f"Argument `modes` = {shown(modes)}: {len(hertz)} modes of this mechanism have mass.")
     _refuse_left_out(kept, hertz)
     own = np.array(kept)
     values, shapes = found.values[own], found.motions[:, own]

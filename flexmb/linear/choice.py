@@ -9,11 +9,20 @@ from ..statics.equilibrium import load_factors_of
 from ..statics.sparse_structure import by_sparse
 from .linearize import Linearization, Where
 from .sparse_linearize import SparseLinearization, sparse_linearization
+from .sparse_spectrum import asks_for_all
 
 
 def is_large(model: Model) -> bool:
     """Whether a mechanism is large enough for sparse matrices to be quicker, and is one that they can describe."""
     return by_sparse(model, None) and not lacks_potential(model.topology)
+
+
+def few_of(given: Any, count: int | None) -> bool:
+    """Whether so few of the modes of a model, or of its linearisation, are asked for that sparse matrices give them."""
+    if count is None or not isinstance(given, Model):
+        return count is not None
+    topology = given.topology
+    return not asks_for_all(count, topology.x.free.shape[0] - topology.e.held.shape[0])
 
 
 def sparsely(

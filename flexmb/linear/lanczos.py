@@ -69,6 +69,46 @@ def with_all_copies(
     raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
 
 
+def eigenvalues_beside(
+    matrix: Any,
+    stiffness: Any,
+    moved: Callable[[np.ndarray], np.ndarray],
+    known: tuple[np.ndarray, np.ndarray],
+    count: int,
+    start: np.ndarray,
+    **how: Any,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues of A v = m K v where constraints hold, and motions with v^T K v = 1, beside those that are known.
+
+    Args:
+        matrix: Sparse symmetric A, (n, n).
+        stiffness: Sparse K, positive definite where the constraints hold, (n, n).
+        moved: Motions under forces by K and the constraints.
+        known: Eigenvalues (k,) and motions (n, k).
+        count: How many.
+        start: A motion that the constraints allow, (n,).
+        how: Which and how accurate, as for :func:`scipy.sparse.linalg.eigsh`.
+
+    Source:
+        Lanczos method of ARPACK in the inner product of K.
+    """
+    import scipy.sparse.linalg
+
+    linalg: Any = scipy.sparse.linalg
+    values, motions = known
+    # ARPACK takes the product with the first matrix for that of the inner product and the operator: what is known is
+    # taken out of that matrix.
+    forces = stiffness @ motions
+
+    def beside(motion):
+        motion = np.ravel(motion)
+        return matrix @ motion - forces @ (values * (forces.T @ motion))
+
+    operator = linalg.LinearOperator(matrix.shape, matvec=beside, dtype=float)
+    inverse = linalg.LinearOperator(matrix.shape, matvec=lambda force: moved(np.ravel(force)), dtype=float)
+    return linalg.eigsh(operator, k=count, M=stiffness, Minv=inverse, v0=start, **how)
+
+
 def more_below(matrix: Any, n: int, found: int) -> bool:
     """Whether a symmetric matrix with constraints has more negative eigenvalues than those found.
 
@@ -81,20 +121,29 @@ def more_below(matrix: Any, n: int, found: int) -> bool:
     return negative is not None and negative > found
 
 
-def check_modes(left: np.ndarray, motions: np.ndarray, matrix: Any, what: str) -> None:
+def changed(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
+    """How much one more iteration changes motions, beside their own size, (count,).
+
+    Args:
+        left: What it changes of them, (n, count).
+        motions: Found, (n, count).
+        matrix: Positive semidefinite, that measures both, (n, n).
+    """
+    wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
+    return np.sqrt(np.abs(wrong) / own)
+
+
+def check_modes(wrong: np.ndarray, what: str) -> None:
     """Raise where iterations ended with motions that are none.
 
     Args:
-        left: What one more iteration changes of them, (n, count).
-        motions: Found, (n, count).
-        matrix: Positive semidefinite, that measures both, (n, n).
+        wrong: As of :func:`changed`, (count,).
         what: Was looked for.
 
     Raises:
         AnalysisError: not_converged.
     """
-    wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
-    if not np.all(wrong <= TRUE**2 * own):
+    if not np.all(wrong <= TRUE):
         raise AnalysisError(
             RESULTS.not_converged.name,
             f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"

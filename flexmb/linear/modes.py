@@ -20,7 +20,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
-from .choice import sparsely
+from .choice import few_of, sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
 from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
 from .shapes import Shapes
@@ -40,7 +40,7 @@ class Modes(Shapes, Result, Record):
         frequencies: Square root over 2 pi with the sign of the eigenvalue, (n,) [Hz].
         shapes: Mass-normalised mode shapes in the coordinates, one a column, (n_x, n) [1/sqrt(kg) ..].
         q_shapes: The same in the degrees of freedom, (n_q, n).
-        massless: Number of motions without mass; 0 of a few modes by sparse matrices, where no one counts them.
+        massless: Number of motions without mass; of modes by sparse matrices 0 where no fewer than asked for have mass.
         stable: Whether the stiffness is positive definite.
         lin: Linearization they belong to.
     """
@@ -144,7 +144,7 @@ def frequencies(
     where = Where(at, step, time, increment)
     if sparse and count is None:
         raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-    large = sparsely(model, "frequencies", where, sparse, few=count is not None, throw=throw)
+    large = sparsely(model, "frequencies", where, sparse, few=few_of(model, count), throw=throw)
     if large is not None:
         if count is None:
             raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
@@ -226,7 +226,7 @@ def modes(
     """
     count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
-    large = sparsely(model, "modes", where, sparse, few=count is not None, throw=throw)
+    large = sparsely(model, "modes", where, sparse, few=few_of(model, count), throw=throw)
     if large is not None:
         return _modes_of_large(large, count)
     lin = linearized(model, "modes", throw, where)
@@ -258,8 +258,14 @@ def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
     roles = lin.model.topology
     deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
     q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])
-    stable = is_concrete(found) and bool(found.values[0] > 0)
-    return Modes(found.values, to_frequency(found.values), found.motions, q_shapes, 0, stable, lin)
+    values, motions, massless, stable = found.values, found.motions, 0, False
+    if is_concrete(found):
+        stable, some = bool(values[0] > 0), int(np.sum(np.isfinite(values)))
+        if some < len(values):
+            moving, constraints = lin.elements.unknowns
+            massless = moving - constraints - some
+            values, motions, q_shapes = values[:some], motions[:, :some], q_shapes[:, :some]
+    return Modes(values, to_frequency(values), motions, q_shapes, massless, stable, lin)
 
 
 @one_thread()

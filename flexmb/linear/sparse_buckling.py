@@ -29,7 +29,7 @@ from ..statics.sparse import (
     second_variation,
 )
 from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
-from .lanczos import BEFORE, FEW, AllowedMotions, check_modes, more_below, with_all_copies
+from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -154,7 +154,7 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     import scipy.sparse
     import scipy.sparse.linalg
 
-    n, linalg = scaled.shape[0], scipy.sparse.linalg
+    n = scaled.shape[0]
     factored, moved = _operator(stays, n)
     stiffness, rest = stays[:n, :n], stays.shape[0] - n
     if abs(scaled).max() == 0:
@@ -167,17 +167,10 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     else:
 
         def search(values, known, start):
-            # ARPACK takes the product with the first matrix for that of the inner product and the operator: what is
-            # known is taken out of that matrix.
-            forces = stiffness @ known
-
-            def beside(motion):
-                motion = np.ravel(motion)
-                return -(scaled @ motion) - forces @ (values * (forces.T @ motion))
-
-            operator = linalg.LinearOperator((n, n), matvec=beside, dtype=float)
-            how: Any = {"M": stiffness, "Minv": moved, "which": "LM", "tol": 1e-13}
-            return linalg.eigsh(operator, k=count, v0=moved.matvec(start), **how)
+            how = {"which": "LM", "tol": 1e-13}
+            return eigenvalues_beside(
+                -scaled, stiffness, moved.matvec, (values, known), count, moved.matvec(start), **how
+            )
 
         def passed_over(inverse):
             if abs(inverse[-1]) <= abs(inverse[0]) / UNBOUNDED:
@@ -198,7 +191,7 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
     # Once more, for the multipliers too: K v + D^T m = -lambda G v.
     forces = np.vstack([-(scaled @ motions) / np.where(bounded, inverse, 1.0), np.zeros((rest, count))])
     full = np.stack([factored.solve(force) for force in forces.T], axis=1)
-    check_modes((full[:n] - motions)[:, bounded], motions[:, bounded], stiffness, "load multipliers")
+    check_modes(changed((full[:n] - motions)[:, bounded], motions[:, bounded], stiffness), "load multipliers")
     return _Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))
 
 

@@ -17,7 +17,7 @@ from ..math.element_matrices import ElementMatrices, Whole, times, times_transpo
 from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..results import RESULTS
-from .sparse_spectrum import Lowest, lowest_of_sparse
+from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
 
 # Eigenvalues nearer than this, relatively, are taken to be repeated.
 NEAR = 1e-8
@@ -156,8 +156,8 @@ def lowest(elements: ElementMatrices, count: int) -> Lowest:
         count: How many.
 
     Returns:
-        omega^2, ascending, (count,) [rad^2/s^2]; motions of all coordinates, mass-normalised, one a column, (n_x,
-        count); multipliers of the constraints, (h, count).
+        omega^2, ascending, infinite for motions without mass, (count,) [rad^2/s^2]; motions of all coordinates,
+        mass-normalised, zero for those, one a column, (n_x, count); multipliers of the constraints, (h, count).
 
     Source:
         THEORY.md 7, eq. (7.16): Lanczos method of ARPACK, shifted and inverted; derivatives as Nelson (1976).
@@ -179,7 +179,9 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
 
     def found(elements):
         whole = Whole(elements)
-        values, moving, multipliers = lowest_of_sparse(whole.at(), whole.mass, k)
+        tangent, mass = whole.at(), whole.mass
+        refuse_negative_masses(mass, [own for *_, own in elements.mass], tangent)
+        values, moving, multipliers = lowest_of_sparse(tangent, mass, k)
         motions = np.zeros((n_x, k))
         motions[elements.free] = moving
         sized = motions / elements.sizes[:, None]
@@ -195,20 +197,22 @@ def _lowest_jvp(primals, tangents):
     at: Any = _lowest(elements, count)
     (n, h), n_x = elements.unknowns, elements.sizes.shape[0]
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
-    gaps = jnp.abs(at.values[:, None] - at.values)
-    near = gaps <= NEAR * jnp.maximum(jnp.abs(at.values)[:, None], jnp.abs(at.values))
+    massive, values = jnp.isfinite(at.values), _finite(at.values)
+    gaps = jnp.abs(values[:, None] - values)
+    near = gaps <= NEAR * jnp.maximum(jnp.abs(values)[:, None], jnp.abs(values))
+    near = near & massive & massive[:, None]
     inertia = times(elements.mass, at.motions, size=n_x)[elements.free]
 
     def equations(elements):
         """Balance of each mode, and how far the modes that are near it are from being orthonormal to it."""
         mass = jnp.einsum("ij,ik->jk", at.motions, times(elements.mass, at.motions, size=n_x))
-        return jnp.concatenate([product(elements, z, at.values), jnp.where(near, mass, 0.0) / 2])
+        return jnp.concatenate([product(elements, z, values), jnp.where(near, mass, 0.0) / 2])
 
     _, change = jax.jvp(equations, (elements,), (tangents[0],))
 
     def matvec(y):
         own, border = y[: n + h], y[n + h :]
-        balance = product(elements, own, at.values)
+        balance = product(elements, own, values)
         balance = balance.at[:n].add(inertia @ jnp.where(near, border, 0.0))
         return jnp.concatenate([balance, jnp.where(near, inertia.T @ own[:n], border)])
 
@@ -217,6 +221,10 @@ def _lowest_jvp(primals, tangents):
         found, ordering = np.array(right), None
         for i, value in enumerate(values):
             own = np.flatnonzero(near[:, i])
+            if not len(own):
+                # Without mass: nothing is asked of it.
+                found[:, i] = 0.0
+                continue
             rows = np.concatenate([np.arange(n + h), n + h + own])
             bordered = whole.bordered(whole.at(mass=-value), inertia[:, own])
             alike = ordering is not None and len(ordering) == bordered.shape[0]
@@ -230,7 +238,7 @@ def _lowest_jvp(primals, tangents):
             lambda *given: host(*jax.tree.map(np.asarray, given)),
             jax.ShapeDtypeStruct(right.shape, float),
             elements,
-            at.values,
+            values,
             inertia,
             near,
             right,
@@ -242,6 +250,11 @@ def _lowest_jvp(primals, tangents):
     slopes = -jnp.diagonal(y[n + h :])
     changed: Any = slopes, spread(elements, y[:n]), y[n : n + h]
     return at, Lowest(*changed)
+
+
+def _finite(values: Float[Array, "count"]) -> Float[Array, "count"]:
+    """Eigenvalues, zero for motions without mass, whose motions are zero."""
+    return jnp.where(jnp.isfinite(values), values, 0.0)
 
 
 def lowest_values(elements: ElementMatrices, count: int) -> Float[Array, "count"]:
@@ -266,6 +279,6 @@ def _lowest_values_jvp(primals, tangents):
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
 
     def quotients(elements):
-        return jnp.sum(z * product(elements, z, at.values), axis=0)
+        return jnp.sum(z * product(elements, z, _finite(at.values)), axis=0)
 
     return at.values, jax.jvp(quotients, (elements,), (tangents[0],))[1]

@@ -1,6 +1,9 @@
-"""Lowest eigenvalues of stiffness and mass of large mechanisms, by sparse factors and Lanczos iterations."""
+"""Lowest eigenvalues of stiffness and mass of large mechanisms, by sparse factors and Lanczos iterations.
 
-from collections.abc import Callable
+M v = mu (K + s M) v is solved in the inner product of K + s M, with omega^2 = 1/mu - s. In that of M, which motions
+without mass leave no measure of, these would grow among what iterations find.
+"""
+
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,19 +11,28 @@ import numpy as np
 from ..errors import AnalysisError, ModelError
 from ..math.sparse import SparseFactors, negative_where_held
 from ..results import RESULTS
-from .lanczos import BEFORE, FEW, AllowedMotions, check_modes, more_below, with_all_copies
-from .spectrum import FIRST_SHIFT, MASSLESS
+from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
+from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS
 
 # Of more motions than these all are not found by sparse matrices.
 MANY = 2000
+# How much longer each shift is than the one tried before.
+GROWTH = 10.0
+# Eigenvalues that tell how large a shift is to be are as good as this.
+ROUGH = 1e-4
+# Where one more iteration changes motions by more than this, whose square is the error of an eigenvalue, another shift
+# is tried.
+GOOD = 1e-6
+# A mass is negative below this share of the largest, or of what its own motion has in stiffness.
+NEGATIVE = 1e-10
 
 
 class Lowest(NamedTuple):
     """Lowest eigenvalues of a constrained mechanism in all its coordinates.
 
     Attributes:
-        values: omega^2, ascending, (count,) [rad^2/s^2].
-        motions: Mass-normalised motions, one a column, (n, count).
+        values: omega^2, ascending, infinite for motions without mass, (count,) [rad^2/s^2].
+        motions: Mass-normalised motions, one a column, zero for those without mass, (n, count).
         multipliers: Those of the constraints in these motions, (h, count).
     """
 
@@ -29,8 +41,47 @@ class Lowest(NamedTuple):
     multipliers: np.ndarray
 
 
-def _below_all(tangent: Any, mass: Any) -> tuple[float, SparseFactors]:
-    """A shift s that no eigenvalue is below -s of, and the factors of [[K + s M, D^T], [D, 0]].
+class _Shifted:
+    """K + s M where constraints D v = 0 hold, and its factors.
+
+    Attributes:
+        shift: s [rad^2/s^2].
+        tangent: Sparse [[K + s M, D^T], [D, 0]], (n + h, n + h).
+        stiffness: K + s M, (n, n).
+        mass: M, (n, n).
+        factors: Of the tangent.
+    """
+
+    def __init__(self, tangent: Any, mass: Any, shift: float):
+        self.shift, self.mass, self._n = shift, mass, mass.shape[0]
+        self.tangent = tangent if shift == 0.0 else with_mass(tangent, mass, shift)
+        self.stiffness = self.tangent[: self._n, : self._n]
+        self.factors = SparseFactors(self.tangent)
+
+    def is_definite(self) -> bool:
+        """Whether K + s M is known to be positive definite where the constraints hold."""
+        return self.factors.regular and negative_where_held(self.tangent, self.factors, self._n) == 0
+
+    def solved(self, forces: np.ndarray) -> np.ndarray:
+        """Motions and multipliers under forces, (n + h,) or (n + h, k)."""
+        rest = np.zeros((self.tangent.shape[0] - self._n, *forces.shape[1:]))
+        return self.factors.solve(np.concatenate([forces, rest]))
+
+    def moved(self, forces: np.ndarray) -> np.ndarray:
+        """Motions under forces, (n,) or (n, k)."""
+        return self.solved(forces)[: self._n]
+
+
+def with_mass(tangent: Any, mass: Any, factor: float) -> Any:
+    """Sparse [[K + c M, D^T], [D, 0]] of that without mass."""
+    import scipy.sparse
+
+    rest = tangent.shape[0] - mass.shape[0]
+    return (tangent + scipy.sparse.block_diag([factor * mass, scipy.sparse.csr_array((rest, rest))])).tocsc()
+
+
+def _below_all(tangent: Any, mass: Any) -> _Shifted:
+    """Shifted by an s that no eigenvalue is below -s of.
 
     What is nearest to zero is the lowest only where nothing is below: an unstable mechanism has negative eigenvalues,
     some of them perhaps far from it.
@@ -38,60 +89,87 @@ def _below_all(tangent: Any, mass: Any) -> tuple[float, SparseFactors]:
     Raises:
         AnalysisError: singular_stiffness.
     """
-    import scipy.sparse
-
-    n, total = mass.shape[0], tangent.shape[0]
-    ratio = tangent.diagonal()[:n].max() / mass.diagonal().max()
-    none = scipy.sparse.csr_array((total - n, total - n))
+    heaviest = mass.diagonal().max(initial=0.0)
+    ratio = np.abs(tangent.diagonal()[: mass.shape[0]]).max(initial=0.0) / heaviest if heaviest > 0 else 0.0
     shift = 0.0
-    while shift <= ratio:
-        padded = tangent if shift == 0.0 else (tangent + scipy.sparse.block_diag([shift * mass, none])).tocsc()
-        factored = SparseFactors(padded)
-        if factored.regular and not negative_where_held(padded, factored, n):
-            return shift, factored
-        shift = 10 * shift or FIRST_SHIFT * ratio
+    for _ in range(MAX_SHIFTS if heaviest > 0 else 1):
+        found = _Shifted(tangent, mass, shift)
+        if found.is_definite():
+            return found
+        shift = GROWTH * shift or FIRST_SHIFT * (ratio or 1.0)
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
-def _few_lowest(tangent: Any, mass: Any, shift: float, factored: SparseFactors, count: int):
-    """Lowest eigenvalues and their motions, of few motions that constraints leave; factors are those of a shift.
+def refuse_negative_masses(mass: Any, pieces: Any, tangent: Any) -> None:
+    """Refuse a mass with a negative eigenvalue where the constraints hold.
+
+    Args:
+        mass: Sparse M, (n, n).
+        pieces: Element matrices that it is the sum of: where none is negative, nor is their sum.
+        tangent: Sparse [[K, D^T], [D, 0]].
 
     Raises:
-        AnalysisError: singular_stiffness.
-        ModelError: Fewer motions have mass.
+        AnalysisError: singular_mass.
     """
-    n = mass.shape[0]
+    import scipy.sparse
+
     try:
-        inverse, motions = AllowedMotions(tangent, factored, n).largest(mass, count)
+        for own in pieces:
+            largest = np.max(np.abs(own), axis=(1, 2), initial=0.0)
+            np.linalg.cholesky(own + (NEGATIVE * largest + np.finfo(float).tiny)[:, None, None] * np.eye(own.shape[1]))
     except np.linalg.LinAlgError:
-        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
-    return _with_mass(inverse, shift, count), motions
+        pass
+    else:
+        return
+    size, rows = np.abs(mass.diagonal()), tangent[mass.shape[0] :, : mass.shape[0]]
+    some = NEGATIVE * np.where(size > 0, size, np.max(size, initial=0.0))
+    whole = scipy.sparse.block_array([[mass + scipy.sparse.diags_array(some), rows.T], [rows, None]]).tocsc()
+    if negative_where_held(whole, SparseFactors(whole), mass.shape[0]) != 0:
+        raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
 
 
-def _with_mass(inverse: np.ndarray, shift: float, count: int) -> np.ndarray:
-    """Eigenvalues of those of the inverse, all with mass."""
-    found = int(np.sum(inverse > MASSLESS * np.max(inverse, initial=0.0)))
-    if found < count:
-        raise ModelError(
-            f"Argument `count` = {count}: only {found} motions of this mechanism have mass. Ask for as many, or give"
-            " sparse=False and a model with degrees of freedom."
-        )
-    return 1 / inverse - shift
-
-
-def _few_heavy(solved: Callable[[np.ndarray], np.ndarray], mass: Any, shift: float, heavy: np.ndarray, count: int):
-    """Lowest eigenvalues and their motions, where few coordinates have mass: M = S S^T, and S^T C S has the same ones.
+def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Largest mu of M v = mu (K + s M) v, and their motions with v^T (K + s M) v = 1; about right, or right.
 
     Raises:
-        ModelError: Fewer motions have mass.
+        AnalysisError: singular_stiffness or not_converged.
     """
-    own, turned = np.linalg.eigh(mass[heavy][:, heavy].toarray())
-    roots = np.zeros((mass.shape[0], len(heavy)))
+    n, mass = at.mass.shape[0], at.mass
+    every = 2 * n - at.tangent.shape[0]
+    heavy = np.flatnonzero(mass.diagonal() != 0)
+    if every <= max(FEW, 3 * count):
+        try:
+            return AllowedMotions(at.tangent, at.factors, n).largest(mass, count)
+        except np.linalg.LinAlgError:
+            raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
+    if len(heavy) <= max(FEW, 3 * count):
+        return _of_few_masses(at, heavy, count)
+
+    def search(values, known, start):
+        how = {"which": "LA", "tol": ROUGH if rough else 1e-13}
+        return eigenvalues_beside(mass, at.stiffness, at.moved, (values, known), count, at.moved(mass @ start), **how)
+
+    def passed_over(inverse):
+        # Up to the last, or where motions without mass begin.
+        last = max(inverse[-1] * (1 + BEFORE * abs(1 - at.shift * inverse[-1])), MASSLESS * every * inverse[0])
+        below = with_mass(at.tangent, mass, -1 / last)
+        return more_below(below, n, int(np.sum(inverse > last)))
+
+    start = np.cos(np.arange(n) ** 2)
+    if rough:
+        return search(np.zeros(0), np.zeros((n, 0)), start)
+    return with_all_copies(search, passed_over, lambda inverse: -inverse, (n, count))
+
+
+def _of_few_masses(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same where few coordinates have mass: M = S S^T, and S^T C S has these values, C the motions under forces."""
+    own, turned = np.linalg.eigh(at.mass[heavy][:, heavy].toarray())
+    roots = np.zeros((at.mass.shape[0], len(heavy)))
     roots[heavy] = turned * np.sqrt(np.maximum(own, 0.0))
-    moved = np.reshape([solved(root) for root in roots.T], (len(heavy), -1)).T[: len(roots)]
+    moved = at.moved(roots)
     inverse, shares = np.linalg.eigh(roots.T @ moved)
-    values = _with_mass(inverse[::-1][:count], shift, count)
-    return values, moved @ shares[:, ::-1][:, :count]
+    inverse, motions = inverse[::-1][:count], moved @ shares[:, ::-1][:, :count]
+    return inverse, motions / np.sqrt(np.where(inverse > 0, inverse, 1.0))
 
 
 def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
@@ -99,56 +177,62 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
 
     Args:
         tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
-        mass: Sparse M, (n, n).
+        mass: Sparse M without negative eigenvalues where D v = 0, (n, n).
 
     Raises:
-        ModelError: There are not so many.
+        ModelError: ``count`` is so large a part of very many.
         AnalysisError: singular_stiffness or not_converged.
 
     Source:
-        Shift-inverted Lanczos method of ARPACK.
+        THEORY.md 7, eq. (7.16); shift-inverted Lanczos method of ARPACK.
     """
-    import scipy.sparse
-    import scipy.sparse.linalg
-
-    linalg: Any = scipy.sparse.linalg
     n, total = mass.shape[0], tangent.shape[0]
     every = 2 * n - total
-    if 3 * count >= every > MANY:
-        raise ModelError(f"Argument `count` = {count}: sparse matrices give few of the {every} frequencies, not all.")
-    heavy = np.flatnonzero(mass.diagonal() > 0)
-    if not len(heavy):
-        _with_mass(np.zeros(0), 0.0, count)
-    shift, factored = _below_all(tangent, mass)
+    if asks_for_all(count, every):
+        raise ModelError(
+            f"Argument `count` = {count}: sparse matrices give few of the {every} frequencies, not all. Ask for fewer,"
+            " or give sparse=False and a model with degrees of freedom."
+        )
+    at = _below_all(tangent, mass)
+    if not mass.count_nonzero():
+        return Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
+    if at.shift > 0:
+        # As small a shift leaves few digits to what is far above it.
+        at = _better(at, tangent, _found(at, count, rough=True)[0])
+    found, wrong = _lowest_at(at, count)
+    if np.max(wrong, initial=0.0) > GOOD:
+        # Nor does a stiffness that is far softer in one motion than in others.
+        at = _better(at, tangent, 1 / (found.values[np.isfinite(found.values)] + at.shift))
+        found, wrong = _lowest_at(at, count)
+    check_modes(wrong, "frequencies")
+    return found
 
-    def solved(right):
-        return factored.solve(np.concatenate([np.ravel(right), np.zeros(total - n)]))
 
-    if every <= max(FEW, 3 * count):
-        values, motions = _few_lowest(tangent, mass, shift, factored, count)
-    elif len(heavy) <= max(FEW, 3 * count):
-        values, motions = _few_heavy(solved, mass, shift, heavy, count)
-    else:
+def _better(at: _Shifted, tangent: Any, inverse: np.ndarray) -> _Shifted:
+    """Shifted to amidst the eigenvalues that are asked for, of which about right ones are given."""
+    above = 1 / inverse[inverse > MASSLESS * np.max(inverse)] - at.shift
+    above = above[above > max(at.shift, 0.0)]
+    return _Shifted(tangent, at.mass, float(np.sqrt(np.min(above) * np.max(above)))) if len(above) else at
 
-        def search(_, known, start):
-            def moved(right):
-                z = solved(right)[:n]
-                return z - known @ (known.T @ (mass @ z))
 
-            operator = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
-            how: Any = {"M": mass, "sigma": -shift, "OPinv": operator, "which": "LM", "tol": 1e-13}
-            return linalg.eigsh(mass, k=count, v0=moved(mass @ start), **how)
-
-        def passed_over(values):
-            limit = values[-1] - BEFORE * abs(values[-1])
-            lowered = scipy.sparse.block_diag([limit * mass, scipy.sparse.csr_array((total - n, total - n))])
-            return more_below((tangent - lowered).tocsc(), n, int(np.sum(values < limit)))
-
-        values, motions = with_all_copies(search, passed_over, lambda values: values, (n, count))
-    order = np.argsort(values)
-    values, motions = values[order], motions[:, order]
-    motions = motions / np.sqrt(np.einsum("ij,ij->j", motions, mass @ motions))
+def _lowest_at(at: _Shifted, count: int) -> tuple[Lowest, np.ndarray]:
+    """Eigenvalues and motions, and how far from eigenvectors these are, (count,)."""
+    n, total = at.mass.shape[0], at.tangent.shape[0]
+    inverse, motions = _found(at, count, rough=False)
+    order = np.argsort(-inverse)
+    inverse = inverse[order]
+    inverse = inverse[inverse > MASSLESS * (2 * n - total) * inverse[0]]
+    some = len(inverse)
+    kept = motions[:, order[:some]]
+    kept = kept / np.sqrt(np.einsum("ij,ij->j", kept, at.mass @ kept))
     # Once more, for the multipliers too: K v + D^T m = (w^2 + s) M v.
-    full = np.stack([solved((w + shift) * (mass @ v)) for w, v in zip(values, motions.T, strict=True)], axis=1)
-    check_modes(full[:n] - motions, motions, mass, "frequencies")
-    return Lowest(values, motions, full[n:])
+    full = at.solved(at.mass @ kept / inverse)
+    found = Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
+    found.values[:some] = 1 / inverse - at.shift
+    found.motions[:, :some], found.multipliers[:, :some] = kept, full[n:]
+    return found, changed(full[:n] - kept, kept, at.mass)
+
+
+def asks_for_all(count: int, every: int) -> bool:
+    """Whether so many eigenvalues are asked for, of all that there are, that sparse matrices do not give them."""
+    return 3 * count >= every > MANY

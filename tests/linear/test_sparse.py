@@ -240,17 +240,60 @@ def test_another_model_and_failures_that_are_not_raised_are_refused():
         fm.modes(bent(), count=2, sparse=True, throw=False)
 
 
-def test_a_mass_on_many_beams_without_mass():
-    """Closed form: a point mass at the end of a cantilever bends and stretches it; nothing else has mass."""
+def light_line(masses, clamped=True, inertia=None):
+    """Forty beams without mass in a line, with masses on their nodes."""
     b = fm.Builder()
     for i in range(41):
         b.node(f"n{i}", (i / 40, 0.0))
     for i in range(40):
         b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=1.0, mass=0.0))
-    b.mass("n40", 1.0)
-    b.fix("n0")
-    model = b.build(check=False)
+    if clamped:
+        b.fix("n0")
+    for i, mass in masses.items():
+        b.mass(f"n{i}", mass)
+    if inertia is not None:
+        b.inertia("n40", inertia)
+    return b.build(check=False)
+
+
+def test_a_mass_on_many_beams_without_mass():
+    """Closed form: a point mass at the end of a cantilever bends and stretches it; nothing else has mass."""
+    model = light_line({40: 1.0})
     found = fm.frequencies(model, count=2, sparse=True)
     np.testing.assert_allclose(found, np.sqrt([3.0, 1e4]) / (2 * np.pi), rtol=1e-8)
-    with pytest.raises(fm.ModelError, match="only 2 motions of this mechanism have mass"):
-        fm.frequencies(model, count=3, sparse=True)
+    # Asked for more, it answers as dense matrices do.
+    found = np.asarray(fm.frequencies(model, count=5, sparse=True))
+    np.testing.assert_array_equal(np.isinf(found), [False, False, True, True, True])
+    modes = fm.modes(model, count=5, sparse=True)
+    assert (len(modes.frequencies), modes.massless, modes.shapes.shape[1]) == (2, 118, 2)
+    assert modes.stable
+
+    def answers(mass):
+        modes = fm.modes(light_line({40: mass}), count=3, sparse=True)
+        return modes.frequencies, modes.shape("n40", "y")
+
+    at, slope = jax.jvp(answers, (1.0,), (1.0,))
+    for own, change in zip(at, slope, strict=True):
+        np.testing.assert_allclose(change, np.where(np.isfinite(own), -own / 2, 0.0), rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("clamped", [True, False])
+def test_soft_and_free_motions_leave_others_their_digits(clamped):
+    """Closed form of equal masses on equal springs, along the line; without a clamp three motions are free."""
+    first = int(clamped)
+    model = light_line(dict.fromkeys(range(first, 41), 1.0), clamped)
+    found = np.asarray(fm.frequencies(model, count=60, sparse=True))
+    number = np.arange(1, 41)
+    angle = (2 * number - 1) * np.pi / 162 if clamped else number * np.pi / 82
+    wanted = 2 * np.sqrt(1e4 * 40) * np.sin(angle) / (2 * np.pi)
+    wanted = wanted[wanted < found[-1]]
+    assert len(wanted) > 20
+    for own in wanted:
+        assert np.min(np.abs(found / own - 1)) < 1e-9
+    assert np.sum(np.abs(found) < 1e-3 * found[10]) == 3 * (not clamped)
+
+
+def test_a_negative_mass_is_refused():
+    """As by dense matrices; where masses of beams make up for it, it is one of theirs."""
+    with pytest.raises(fm.AnalysisError, match="a negative one"):
+        fm.frequencies(light_line({40: 1.0}, inertia=-1e-6), count=2, sparse=True)
