@@ -1,7 +1,7 @@
 """Motion of long chains: all nodal coordinates and multipliers, with matrices that are block tridiagonal.
 
 Nothing here is of the size of the mechanism squared: elements are computed and kept element by element, and their
-matrices are added up into the blocks of :mod:`flexmb.motion.chain_levels`.
+matrices are added up into the blocks of :mod:`flexmb.mechanics.levels`.
 """
 
 from typing import Any, NamedTuple
@@ -15,13 +15,30 @@ from ..compilation.record import Record
 from ..math.block_tridiagonal import BlockFactors, factorise_blocks
 from ..math.indices import put
 from ..mechanics.blocks import scatter_vector
-from ..mechanics.stress_resultants import stiffness_pieces, strain_of
+from ..mechanics.levels import Levels
+from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
-from .chain_levels import Levels
+from ..model.topology import Topology
 from .coordinates_form import REDUNDANT, CoordinatesForm, Whole, coordinates_form
-from .drive import Driven
+from .drive import MOMENTS, Driven
 from .element_forces import Kinematics, Moving, acting_forces, deformed_elements, derivatives_of_elements, strained
 from .protocol import MotionState, WholeMotion
+
+
+def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
+    """What of a mechanism the form of chains does not cover, as a sentence, or None."""
+    if is_nonlinear(topology):
+        return "an element states an energy, a dissipation or a law of its own"
+    if topology.counts_turns:
+        return "an element counts the turns of an angle"
+    for block in topology.blocks:
+        if block.element.force is not None:
+            return f"'{block.element.name}' is a load that follows the motion"
+        if "deformation" not in block.companions and not {"stiffness", "damping"}.isdisjoint(block.companions):
+            return f"stiffness and deformations of '{block.element.name}' are computed apart"
+    if any(one.quantity in MOMENTS for one in driven):
+        return "a moment in space depends on time"
+    return None
 
 
 class Pieces(NamedTuple):

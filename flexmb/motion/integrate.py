@@ -12,11 +12,11 @@ from jaxtyping import Array, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.derivative import with_derivative
+from ..mechanics.levels import Levels
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
 from .chain_form import chain_form
-from .chain_levels import Levels
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form

@@ -17,12 +17,12 @@ from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
+from ..mechanics.levels import levels_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..results import told
 from .chain_form import chain_form
-from .chain_levels import levels_of
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .element_forces import Moving

@@ -18,13 +18,14 @@ from ..compilation.record import Record
 from ..errors import ModelError
 from ..linear.loose import without_mass
 from ..math.sparse import LARGE
+from ..mechanics.levels import WIDE, Levels, is_elastic, levels_of
 from ..mechanics.signals import terms_of
 from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
-from .chain_levels import WIDE, Levels, is_elastic, levels_of, obstacle
+from .chain_form import obstacle
 from .controllers import Sampled
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled

@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.motion.chain_levels import levels_of
+from flexmb.mechanics.levels import levels_of
 
 TIMES = np.linspace(0.0, 0.1, 6)
 SECTION = fm.Rigidity(EA=1e4, EIy=1.0, EIz=1.3, GIt=0.8, mass=1.0, Jx=1e-3, Jy=5e-4, Jz=5e-4)

@@ -1,4 +1,4 @@
-"""The order of a chain: which unknowns of its motion follow on which, so that elements join neighbours alone."""
+"""The order of a chain: which of its unknowns follow on which, so that elements join neighbours alone."""
 
 import functools
 from collections import deque
@@ -9,9 +9,7 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.record import Record, static
 from ..math.block_tridiagonal import rounds_of
-from ..mechanics.stress_resultants import is_nonlinear
 from ..model.topology import Topology
-from .drive import MOMENTS, Driven
 
 # By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
 # on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
@@ -19,7 +17,7 @@ WIDE = 16
 
 
 class Levels(Record):
-    """Unknowns, accelerations and multipliers, in levels: an element joins unknowns of one level or of two neighbours.
+    """Unknowns, of coordinates and multipliers, in levels: an element joins unknowns of one level or of two neighbours.
 
     Attributes:
         place: Number of the unknown in each place of each level, one past the last where there is none, (b, count).
@@ -37,22 +35,6 @@ class Levels(Record):
     empty: Float[Array, "b b count"]
     unknowns: tuple[Int[Array, "elements k"], ...]
     holds: tuple[bool, ...] = static()
-
-
-def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
-    """What of a mechanism the form of chains does not cover, as a sentence, or None."""
-    if is_nonlinear(topology):
-        return "an element states an energy, a dissipation or a law of its own"
-    if topology.counts_turns:
-        return "an element counts the turns of an angle"
-    for block in topology.blocks:
-        if block.element.force is not None:
-            return f"'{block.element.name}' is a load that follows the motion"
-        if "deformation" not in block.companions and not {"stiffness", "damping"}.isdisjoint(block.companions):
-            return f"stiffness and deformations of '{block.element.name}' are computed apart"
-    if any(one.quantity in MOMENTS for one in driven):
-        return "a moment in space depends on time"
-    return None
 
 
 def is_elastic(topology: Topology) -> bool:
