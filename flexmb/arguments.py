@@ -6,6 +6,7 @@ from typing import Any
 
 import jax
 import jax.core
+import jax.numpy
 import numpy as np
 
 # Squares and cubes of what is larger are no finite numbers any more.
@@ -15,6 +16,15 @@ LARGEST = 1e100
 def is_concrete(tree: Any) -> bool:
     """Whether no leaf of a pytree is traced."""
     return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
+
+
+def as_floats(value: Any) -> Any:
+    """Numbers as a kernel takes them: floats on the host, since JAX compiles a program to convert a number.
+
+    Args:
+        value: A number, or an array of any shape; traced ones stay so.
+    """
+    return np.asarray(value, float) if is_concrete(value) else jax.numpy.asarray(value, float)
 
 
 def shown(value: Any) -> str:

@@ -1,6 +1,7 @@
 """The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
 
 import contextlib
+import gc
 import io
 import os
 import re
@@ -45,6 +46,8 @@ class Program(TyperGroup):
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and end the process with the exit status."""
         _prepare_streams()
+        # Modules and traces live on: to look for garbage among them as often as Python does takes a tenth of a run.
+        gc.set_threshold(100_000, 50, 100)
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
         except typer.Exit as end:

@@ -5,6 +5,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from ..compilation.compile import jit
 from ..linear.compliance import directional_compliance
 from ..linear.linearize import Linearization
 from ..linear.modes import poles
@@ -59,8 +60,13 @@ def reactions(lin: Linearization) -> dict[str, list[float]]:
 
 def state_of(lin: Linearization) -> dict[str, Any]:
     """What answers about a static equilibrium have in common."""
-    m = lin.matrices
-    return {**configuration(lin), **matrices(lin), "stable": bool(is_positive_definite((m.K + m.K.T) / 2))}
+    return {**configuration(lin), **matrices(lin), "stable": bool(_is_stable(lin.matrices.K))}
+
+
+@jit
+def _is_stable(stiffness: Any) -> Any:
+    """Whether a stiffness matrix, (n_q, n_q), is positive definite; one program, not one for each operation."""
+    return is_positive_definite((stiffness + stiffness.T) / 2)
 
 
 def configuration(lin: Linearization) -> dict[str, Any]:
@@ -125,8 +131,8 @@ def hertz_of(values, hertz) -> list[float | None]:
 def loose_warnings(lin: Linearization) -> list[str]:
     """Degrees of freedom that move nothing stiff."""
     m = lin.matrices
-    stiffness = np.abs(np.diag(np.asarray(m.K)))
-    coupled = np.max(np.abs(np.asarray(m.K)), axis=1, initial=0.0)
+    whole = np.abs(np.asarray(m.K))
+    stiffness, coupled = np.diag(whole), np.max(whole, axis=1, initial=0.0)
     largest = max(stiffness.max(initial=0.0), np.abs(np.asarray(m.S)).max(initial=0.0))
     return [
         f"Degree of freedom {name} has neither stiffness nor load: nothing holds it."

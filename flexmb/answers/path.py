@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..linear.spectrum import to_frequency
 from ..paths.path import Path, path
 from ..results import RESULTS
 from .mode import Found, Mode, Question
@@ -13,16 +14,16 @@ from .parts import by_owner, compliances, configuration, hertz_of, matrices
 def _step(found: Path, i: int) -> dict[str, Any]:
     lin, values, multipliers = (
         found.linearization(i),
-        np.asarray(found.eigenvalues[i]),
-        np.asarray(found.multipliers[i]),
+        np.asarray(found.eigenvalues)[i],
+        np.asarray(found.multipliers)[i],
     )
     finite = np.isfinite(values)
     return {
-        "load_factor": float(found.load_factor[i]),
+        "load_factor": float(np.asarray(found.load_factor)[i]),
         **configuration(lin),
         "stable": bool(found.stable[i]),
         "eigenvalues": values[finite],
-        "frequencies_hz": hertz_of(values[finite], np.asarray(found.frequencies[i])[finite]),
+        "frequencies_hz": hertz_of(values[finite], to_frequency(values[finite])),
         "load_multipliers": multipliers[np.isfinite(multipliers)],
         **matrices(lin),
         "compliance": compliances(lin),

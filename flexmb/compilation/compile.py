@@ -160,7 +160,9 @@ def _name(function: Callable[..., Any]) -> str:
 def _strong(number: Any) -> Any:
     """An array or number as it is, but of a type that does not give way to others."""
     weak = number.weak_type if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
-    return jnp.asarray(number, jnp.result_type(number)) if weak else number
+    # On the host: JAX compiles a program to convert a number.
+    library = jnp if isinstance(number, jax.Array) else np
+    return library.asarray(number, jnp.result_type(number)) if weak else number
 
 
 class _Number:

@@ -28,6 +28,15 @@ def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
     return 2 * lbar(coordinates) if coordinates.shape[0] == ROTATION3.size else jnp.eye(coordinates.shape[0])
 
 
+_rates_of_rotation = jit(_rates)
+
+
+def _rates_on_host(coordinates: np.ndarray) -> np.ndarray:
+    """As :func:`_rates`, by one program at most, not one for each operation."""
+    n = coordinates.shape[0]
+    return np.asarray(_rates_of_rotation(coordinates)) if n == ROTATION3.size else np.eye(n)
+
+
 def compliance(
     model: Model | Linearization | SparseLinearization,
     node: str,
@@ -173,14 +182,14 @@ def directional_compliance(
         Diagonal of DFx (K0 + N0 + G0)^-1 DFx^T, with rotations by omega = 2 Lbar d(lambda)/dt.
     """
     lin = linearized(model, "directional_compliance", where=Where(at, step, time, increment))
-    dfx = np.asarray(lin.matrices.DFx)
+    x, dfx = np.asarray(lin.matrices.x), np.asarray(lin.matrices.DFx)
     flexibility, free = free_motions(lin.matrices)
     if free.shape[1]:
         warn(f"The compliance is unbounded in motions that meet no stiffness: {named(lin.model, dfx @ free)}.")
     found = {}
     for node in dict.fromkeys(entry.of for entry in lin.labels.x):
         indices = lin.labels.coordinates(node)
-        rows = np.asarray(_rates(lin.matrices.x[np.array(indices)])) @ dfx[indices]
+        rows = _rates_on_host(x[indices]) @ dfx[indices]
         own = np.einsum("ij,jk,ik->i", rows, flexibility, rows)
         found[node] = np.where(takes_part(rows, free), np.inf, own)
     return found

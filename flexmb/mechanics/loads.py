@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
@@ -32,7 +33,7 @@ def load_factors(load_factor: float = 1.0, increment: float = 0.0) -> LoadFactor
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-].
     """
-    return LoadFactors(jnp.asarray(load_factor, float), jnp.asarray(increment, float))
+    return LoadFactors(as_floats(load_factor), as_floats(increment))
 
 
 def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:

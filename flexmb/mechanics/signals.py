@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import is_concrete
 from ..math.indices import put
 from ..math.rotation import lbar, lbody, rotation_since
 from ..model.model import Signal
@@ -79,7 +80,12 @@ def combined(signals: tuple[Signal, ...], weights: Any) -> Float[Array, "n terms
     counts = [len(s.terms) for s in signals]
     rows: Any = np.repeat(np.arange(len(counts)), counts)
     ones: Any = np.ones(len(rows)) if weights is None else weights
-    return put(jnp.zeros((len(counts), len(rows))), (rows, np.arange(len(rows))), ones)
+    places = rows, np.arange(len(rows))
+    if not is_concrete(ones):
+        return put(jnp.zeros((len(counts), len(rows))), places, ones)
+    whole: Any = np.zeros((len(counts), len(rows)))
+    whole[places] = ones
+    return whole
 
 
 def rotation_measured(

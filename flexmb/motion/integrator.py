@@ -5,10 +5,9 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Literal
 
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..arguments import check_choice, check_number, check_whole, shown
+from ..arguments import as_floats, check_choice, check_number, check_whole, shown
 from ..compilation.record import Record, static
 from ..errors import ModelError
 from ..mechanics.tree import Tree
@@ -94,10 +93,10 @@ class Integrator(Record):
         solver = None if by_default else self._checked_solver(controlled, jumps)
         return dataclasses.replace(
             self,
-            rtol=jnp.asarray(self.rtol, float),
-            atol=jnp.asarray(self.atol, float),
+            rtol=as_floats(self.rtol),
+            atol=as_floats(self.atol),
             # Zero stands for none, so that parts with a given first step and those without are one program.
-            dt0=jnp.asarray(0.0 if self.dt0 is None else self.dt0, float),
+            dt0=as_floats(0.0 if self.dt0 is None else self.dt0),
             solver=solver,
             max_steps=check_whole("max_steps", self.max_steps, 1),
         )

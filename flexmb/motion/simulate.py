@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import ArrayLike
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import as_floats, check_numbers, is_concrete, shown
 from ..compilation.program import Captured, captured
 from ..compilation.record import Record
 from ..errors import ModelError
@@ -160,8 +160,8 @@ def simulate(
         problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
-    none = jnp.zeros(len(model.labels.inputs))
-    at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, jnp.array(0.0))
+    none = np.zeros(len(model.labels.inputs))
+    at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))
     if progress:
         run = integrate_in_parts(problem, integrator, times, at, progress)
     elif isinstance(feedback, Sampled):
@@ -260,7 +260,7 @@ def _initial(model: Model, initial):
     if initial is None:
         loads = model.parameters.loads
         if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
-            return Start(model.parameters.reference, jnp.asarray(np.zeros(model.topology.n_x)))
+            return Start(model.parameters.reference, as_floats(np.zeros(model.topology.n_x)))
         initial = configuration(model)
     if not isinstance(initial, Equilibrium | Configuration | Motion):
         raise TypeError(

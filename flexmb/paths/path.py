@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_flag, check_number, check_whole, shown
+from ..arguments import check_flag, check_number, check_whole, is_concrete, shown
 from ..compilation.record import Record, static
 from ..display import Result, short
 from ..errors import AnalysisError, heard, warn
@@ -90,7 +90,11 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
         count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
         if not -count <= chosen < count:
             raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
-        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
+        if not is_concrete(self.matrices):
+            return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
+        # On the host: JAX compiles a program for the place in each shape of array.
+        own = jax.tree.map(lambda a: a[chosen], jax.device_get(self.matrices))
+        return Linearization(jax.device_put(own), self.model)
 
     def linearizations(self) -> Linearization:
         """Linearised equations at all steps, which stand in front."""
@@ -297,7 +301,7 @@ def path(
         multipliers=jax.device_put(found.multipliers),
         stable=found.stable,
         critical_points=tuple(walker.critical),
-        result=jnp.asarray(int(code), jnp.int32),
+        result=jax.device_put(np.asarray(int(code), np.int32)),
         model=model,
         stopped_by=walker.ended or None,
     )

@@ -10,7 +10,6 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.linear import factorise
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.residual import state
 from ..model.model import Model
@@ -186,7 +185,8 @@ class DenseEquations:
         topology, parameters = self.parts
         if not begins_undeformed(topology, parameters):
             return None
-        ramp, x, zero = jax.device_get((ramp_of(topology, parameters), parameters.reference, zero_near(topology)))
+        ramp, x = jax.device_get((ramp_of(topology, parameters), parameters.reference))
+        zero: Any = np.zeros(topology.n_e)
         none: Any = np.zeros(())
         one: Any = np.ones(())
         sizes: Any = np.asarray(sizes_of(topology, parameters))
