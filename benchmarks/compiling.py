@@ -2,8 +2,8 @@
 
 ``python benchmarks/compiling.py`` takes ten minutes and writes results/compiling.json: processor time in a fresh
 process, tracing and compiling together, without that of the imports. Of the answers of one element and of a guide, less
-that of a second answer: from nothing, for a cache, and with it; ``python benchmarks/compiling.py answers`` measures
-these alone.
+that of a second answer: from nothing, for a cache, and with it, and of the whole process with it above that of
+``import jax.numpy``; ``python benchmarks/compiling.py answers`` measures these alone.
 """
 
 import json
@@ -27,6 +27,7 @@ ANSWERS = (
     "motion of a spectral beam in space",
 )
 WAYS = ("from nothing", "for a cache", "with it")
+WHOLE = "whole process with it, above import jax.numpy"
 CASES = ("plain", "fold", "taper", "loaded")
 KINDS = ("leaf_spring", "spectral_beam")
 
@@ -66,12 +67,15 @@ def first(case: str, kind: str) -> tuple[float, float]:
     return taken, float(fm.compliance(lin, end)[1, 1])
 
 
-def answered(what: str, folder: str = "") -> tuple[float, float]:
+def answered(what: str, folder: str = "") -> tuple[float, float, float]:
     """Processor time of a first answer in this process less that of a second one [s], and a number of the answer.
 
     Args:
         what: One of ``ANSWERS``.
         folder: Of the cache; empty: none.
+
+    Returns:
+        The two, and the processor time of this process from its start to the first answer, imports included [s].
     """
     import time
 
@@ -102,32 +106,47 @@ def answered(what: str, folder: str = "") -> tuple[float, float]:
         b.force("c", (0.1, 0.5, 1.0)[space])
         model = b.build()
     times = np.linspace(0, 1e-3, 11)
-    answers = {"equilibrium": fm.equilibrium, "path": fm.path, "motion": lambda model: fm.simulate(model, times)}
+    # Names are loaded when they are asked for.
+    name, *arguments = {"equilibrium": ("equilibrium",), "path": ("path",), "motion": ("simulate", times)}[
+        what.split()[0]
+    ]
 
     def once() -> tuple[float, np.ndarray]:
         start = time.process_time()
-        found = np.asarray(answers[what.split()[0]](model).x)
+        found = np.asarray(getattr(fm, name)(model, *arguments).x)
         return time.process_time() - start, found.reshape(-1, found.shape[-1])[-1]
 
-    (first, found), (second, _) = once(), once()
-    return first - second, float(np.sum(np.abs(found)))
+    first, found = once()
+    whole = time.process_time()
+    return first - once()[0], float(np.sum(np.abs(found))), whole
+
+
+def imported() -> tuple[float]:
+    """Processor time of this process after ``import jax.numpy`` [s]."""
+    import time
+
+    import jax.numpy  # noqa: F401
+
+    return (time.process_time(),)
 
 
 def _said(code: str, *words: str) -> list[float]:
     """Numbers that a fresh process says."""
     paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+    # Python's own compiled code lies beside the text of an installed package.
+    around = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     said = subprocess.run(
         [sys.executable, "-c", f"import sys, compiling; print(*compiling.{code}(*sys.argv[1:]))", *words],
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, "PYTHONPATH": paths},
+        env={**around, "PYTHONPATH": paths},
     )
     return [float(word) for word in said.stdout.split()]
 
 
 def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
-    """Medians of the processor time of first answers, each way [s].
+    """Medians of the processor time of first answers, each way, and of a whole process above ``import jax.numpy`` [s].
 
     Args:
         runs: How many of each.
@@ -139,10 +158,11 @@ def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
             with tempfile.TemporaryDirectory() as folder:
                 words = dict(zip(WAYS, ((), (folder,), (folder,)), strict=True))
                 found = {way: _said("answered", what, *own) for way, own in words.items()}
-            numbers = [number for _, number in found.values()]
+            numbers = [number for _, number, _ in found.values()]
             assert max(numbers) - min(numbers) <= 1e-6 * max(numbers), (what, numbers)
-            for way, (taken, _) in found.items():
+            for way, (taken, *_) in found.items():
                 times[way].append(taken)
+            times.setdefault(WHOLE, []).append(found["with it"][2] - _said("imported")[0])
         medians[what] = {way: statistics.median(own) for way, own in times.items()}
         print(f"{what:<42}" + "".join(f"{taken:7.2f} s {way}" for way, taken in medians[what].items()), flush=True)
     return medians

@@ -28,7 +28,10 @@ def fresh_process(cache: str | None) -> float:
         cache: Folder of compiled code, or None to compile without one.
     """
     code = START.format(cache=f"fm.enable_cache({cache!r})" if cache else "")
-    environment = {**os.environ, "PYTHONPATH": str(HERE), "JAX_PLATFORMS": "cpu"}
+    # Python's own compiled code lies beside the text of an installed package.
+    around = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    paths = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+    environment = {**around, "PYTHONPATH": paths, "JAX_PLATFORMS": "cpu"}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     return float(run.stdout)
 

@@ -1,7 +1,6 @@
 """Properties of an element: completed by their defaults, of the kind that the element asks for, none forgotten."""
 
 import dataclasses
-import functools
 import inspect
 import types
 import typing
@@ -14,10 +13,12 @@ import jax.core
 import numpy as np
 
 from ..arguments import check_numbers, is_concrete, shown
+from ..compilation.compile import remembered
 from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
 from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError
+from ..lazy import no_garbage_looked_for
 from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
 
@@ -301,7 +302,7 @@ class _WrongFunction(Exception):
     """What is wrong with one of an element's functions."""
 
 
-@functools.lru_cache(1000)
+@remembered
 def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> int:
     options = dict(chosen)
     nodes = [jax.ShapeDtypeStruct((kind.size,), float) for kind in element.nodes.values()]
@@ -319,7 +320,8 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
             return companion(*arguments, ref=element.reference(nodes), **varying, **fixed, **extra)
 
         try:
-            return jax.eval_shape(call, arguments, nodes, varying, extra)
+            with no_garbage_looked_for():
+                return jax.eval_shape(call, arguments, nodes, varying, extra)
         except Exception as fault:
             first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
             if "unexpected keyword argument 'ref'" in first:

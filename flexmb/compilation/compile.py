@@ -1,7 +1,7 @@
 """Compilation of the kernels behind the public functions."""
 
+import contextlib
 import functools
-import gc
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +10,8 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 
-from .kept import kept
+from ..lazy import no_garbage_looked_for
+from .kept import kept, kept_number
 from .threads import one_thread
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
@@ -109,15 +110,8 @@ def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     """Call ``function(structure, fixed, *leaves)`` with a list of leaves, compiled as they and the settings ask for."""
 
     def whole(structure, fixed, *leaves):
-        # Tracing makes objects that live on, by the hundred thousand: to look for garbage among them takes a quarter
-        # of its time.
-        collects = gc.isenabled()
-        gc.disable()
-        try:
+        with no_garbage_looked_for():
             return jax.tree.map(_strong, function(structure, fixed, *leaves))
-        finally:
-            if collects:
-                gc.enable()
 
     taken = kept(whole)
 
@@ -135,9 +129,27 @@ def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
             return compiled(structure, fixed, "nested")(*leaves)
         with one_thread():
-            return jax.block_until_ready(compiled(structure, fixed, "thorough" if _thorough else "quick")(*leaves))
+            known = compiled.cache_info().misses
+            own = compiled(structure, fixed, "thorough" if _thorough else "quick")
+            with contextlib.nullcontext() if compiled.cache_info().misses == known else no_garbage_looked_for():
+                results = own(*leaves)
+            return jax.block_until_ready(results)
 
     return run
+
+
+def remembered(function: Callable[..., int]) -> Callable[..., int]:
+    """A whole number that a function of this package finds by tracing, remembered and, with traces, kept on disk.
+
+    Args:
+        function: Of hashable arguments.
+    """
+
+    @functools.lru_cache(1000)
+    def found(*things):
+        return kept_number(function, things) if _keeps_traces else function(*things)
+
+    return functools.wraps(function)(found)
 
 
 def _name(function: Callable[..., Any]) -> str:

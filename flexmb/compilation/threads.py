@@ -11,6 +11,8 @@ from typing import Any
 
 import jax
 
+from ..lazy import no_garbage_looked_for
+
 _lock = threading.Lock()
 _inside = 0
 _limit: Any = None
@@ -21,7 +23,8 @@ def _controller() -> Any:
     from threadpoolctl import ThreadpoolController
 
     # What it finds are the libraries that are loaded; jax loads SciPy's LAPACK with its first use.
-    importlib.import_module("scipy.linalg")
+    with no_garbage_looked_for():
+        importlib.import_module("scipy.linalg")
 
     return ThreadpoolController()
 
