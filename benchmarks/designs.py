@@ -95,7 +95,8 @@ def ours(beams: int, found: dict, run: dict) -> None:
 
     plain, both = fm.jit(value), fm.jit(jax.value_and_grad(value))
     draw = np.random.default_rng(0)
-    designs = {name: v * draw.uniform(0.8, 1.2, DESIGNS) for name, v in POINT.items()}
+    # Not more: the shear modulus stays, and Poisson's ratio has to be possible.
+    designs = {name: v * draw.uniform(0.9, 1.1, DESIGNS) for name, v in POINT.items()}
     example = {name: np.asarray(value) for name, value in POINT.items()}
     kernel = kernel_of(Task(build, {"first": first}, True, 1, example), threads=cores())
     part = Chunk(designs, DESIGNS)

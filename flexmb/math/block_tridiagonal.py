@@ -1,4 +1,4 @@
-"""Block tridiagonal matrices: factored by cyclic reduction, whose steps are wide operations over all blocks at once."""
+"""Block tridiagonal matrices: parts of a chain are eliminated side by side, block after block, then their joints."""
 
 from typing import NamedTuple
 
@@ -6,101 +6,109 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Inexact
 
-# So many blocks are left to dense factors.
-LEFT = 10
+# The most parts: their joints are left to dense factors.
+MOST_PARTS = 10
 
 
-class Halving(NamedTuple):
-    """One step of the reduction: every second block row eliminated; blocks come last in all arrays.
+def parts_of(count: int) -> tuple[int, int]:
+    """Into how many parts so many blocks are cut, and of how many blocks each; the last is filled up.
 
-    Attributes:
-        inverse: Of the diagonal blocks that are eliminated, (b, b, k).
-        before: The same times their coupling to the block before, (b, b, k).
-        after: The same times their coupling to the block after, (b, b, k).
-        lower: Coupling of the blocks that stay to the eliminated block before, (b, b, k).
-        upper: To the eliminated block after, (b, b, k).
+    Args:
+        count: Number of blocks.
     """
-
-    inverse: Inexact[Array, "b b k"]
-    before: Inexact[Array, "b b k"]
-    after: Inexact[Array, "b b k"]
-    lower: Inexact[Array, "b b k"]
-    upper: Inexact[Array, "b b k"]
+    parts = min(MOST_PARTS, max(1, round(count**0.5)))
+    return parts, -(-count // parts)
 
 
 class BlockFactors(NamedTuple):
-    """Factors of a block tridiagonal matrix.
+    """Factors of a block tridiagonal matrix: of each part the first block is a joint, the others lie within.
 
     Attributes:
-        halvings: Steps of the reduction.
-        last: Inverse of what is left, (s b, s b).
+        inverse: Of the diagonal blocks within, when it is their turn, (steps, b, b, parts).
+        down: Coupling of each to the block before, (steps, b, b, parts).
+        joint: Coupling of the part's joint to each, when it is its turn, (steps, b, b, parts).
+        after: The inverse times the coupling to the block after, (steps, b, b, parts).
+        before: The inverse times the coupling to the part's joint, (steps, b, b, parts).
+        lower: Coupling of the joints to the block before, (b, b, parts).
+        joints: Inverse of what is left of the joints, (parts b, parts b).
     """
 
-    halvings: tuple[Halving, ...]
-    last: Inexact[Array, "r r"]
+    inverse: Inexact[Array, "s b b p"]
+    down: Inexact[Array, "s b b p"]
+    joint: Inexact[Array, "s b b p"]
+    after: Inexact[Array, "s b b p"]
+    before: Inexact[Array, "s b b p"]
+    lower: Inexact[Array, "b b p"]
+    joints: Inexact[Array, "r r"]
 
-    def solve(self, right: Inexact[Array, "b *m count"]) -> Inexact[Array, "b *m count"]:
+    def solve(self, right: Inexact[Array, "b count"]) -> Inexact[Array, "b count"]:
         """Solution of A x = right.
 
         Args:
             right: By place in the block and number of the block, (b, count).
         """
-        parts = []
-        for half in self.halvings:
-            stays, goes = right[:, 0::2], right[:, 1::2]
-            own = _product(half.inverse, goes)
-            parts.append(own)
-            right = stays - _product(half.upper, own) - _product(half.lower, jnp.roll(own, 1, axis=-1))
-        size, count = right.shape
-        x = (self.last @ right.T.reshape(-1)).reshape(count, size).T
-        for half, own in zip(self.halvings[::-1], parts[::-1], strict=True):
-            goes = own - _product(half.before, x) - _product(half.after, jnp.roll(x, -1, axis=-1))
-            x = jnp.stack([x, goes], axis=2).reshape(size, -1)
-        return x
+        size, _, parts = self.lower.shape
+        first, *_ = rows = jnp.moveaxis(right.reshape(size, parts, -1), 2, 0)
+        none = jnp.zeros_like(first)
 
+        def forth(carry, step):
+            own, met = carry
+            inverse, down, joint, row = step
+            own = _product(inverse, row - _product(down, own))
+            return (own, met - _product(joint, own)), own
 
-def rounds_of(count: int) -> tuple[int, int]:
-    """How often so many blocks are halved, and how many blocks they are filled up to.
+        (last, met), every = jax.lax.scan(forth, (none, none), (self.inverse, self.down, self.joint, rows[1:]))
+        met = first + met - _product(self.lower, jnp.roll(last, 1, axis=-1))
+        ends = (self.joints @ met.T.reshape(-1)).reshape(parts, size).T
 
-    Args:
-        count: Number of blocks.
-    """
-    rounds = 0
-    while -(-count // 2**rounds) > LEFT:
-        rounds += 1
-    return rounds, -(-count // 2**rounds) * 2**rounds
+        def back(following, step):
+            own, after, before = step
+            x = own - _product(after, following) - _product(before, ends)
+            return x, x
+
+        _, within = jax.lax.scan(back, jnp.roll(ends, -1, axis=-1), (every, self.after, self.before), reverse=True)
+        return jnp.moveaxis(jnp.concatenate([ends[None], within]), 0, 2).reshape(size, -1)
 
 
 def factorise_blocks(
     lower: Inexact[Array, "b b count"], diagonal: Inexact[Array, "b b count"], upper: Inexact[Array, "b b count"]
 ) -> BlockFactors:
-    """Factors of a block tridiagonal matrix, without an exchange of rows but among the last blocks.
+    """Factors of a block tridiagonal matrix, without an exchange of rows but among the joints.
+
+    One loop goes along all parts at once, so that little is compiled, of whatever length the chain is.
 
     Args:
         lower: Coupling of each block row to the block before, zero in the first, (b, b, count).
-        diagonal: (b, b, count), as many blocks as :func:`rounds_of` says.
+        diagonal: (b, b, count), as many blocks as :func:`parts_of` says.
         upper: Coupling to the block after, zero in the last, (b, b, count).
 
     Source:
-        Block cyclic reduction: Golub, Van Loan (2013), Matrix Computations, section 4.5.
+        Substructures: Polizzi, Sameh (2006), A parallel hybrid banded system solver: the SPIKE algorithm, section 2.
     """
     size, _, count = diagonal.shape
-    halvings = []
-    for _ in range(rounds_of(count)[0]):
-        inverse = _inverted(diagonal[..., 1::2])
-        before, after = _product(inverse, lower[..., 1::2]), _product(inverse, upper[..., 1::2])
-        down, up = lower[..., 0::2], upper[..., 0::2]
-        halvings.append(Halving(inverse, before, after, down, up))
-        diagonal = diagonal[..., 0::2] - _product(up, before) - _product(down, jnp.roll(after, 1, axis=-1))
-        lower, upper = -_product(down, jnp.roll(before, 1, axis=-1)), -_product(up, after)
-    left = diagonal.shape[2]
-    whole = jnp.zeros((left, size, left, size), diagonal.dtype)
-    every = jnp.arange(left)
-    whole = whole.at[every, :, every].add(jnp.moveaxis(diagonal, 2, 0))
-    whole = whole.at[every[1:], :, every[:-1]].add(jnp.moveaxis(lower[..., 1:], 2, 0))
-    whole = whole.at[every[:-1], :, every[1:]].add(jnp.moveaxis(upper[..., :-1], 2, 0))
-    whole = whole.reshape(left * size, left * size)
-    return BlockFactors(tuple(halvings), jnp.linalg.inv(whole))
+    parts = parts_of(count)[0]
+    down, middle, up = (jnp.moveaxis(a.reshape(size, size, parts, -1), 3, 0) for a in (lower, diagonal, upper))
+    none = jnp.zeros_like(middle[0])
+    itself = none - jnp.eye(size, dtype=none.dtype)[:, :, None]
+
+    def eliminated(carry, step):
+        after, before, joint, left = carry
+        down, middle, up = step
+        inverse = _inverted(middle - _product(down, after))
+        following, back = _product(inverse, up), -_product(inverse, _product(down, before))
+        kept = inverse, down, joint, following, back
+        return (following, back, -_product(joint, following), left - _product(joint, back)), kept
+
+    start = (none, itself, up[0], middle[0])
+    (after, before, joint, left), kept = jax.lax.scan(eliminated, start, (down[1:], middle[1:], up[1:]))
+    left = left - _product(down[0], jnp.roll(after, 1, axis=-1))
+    back = -_product(down[0], jnp.roll(before, 1, axis=-1))
+    whole = jnp.zeros((parts, size, parts, size), diagonal.dtype)
+    every = jnp.arange(parts)
+    whole = whole.at[every, :, every].add(jnp.moveaxis(left, 2, 0))
+    whole = whole.at[every[1:], :, every[:-1]].add(jnp.moveaxis(back[..., 1:], 2, 0))
+    whole = whole.at[every[:-1], :, every[1:]].add(jnp.moveaxis(joint[..., :-1], 2, 0))
+    return BlockFactors(*kept, down[0], jnp.linalg.inv(whole.reshape(parts * size, parts * size)))
 
 
 def _product(a, b):

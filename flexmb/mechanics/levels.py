@@ -5,11 +5,12 @@ from collections import deque
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Inexact, Int
 
 from ..compilation.record import Record, static
-from ..math.block_tridiagonal import rounds_of
-from ..model.topology import Topology
+from ..math.block_tridiagonal import BlockFactors, factorise_blocks, parts_of
+from ..model.topology import Block, Topology
+from .blocks import scatter_vector
 
 # By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
 # on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
@@ -36,6 +37,56 @@ class Levels(Record):
     unknowns: tuple[Int[Array, "elements k"], ...]
     holds: tuple[bool, ...] = static()
 
+    def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> BlockFactors:
+        """Factors of the sum of element matrices.
+
+        Args:
+            pieces: Of each block that moves, (elements, k, k), by ``unknowns``.
+            diagonal: Added at the unknowns, (unknowns,).
+        """
+        entries = jnp.concatenate([*(of.reshape(-1) for of in pieces), jnp.zeros(1, pieces[0].dtype)])
+        lower, middle, upper = jnp.sum(entries[self.table], axis=-1)
+        middle = middle + self.empty.astype(middle.dtype)
+        if diagonal is not None:
+            more = jnp.append(diagonal, 0.0)[self.place]
+            middle = middle + jnp.eye(more.shape[0])[:, :, None] * more
+        return factorise_blocks(lower, middle, upper)
+
+    def solved(self, factors: BlockFactors, right: Inexact[Array, "unknowns"]) -> Inexact[Array, "unknowns"]:
+        """Solution by factors, in the order of the unknowns."""
+        blocks = jnp.append(right, jnp.zeros((), right.dtype))[self.place]
+        return factors.solve(blocks).reshape(-1)[self.back]
+
+    def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
+        """Product of the sum of element matrices with a change of the unknowns."""
+        whole = jnp.append(change, 0.0)
+        every = zip(self.unknowns, pieces, strict=True)
+        found = [(unknowns, jnp.sum(own * whole[unknowns][:, None, :], axis=2)) for unknowns, own in every]
+        return scatter_vector(whole.shape[0], found)[:-1]
+
+
+def bordered(
+    square: Float[Array, "elements c c"],
+    rows: Float[Array, "elements d c"],
+    columns: Float[Array, "elements c d"] | None = None,
+    corner: Float[Array, "elements d d"] | None = None,
+) -> Float[Array, "elements k k"]:
+    """Element matrices by coordinates with rows and columns of the element's deformations after them, or zeros."""
+    count, d, _ = rows.shape
+    columns = jnp.zeros_like(rows.mT) if columns is None else columns
+    corner = jnp.zeros((count, d, d)) if corner is None else corner
+    upper, lower = (jnp.concatenate(pair, axis=2) for pair in ((square, columns), (rows, corner)))
+    return jnp.concatenate([upper, lower], axis=1)
+
+
+def moving_blocks(topology: Topology) -> list[Block]:
+    """Blocks whose elements deform or have mass: those that :class:`Levels` orders."""
+    return [
+        block
+        for block in topology.blocks
+        if ("deformation" in block.companions and block.e.shape[1]) or "inertia" in block.companions
+    ]
+
 
 def is_elastic(topology: Topology) -> bool:
     """Whether no deformation is held but norms of Euler parameters: such systems need no exchange of rows."""
@@ -44,21 +95,27 @@ def is_elastic(topology: Topology) -> bool:
     return all(block.x.shape[1] <= 4 or not np.any(held[np.asarray(block.e)]) for block in topology.blocks)
 
 
-def levels_of(topology: Topology) -> Levels:
-    """Levels of a mechanism, on the host; found once for equal structures."""
+def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
+    """Levels of a mechanism, on the host; found once for equal structures.
+
+    Args:
+        widest: The most unknowns that a level may have; None: any number.
+
+    Returns:
+        Levels, or None where one has more unknowns.
+    """
     blocks = [
         (np.asarray(block.x), np.asarray(block.e) if "deformation" in block.companions else np.asarray(block.e)[:, :0])
-        for block in topology.blocks
-        if ("deformation" in block.companions and block.e.shape[1]) or "inertia" in block.companions
+        for block in moving_blocks(topology)
     ]
     free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
     arrays = [free, held, *(array for pair in blocks for array in pair)]
     key = tuple((array.shape, array.astype(np.int64).tobytes()) for array in arrays)
-    return _levels(key, topology.n_x, topology.n_e)
+    return _levels(key, topology.n_x, topology.n_e, widest)
 
 
 @functools.lru_cache(8)
-def _levels(key, n_x: int, n_e: int) -> Levels:
+def _levels(key, n_x: int, n_e: int, widest: int | None) -> Levels | None:
     free, held, *rest = (np.frombuffer(data, np.int64).reshape(shape) for shape, data in key)
     n, count = len(free), len(free) + len(held)
     of_x, of_e = np.full(n_x, count), np.full(n_e, count)
@@ -72,7 +129,9 @@ def _levels(key, n_x: int, n_e: int) -> Levels:
     level = _level_of_each(elements, n, count)
     order = np.argsort(level, kind="stable")
     sizes = np.bincount(level)
-    wide, many = int(np.max(sizes)), rounds_of(len(sizes))[1]
+    wide, many = int(np.max(sizes)), int(np.prod(parts_of(len(sizes))))
+    if widest is not None and wide > widest:
+        return None
     within = np.empty(count, int)
     within[order] = np.arange(count) - np.repeat(np.cumsum(sizes) - sizes, sizes)
     place = np.full((wide, many), count)

@@ -12,10 +12,10 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
-from ..math.block_tridiagonal import BlockFactors, factorise_blocks
+from ..math.block_tridiagonal import BlockFactors
 from ..math.indices import put
 from ..mechanics.blocks import scatter_vector
-from ..mechanics.levels import Levels
+from ..mechanics.levels import Levels, bordered, moving_blocks
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
@@ -158,8 +158,8 @@ class ChainForm(Record):
             if holds:
                 rows: Any = (own.e, own.ed, own.edd)
                 e, ed, edd = (of * size[:, None, :] for of in rows)
-                by_z = self._bordered(by_z, e, e.mT, self._corner(block, e))
-                by_w, by_u = self._bordered(by_w, 2 * ed), self._bordered(by_u, edd)
+                by_z = bordered(by_z, e, e.mT, self._corner(block, e))
+                by_w, by_u = bordered(by_w, 2 * ed), bordered(by_u, edd)
             every.append((by_z, by_w, by_u))
         return Pieces(*(tuple(of) for of in zip(*every, strict=True)))
 
@@ -168,51 +168,17 @@ class ChainForm(Record):
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
         return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
 
-    @staticmethod
-    def _bordered(square, rows, columns=None, corner=None):
-        count, d, _ = rows.shape
-        columns = jnp.zeros_like(rows.mT) if columns is None else columns
-        corner = jnp.zeros((count, d, d)) if corner is None else corner
-        upper, lower = (jnp.concatenate(pair, axis=2) for pair in ((square, columns), (rows, corner)))
-        return jnp.concatenate([upper, lower], axis=1)
-
-    def factors(self, pieces: tuple[Array, ...], diagonal=None) -> BlockFactors:
-        """Factors of the sum of element matrices.
-
-        Args:
-            pieces: Of each block, (elements, k, k).
-            diagonal: Added at the unknowns, (unknowns,).
-        """
-        levels = self.levels
-        entries = jnp.concatenate([*(of.reshape(-1) for of in pieces), jnp.zeros(1, pieces[0].dtype)])
-        lower, middle, upper = jnp.sum(entries[levels.table], axis=-1)
-        middle = middle + levels.empty.astype(middle.dtype)
-        if diagonal is not None:
-            more = jnp.append(diagonal, 0.0)[levels.place]
-            middle = middle + jnp.eye(more.shape[0])[:, :, None] * more
-        return factorise_blocks(lower, middle, upper)
-
     def factors_of_step(self, pieces: Pieces, step) -> BlockFactors:
         """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
 
         def of_step(z, w, u):
             return z.astype(step.dtype) + step * (w.astype(step.dtype) + step * u.astype(step.dtype))
 
-        return self.factors(tuple(map(of_step, *pieces)))
-
-    def solved(self, factors: BlockFactors, right):
-        """Solution by factors, in the order of the unknowns."""
-        levels = self.levels
-        blocks = jnp.append(right, jnp.zeros((), right.dtype))[levels.place]
-        return factors.solve(blocks).reshape(-1)[levels.back]
+        return self.levels.factors(tuple(map(of_step, *pieces)))
 
     def product(self, pieces: tuple[Array, ...], moved):
         """Product of the sum of element matrices with a change of the coordinates that move, (unknowns,)."""
-        held, found = self.form.held.shape[0], []
-        whole = jnp.append(moved, jnp.zeros(held + 1))
-        for unknowns, matrices in zip(self.levels.unknowns, pieces, strict=True):
-            found.append((unknowns, jnp.sum(matrices * whole[unknowns][:, None, :], axis=2)))
-        return scatter_vector(whole.shape[0], found)[:-1]
+        return self.levels.product(pieces, jnp.append(moved, jnp.zeros(self.form.held.shape[0])))
 
     @jit_beside_options
     def acceleration(self, t, state: MotionState):
@@ -222,13 +188,13 @@ class ChainForm(Record):
             THEORY.md 9 (b), eq. (9.2).
         """
         z = jnp.zeros(self.size + self.form.held.shape[0])
-        factors = self.factors(self.pieces(t, state, z).by_z)
+        factors = self.levels.factors(self.pieces(t, state, z).by_z)
         before = self.residual(t, state, z)
-        z = z - self.solved(factors, before)
+        z = z - self.levels.solved(factors, before)
         after = self.residual(t, state, z)
         # What is left of a singular system is no round-off.
         regular = jnp.all(jnp.isfinite(z)) & (jnp.max(jnp.abs(after)) <= 1e-6 * jnp.max(jnp.abs(before)))
-        return z - self.solved(factors, after), regular
+        return z - self.levels.solved(factors, after), regular
 
     def rate_of_memory(self, t, state: MotionState, z):
         """How the memory changes: no turns are counted."""
@@ -262,16 +228,16 @@ class ChainForm(Record):
                     rates.append((block.e, jnp.sum(own[1] * at.v[block.x][:, None, :], axis=2)))
                 if own is not None and holds:
                     rows = own[1] * sizes[block.x][:, None, :]
-                    square = self._bordered(square, rows, rows.mT, self._corner(block, rows))
+                    square = bordered(square, rows, rows.mT, self._corner(block, rows))
                 pieces.append(square)
             e = strained(form.elements, at.x, form.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
-            factors = self.factors(tuple(pieces), masses)
-            zero = jnp.zeros(n)
-            excess = (e[form.held] - at.e, ed[form.held] - at.ed)
-            return tuple(
-                of - self.solved(factors, jnp.append(zero, gone))[:n] for of, gone in zip(moving, excess, strict=True)
-            )
+            factors = self.levels.factors(tuple(pieces), masses)
+            back = [
+                self.levels.solved(factors, jnp.append(jnp.zeros(n), excess))[:n]
+                for excess in (e[form.held] - at.e, ed[form.held] - at.ed)
+            ]
+            return tuple(of - more for of, more in zip(moving, back, strict=True))
 
         # The second time removes what the first left, which is of second order.
         u, w = jax.lax.fori_loop(0, 2, corrected, (state.u, state.w))
@@ -292,11 +258,8 @@ def chain_form(model: Model, driven: tuple[Driven, ...], levels: Levels) -> Chai
 
     def of_blocks(companion: str) -> tuple[Any, ...]:
         pieces = iter(stiffness_pieces(topology, parameters, companion))
+        moving = {id(block) for block in moving_blocks(topology)}
         found = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
-        moving = [
-            ("deformation" in block.companions and block.e.shape[1]) or "inertia" in block.companions
-            for block in topology.blocks
-        ]
-        return tuple(own for own, moves in zip(found, moving, strict=True) if moves)
+        return tuple(own for own, block in zip(found, topology.blocks, strict=True) if id(block) in moving)
 
     return ChainForm(form, levels, of_blocks("stiffness"), of_blocks("damping"))

@@ -144,8 +144,8 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
         def once_more(carry):
             z, before, _, _, count = carry
             right = jnp.asarray(TO_PARTS) @ residuals(z).astype(complex)
-            first = equations.solved(real, right[0].real)
-            second = equations.solved(other, right[1])
+            first = equations.levels.solved(real, right[0].real)
+            second = equations.levels.solved(other, right[1])
             change = jnp.asarray(FROM_PARTS[:, 0].real)[:, None] * first
             change = change + 2 * (jnp.asarray(FROM_PARTS[:, 1])[:, None] * second).real
             z = z - change
@@ -167,7 +167,7 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
         error_w = STEP * h * last.z[:n] + weights @ (reached.w - y0.w)
         moved = equations.product(pieces.by_w, error_w)
         moved = moved + equations.product(pieces.by_u, error_u + STEP * h * error_w)
-        rate = -equations.solved(real, moved)[:n]
+        rate = -equations.levels.solved(real, moved)[:n]
         error_w = error_w + STEP * h * rate
         error_u = error_u + STEP * h * error_w
         wrong = ~(left <= 1.0)

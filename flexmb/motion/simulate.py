@@ -203,9 +203,7 @@ def _in_its_form(integrator: Integrator, model: Model, driven, feedback, numbers
         own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)
         if top.x.free.shape[0] < LARGE or not is_elastic(top) or any(one is not None for one in own):
             why = "another form serves"
-    levels = levels_of(top) if why is None else None
-    if levels is not None and not asked and levels.place.shape[0] > WIDE:
-        levels = None
+    levels = levels_of(top, None if asked else WIDE) if why is None else None
     return dataclasses.replace(integrator, form="coordinates" if levels is None else "chain"), levels
 
 

@@ -14,6 +14,7 @@ from ..mechanics.loads import LoadFactors, load_factors
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..results import check, told
+from .chain import is_long_chain
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
 from .sparse_structure import by_sparse
@@ -122,7 +123,7 @@ def equilibrium(
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero unless given.
         sparse: Whether by sparse factors in all coordinates, which need no degrees of freedom
-            (``Builder.build(check=False)``), or by dense matrices; None: as the mechanism is large.
+            (``Builder.build(check=False)``), or by dense matrices; None: as the mechanism is large, or a long chain.
         throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
             look at ``result`` before using a derivative.
 
@@ -140,7 +141,7 @@ def equilibrium(
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
     """
     model = as_model(model, "equilibrium")
-    sparse = by_sparse(model, sparse)
+    sparse = by_sparse(model, sparse) or (sparse is None and is_long_chain(model))
     model = model if sparse else as_determined(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = sparse_equilibrium if sparse else _equilibrium

@@ -231,6 +231,7 @@ def test_memory_that_does_not_suffice_is_named(monkeypatch):
         raise MemoryError
 
     model = arm().build(check=False)
+    monkeypatch.setattr("flexmb.statics.sparse.chain_of", lambda topology: None)
     monkeypatch.setattr("scipy.sparse.linalg.splu", full)
     monkeypatch.setattr("flexmb.statics.sparse_structure._known", type(sparse_structure._known)())
     with pytest.raises(fm.AnalysisError, match="memory does not suffice"):

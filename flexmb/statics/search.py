@@ -1,0 +1,194 @@
+"""Turns of Newton's method in all coordinates with one multiplier a constraint: equations, and what follows from them.
+
+How the linear equations of a turn are answered is left to others: by sparse factors on the host (:mod:`.sparse`), or
+by blocks in the order of a chain (:mod:`.chain`).
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..math.indices import put
+from ..mechanics.blocks import kernel, scatter_vector
+from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.extent import sizes_of
+from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
+from ..mechanics.stress_resultants import free_deformations
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS
+from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
+from .solve import CRITICAL, ROUND_OFF, held_values
+from .tangent import elastic_stress, pieces_at, unknowns
+
+
+class Iterate(NamedTuple):
+    """State of Newton's method.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations that angles are counted from, (n_e,) [m, rad].
+        strained: Deformations less those that are free of stress, as the iteration carries them, (n_e,) [m, rad].
+        multipliers: Stress resultants of the held deformations, (h,) [N, N m].
+    """
+
+    x: Float[Array, "n_x"]
+    near: Float[Array, "n_e"]
+    strained: Float[Array, "n_e"]
+    multipliers: Float[Array, "h"]
+
+
+class Search(NamedTuple):
+    """The search at a turn: where the last load step ended, and the iterate at the next; as with dense matrices."""
+
+    done: Iterate
+    trial: Iterate
+    reached: Float[Array, ""]
+    step: Float[Array, ""]
+    first: Float[Array, ""]
+    before: Float[Array, ""]
+    soft: Float[Array, "n"]
+    softness: Float[Array, ""]
+    tries: Int[Array, ""]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+    finished: Bool[Array, ""]
+
+
+class LinearEquations(NamedTuple):
+    """Linear equations of a turn.
+
+    Attributes:
+        stiff, rows: Element matrices, see :class:`flexmb.statics.tangent.Pieces`.
+        right: What the equations lack, and the force that bends the softest motion, (n + h, 2).
+    """
+
+    stiff: list[Array]
+    rows: list[Array]
+    right: Float[Array, "m 2"]
+
+
+def _load_of(target: LoadFactors, s: Search) -> tuple[Array, LoadFactors]:
+    """Share of the load that a turn is at, and factors there."""
+    load = jnp.minimum(s.reached + s.step, 1.0)
+    return load, LoadFactors(*(load * jnp.asarray(factor, float) for factor in target))
+
+
+def _strained(topology: Topology, parameters: Parameters, factors: LoadFactors, carried: Float[Array, "n_e"]):
+    """Deformations of which the search carries those that make stress."""
+    free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
+    return carried if free is None else carried + free
+
+
+def along(size: int, places, matrices, v) -> Array:
+    """Sum of element matrices times a vector of the whole."""
+    pieces = [(r, jnp.einsum("eij,ej->ei", m, v[c])) for (r, c), m in zip(places, matrices, strict=True)]
+    return scatter_vector(size, pieces)
+
+
+@kernel
+def linear_equations(topology: Topology, parameters: Parameters, target: LoadFactors, s: Search):
+    """Linear equations of a turn, and whether nothing but round-off is out of balance."""
+    free, fast, held = unknowns(topology)
+    n_x, n_e = topology.n_x, topology.n_e
+    _, factors = _load_of(target, s)
+    x, near, carried, multipliers = s.trial
+    strained = _strained(topology, parameters, factors, carried)
+    sigma = put(elastic_stress(topology, parameters, factors, strained), held, multipliers)
+    found, of_rows, of_stiff, e = pieces_at(topology, parameters, factors, x, near, sigma, strained)
+    transposed = [(c, r) for r, c in of_rows], [jnp.swapaxes(d, 1, 2) for d in found.rows]
+    wanted_x, wanted_e = held_values(topology, parameters, factors)
+    shift = put(jnp.zeros(n_x), fast, wanted_x[fast] - x[fast])
+    # The stress of x to first order from that of what is carried.
+    stress = jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (e - strained,))
+    pulled = along(n_x, *transposed, put(stress[0] + stress[1], held, 0.0))
+    lacking = nodal_forces(topology, parameters, factors, x) - pulled - along(n_x, of_stiff, found.stiff, shift)
+    excess = wanted_e - e - along(n_e, of_rows, found.rows, shift)
+    stretching = of_stiff[: len(found.elastic)]
+    diagonals = [jnp.diagonal(m, axis1=1, axis2=2) for m in found.elastic]
+    stiffness = scatter_vector(n_x, [(r, d) for (r, _), d in zip(stretching, diagonals, strict=True)])
+    # A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones.
+    uneven = jnp.cos(jnp.arange(1.0, len(free) + 1) ** 2) * jnp.sqrt(jnp.abs(stiffness[free]))
+    bending = along(n_x, stretching, found.elastic, put(jnp.zeros(n_x), free, s.soft))[free]
+    bending = jnp.where(jnp.any(s.soft != 0), bending, uneven)
+    none = jnp.zeros(len(held))
+    right = jnp.stack([jnp.concatenate([lacking[free], excess[held]]), jnp.concatenate([bending, none])], axis=1)
+    still = jnp.array(False)
+    if not has_loads(topology, parameters):
+        # What round-off of the deformations pulls.
+        error = ROUND_OFF * along(n_e, of_rows, [jnp.abs(d) for d in found.rows], sizes_of(topology, parameters))
+        largest = jnp.abs(jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (error,))[1])
+        pulled = along(n_x, transposed[0], [jnp.abs(d) for d in transposed[1]], largest)
+        still = (s.iterations == 0) & jnp.all(jnp.abs(lacking[free]) <= pulled[free])
+    return LinearEquations(found.stiff, found.rows, right), still
+
+
+@kernel
+def corrected(topology: Topology, parameters: Parameters, target: LoadFactors, s: Search, z, code, still) -> Search:
+    """The search after the solution of its linear equations."""
+    free, fast, held = unknowns(topology)
+    load, factors = _load_of(target, s)
+    x, near, carried, _ = s.trial
+    wanted_x, _ = held_values(topology, parameters, factors)
+    change = put(put(jnp.zeros(topology.n_x), free, z[: len(free), 0]), fast, wanted_x[fast] - x[fast])
+    change = jnp.where(still, 0.0, change)
+    size = jnp.max(jnp.abs(change) / sizes_of(topology, parameters), initial=0.0)
+    first = jnp.where(s.tries == 0, size, s.first)
+    bad = AT_LOAD.astray(size, s.before, s.tries)
+    done = near_enough(size, load, s.tries) & ~bad
+    e, rate = jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (change,))
+    strained = _strained(topology, parameters, factors, carried)
+    # The softest motion, by the power method for the largest 1/mu of K v = mu K0 v.
+    softer = z[: len(free), 1]
+
+    def energy(v):
+        def stressed(x):
+            return deformations(topology, parameters, x, near)
+
+        moved = put(jax.jvp(stressed, (x,), (put(jnp.zeros(topology.n_x), free, v),))[1], held, 0.0)
+        return moved @ jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (moved,))[1]
+
+    new, old = jax.vmap(energy)(jnp.stack([softer, s.soft]))
+    fine = jnp.isfinite(new) & (new > 0)
+    known = fine & (old > 0)
+    softness = jnp.where(still, 0.0, jnp.where(known, jnp.sqrt(new / jnp.where(known, old, 1.0)), s.softness))
+    soft = jnp.where(fine, softer / jnp.sqrt(jnp.where(fine, new, 1.0)), 0.0)
+    after = x + change
+    carry = e + rate - strained + carried
+    near = deformations(topology, parameters, after, e) if topology.counts_turns else e + rate
+    trial = Iterate(after, near, carry, z[len(free) :, 0])
+    trial = jax.tree.map(lambda a, b: jnp.where(still, b, a), trial, s.trial)
+    shorter = shorter_load_step(s.step, first, s.tries)
+    longer = next_load_step(s.step, first, size / s.before)
+    failed = bad & (shorter < SMALLEST_LOAD_STEP)
+    why = jnp.where(code == RESULTS.successful, RESULTS.not_converged, code)
+    reached = jnp.where(done, load, s.reached)
+    finished = failed | (done & (load >= 1.0))
+    critical = finished & ~failed & (softness > 1 / CRITICAL)
+    found = jnp.where(failed, why, jnp.where(critical, RESULTS.critical_state, RESULTS.successful))
+    return Search(
+        done=jax.tree.map(lambda a, b: jnp.where(done, a, b), trial, s.done),
+        trial=jax.tree.map(lambda a, b: jnp.where(bad, b, a), trial, s.done),
+        reached=reached,
+        step=jnp.where(bad, shorter, jnp.where(done, longer, s.step)),
+        first=first,
+        before=jnp.where(bad | done, jnp.inf, size),
+        soft=soft,
+        softness=softness,
+        tries=jnp.where(bad | done, 0, s.tries + 1),
+        iterations=s.iterations + 1,
+        result=found.astype(jnp.int32),
+        finished=finished,
+    )
+
+
+def start(topology: Topology, parameters: Parameters) -> Search:
+    """The undeformed mechanism."""
+    free, _, held = unknowns(topology)
+    none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
+    begin = Iterate(jnp.asarray(parameters.reference, float), none, none, jnp.zeros(len(held)))
+    reached, step, first, before = (jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf))
+    soft = jnp.zeros(len(free)), jnp.array(0.0)
+    return Search(begin, begin, reached, step, first, before, *soft, zero, zero, zero, jnp.array(False))

@@ -1,0 +1,93 @@
+"""Chains solved in their order, beside tables and balances, and beside factors on the host."""
+
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.statics import sparse
+
+STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0, alpha=11.5e-6)
+
+
+@pytest.fixture
+def in_order_alone(monkeypatch):
+    """No factors on the host: what is answered is answered in the order of the chain."""
+
+    def refuse(*_, **__):
+        raise AssertionError("solved on the host")
+
+    monkeypatch.setattr(sparse, "_answer", refuse)
+
+
+def on_the_host(monkeypatch, model):
+    with monkeypatch.context() as patch:
+        patch.setattr(sparse, "chain_of", lambda topology: None)
+        return fm.equilibrium(model, sparse=True)
+
+
+@pytest.mark.usefixtures("in_order_alone")
+def test_elastica():
+    """Mattiasson 1981, Numerical results from large deflection beam and frame problems, table 1: P L^2 = 2 EI."""
+    b = fm.Builder()
+    for i in range(51):
+        b.node(f"n{i}", (i / 50, 0.0))
+    for i in range(50):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e6, EIy=1.0, mass=1.0))
+    b.fix("n0")
+    b.force("n50", (0.0, 2.0))
+    found = fm.equilibrium(b.build())
+    # Order two of the beams: 6e-5 is measured with 50, 2.4e-4 with 25; five digits are printed.
+    np.testing.assert_allclose(found.position("n50"), (1 - 0.16064, 0.49346), atol=2e-4)
+    # The load's lever, from forces alone.
+    assert float(found.reaction("n0", "phi")) == pytest.approx(-2.0 * float(found.position("n50")[0]), rel=1e-7)
+
+
+def arm():
+    """An arm in space of eight pieces, one of them rigid and one that does not stretch, its tip held at a place."""
+    section = fm.Rectangle(0.01, 1e-3, STEEL)
+    b = fm.Builder()
+    for i in range(9):
+        b.node(f"n{i}", (0.03 * min(i, 5), 0.03 * max(i - 5, 0), 0.0))
+    for i in range(8):
+        along = {"y": (0, 0, 1)}
+        if i == 3:
+            b.add(spatial.beam, "n3", "n4", **along)
+        elif i == 5:
+            b.add(spatial.beam, "n5", "n6", section=section, released=(2, 3, 4, 5, 6), **along)
+        else:
+            b.add(spatial.beam, f"n{i}", f"n{i + 1}", section=section, name=f"piece {i}", **along)
+    b.fix("n0")
+    b.mass("n8", 0.02)
+    b.gravity((0, 0.5, -9.81))
+    b.prescribe("n8", "z", 0.002)
+    b.force("n8", (0.3, 0.0, 0.0))
+    b.temperature("piece 1", 20.0)
+    return b.build(check=False)
+
+
+def test_rigid_pieces_and_what_is_prescribed(monkeypatch, in_order_alone):
+    model = arm()
+    found = fm.equilibrium(model, sparse=True)
+    monkeypatch.undo()
+    wanted = on_the_host(monkeypatch, model)
+    # Both iterate to 1e-9 of the extent, beyond which the error is its square.
+    np.testing.assert_allclose(found.x, wanted.x, atol=1e-10)
+    np.testing.assert_allclose(found.sigma, wanted.sigma, atol=1e-8 * float(np.max(np.abs(wanted.sigma))))
+    # The supports bear weight and force.
+    mass = 0.02 + 7 * 0.03 * 7850.0 * 0.01 * 1e-3
+    held = np.asarray(found.reaction("n0"))[:3] + np.array([0, 0, float(found.reaction("n8", "z"))])
+    np.testing.assert_allclose(held, (-0.3, -0.5 * mass, 9.81 * mass), atol=1e-8)
+
+
+def test_a_motion_without_stiffness_is_named():
+    b = fm.Builder()
+    for i in range(4):
+        b.node(f"n{i}", (0.1 * i, 0.0))
+        if i:
+            b.add(planar.beam, f"n{i - 1}", f"n{i}", section=fm.Rectangle(0.01, 1e-3, STEEL))
+    b.fix("n0", "position")
+    b.force("n3", (1.0, 0.0))
+    # The load turns it nowhere: a solution there is, and no stiffness that says it is the one.
+    with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
+        fm.equilibrium(b.build(check=False), sparse=True)
