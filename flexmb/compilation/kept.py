@@ -1,11 +1,14 @@
 """Traces on disk of what is made of plain values and this package's own functions: nothing of a user's is kept."""
 
+import ast
 import contextlib
 import functools
 import hashlib
 import importlib.metadata
+import importlib.util
 import json
 import logging
+import operator
 import os
 import re
 import sys
@@ -21,6 +24,13 @@ PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
 LIBRARIES = ("jax", "jaxlib", "numpy", "scipy", *PURE[1:])
 KNOWN = {"flexmb", *LIBRARIES, *sys.stdlib_module_names}
 PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
+# Names that libraries give to a function beside its own.
+ALIASES = {"ds", "swish", "hard_swish", "permute_dims", "random_gamma_grad", "checking_leaks"}
+# What these hold chooses how code is compiled or written, not what is traced.
+UNTRACED = ("flexmb.compilation.compile", "flexmb.cli", "flexmb.fmu.primitives")
+_RIGHT: set[str] = set()
+# What stood in each module when it was looked at.
+_SEEN: dict[str, list[Any]] = {}
 WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")
 
 
@@ -117,31 +127,103 @@ def _built(names: Any) -> Any:
 
 
 @functools.cache
-def _text() -> tuple[str, dict[str | None, list[tuple[str, str]]]]:
-    """Versions of what is traced with and text of this package, as one number; numbers that stand in each file."""
-    found, numbers = hashlib.sha256(repr([sys.version, *map(importlib.metadata.version, LIBRARIES)]).encode()), {}
+def _text() -> str:
+    """Versions of what is traced with and text of this package, as one number."""
+    found = hashlib.sha256(repr([sys.version, *map(importlib.metadata.version, LIBRARIES)]).encode())
     for path in sorted(Path(__file__).parents[1].rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        found.update(f"{path.parent.name}/{path.name}\n{text}".encode())
-        # A line begins after another: to look for that takes a sixth of the time of "^".
-        numbers[str(path)] = re.findall(r"\n([A-Z]\w*) = (-?[\d._]+(?:e-?\d+)?)(?=\n)", text)
-    return found.hexdigest(), numbers
+        found.update(f"{path.parent.name}/{path.name}\n{path.read_text(encoding='utf-8')}".encode())
+    return found.hexdigest()
 
 
 def _surroundings() -> Any:
     """What a traced program depends on beside its arguments; an error where someone replaced functions or numbers."""
-    text, numbers = _text()
-    for module in [m for name, m in sorted(sys.modules.items()) if name in WATCHED or name.startswith("flexmb.")]:
-        if any(getattr(module, name) != float(value) for name, value in numbers.get(module.__file__, ())):
-            raise TypeError(f"a number of {module.__name__} was replaced")
-        values = list(vars(module).values())
-        own = [value for value in values if isinstance(value, type) and value.__module__ == module.__name__]
-        for one in [*values, *(method for kind in own for method in vars(kind).values())]:
-            one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)
-            if isinstance(one, types.FunctionType) and not one.__name__.startswith("__"):
-                _place(one)
+    own = [name for name in sys.modules if name.startswith("flexmb.") and name not in UNTRACED]
+    for module in [sys.modules[name] for name in sorted([*own, *WATCHED]) if name in sys.modules]:
+        named = list(vars(module).items())
+        kinds = [value for _, value in named if isinstance(value, type) and value.__module__ == module.__name__]
+        methods = [one for kind in kinds for one in vars(kind).values()]
+        now = [*(value for _, value in named), *methods]
+        before = _SEEN.get(module.__name__, [])
+        seen = len(now) == len(before) and all(map(operator.is_, now, before))
+        if not seen:
+            for name, value in named:
+                _refuse_replaced(module, name, value)
+            for one in methods:
+                one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)
+                if isinstance(one, types.FunctionType) and not one.__name__.startswith("__"):
+                    _place(one)
+        # An array may be written into.
+        if module.__name__ not in WATCHED and not (seen and not any(isinstance(one, np.ndarray) for one in now)):
+            _refuse_replaced_numbers(module)
+        _SEEN[module.__name__] = now
     settings = [(k, getattr(jax.config, k, None)) for k in sorted(jax.config.values) if "cache" not in k]
-    return text, settings, os.environ.get("EQX_ON_ERROR"), jax.default_backend()
+    return _text(), settings, os.environ.get("EQX_ON_ERROR"), jax.default_backend()
+
+
+def _refuse_replaced(module: Any, name: str, value: Any) -> None:
+    """Refuse a function that stands under a name where the text of the module has another."""
+    function = value if isinstance(value, types.FunctionType) else getattr(value, "__wrapped__", None)
+    if isinstance(function, types.FunctionType):
+        if not function.__name__.startswith("__"):
+            _place(function)
+        alike = function.__name__.strip("_") == name.strip("_") or "<locals>" in function.__qualname__
+        if not alike and name not in ALIASES and not _says(module.__file__, name, function.__name__):
+            raise TypeError(f"{module.__name__}.{name} was replaced")
+    elif callable(value) and not isinstance(value, type) and name not in ALIASES:
+        root = type(value).__module__.partition(".")[0]
+        if root not in KNOWN or root == "unittest" or isinstance(value, functools.partial):
+            raise TypeError(f"{module.__name__}.{name} was replaced")
+
+
+@functools.cache
+def _says(file: str, name: str, function: str) -> bool:
+    """Whether a module of this package gives a function another name itself."""
+    text = Path(file).read_text(encoding="utf-8") if Path(file).is_relative_to(Path(__file__).parents[1]) else ""
+    given = rf"\n{re.escape(name)} = [^\n]*\b{re.escape(function)}\b|\b{re.escape(function)} as {re.escape(name)}\b"
+    return re.search(given, text) is not None
+
+
+def _refuse_replaced_numbers(module: Any) -> None:
+    """Refuse constants of a module that are not what its text says; what it says is kept, since that takes long."""
+    found = []
+    for name, value in sorted(vars(module).items()):
+        if name.isupper() and not isinstance(value, list):
+            with contextlib.suppress(Exception):
+                found.append((name, described(_as_array(value))))
+    if not found:
+        return
+    own = _check(repr((_text(), module.__name__, found)).encode()).decode()
+    if own in _RIGHT:
+        return
+    path = Path(str(jax.config.values["jax_compilation_cache_dir"]), "constants", own)
+    if not path.exists():
+        said = _constants_of(module)
+        if any(name in said and described(said[name]) != value for name, value in found):
+            raise TypeError(f"a number of {module.__name__} was replaced")
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(exist_ok=True)
+            path.touch()
+    _RIGHT.add(own)
+
+
+def _as_array(value: Any) -> Any:
+    return np.asarray(value) if isinstance(value, np.generic) else value
+
+
+def _constants_of(module: Any) -> dict[str, Any]:
+    """Names and values that the text of a module gives to them."""
+    found: dict[str, Any] = {}
+    for line in ast.parse(Path(module.__file__).read_text(encoding="utf-8")).body:
+        if isinstance(line, ast.ImportFrom):
+            source = vars(
+                sys.modules[importlib.util.resolve_name("." * line.level + (line.module or ""), module.__package__)]
+            )
+            found |= {one.asname or one.name: source[one.name] for one in line.names if one.name in source}
+        elif isinstance(line, ast.Assign | ast.AnnAssign | ast.AugAssign | ast.For):
+            parts = [one.value if isinstance(one, ast.Subscript) else one for one in ast.walk(line)]
+            if any(isinstance(one, ast.Name) and one.id.isupper() for one in parts):
+                exec(compile(ast.Module([line], []), module.__file__, "exec"), vars(module), found)
+    return {name: _as_array(value) for name, value in found.items()}
 
 
 def described(thing: Any) -> Any:

@@ -1,5 +1,6 @@
 """Traced functions are kept on disk, and nothing answers for another."""
 
+import calendar
 import collections
 import dataclasses
 import enum
@@ -7,6 +8,7 @@ import functools
 import logging
 import os
 import types
+import unittest.mock
 from typing import NamedTuple
 
 import jax
@@ -17,13 +19,16 @@ import scipy.interpolate
 
 import flexmb as fm
 from flexmb import planar, setup, spatial
+from flexmb.build import clamps
 from flexmb.compilation import kept
 from flexmb.compilation.compile import compile_thoroughly, jit
+from flexmb.elements import beams, profile
 from flexmb.elements.element import Element
 from flexmb.linear import linearize
 from flexmb.math import linear
 from flexmb.model.model import Entry
 from flexmb.motion.rosenbrock import Rodas5P
+from flexmb.statics import newton, solve
 
 
 @pytest.fixture
@@ -354,6 +359,11 @@ def test_settings_are_part_of_the_key():
         assert repr(kept._surroundings()) != before
 
 
+class Called:
+    def __call__(self, *arguments):
+        return arguments
+
+
 @pytest.mark.parametrize(
     ("place", "name", "value"),
     [
@@ -364,6 +374,20 @@ def test_settings_are_part_of_the_key():
         (linearize, "matrices_at", lambda *a: a),
         (linear.Factors, "solve", lambda self, right: right),
         (linear, "SMALL", 0),
+        # Of this package and of JAX itself, but another.
+        (linear, "multiplied", linear.diagonal_of),
+        (linearize, "matrices_at", linear.multiplied),
+        (jnp, "sin", jnp.cos),
+        # No functions, but called as such.
+        (linear, "multiplied", functools.partial(linear.multiplied)),
+        (linear, "multiplied", unittest.mock.Mock()),
+        (linear, "multiplied", Called()),
+        # Numbers that are not written as one.
+        (newton, "AT_LOAD", newton.AT_LOAD._replace(most=3)),
+        (solve, "AT_LOAD", newton.ACROSS_PATH),
+        (profile, "RULES", (3, 2)),
+        (beams, "CUBIC_MASS", 2 * beams.CUBIC_MASS),
+        (clamps, "FOLD", np.float64(0.5)),
     ],
 )
 def test_what_was_replaced_is_noticed(monkeypatch, place, name, value):
@@ -381,6 +405,20 @@ def test_a_patched_function_is_traced(folder, monkeypatch):
     monkeypatch.undo()
     fresh()
     np.testing.assert_array_equal(product(A, B), A @ B)
+
+
+def test_a_number_is_kept_of_known_functions_alone(folder):
+    # Leap years from 2000 to 2011.
+    assert kept.kept_number(calendar.leapdays, (2000, 2012)) == 3
+    (file,) = folder.iterdir()
+    kept._write(file, b"5", b"")
+    assert kept.kept_number(calendar.leapdays, (2000, 2012)) == 5
+    assert kept.kept_number(calendar.leapdays, (2000, 2013)) == 4
+    file.write_bytes(b"5")
+    assert kept.kept_number(calendar.leapdays, (2000, 2012)) == 3
+    before = names(folder)
+    assert kept.kept_number(lambda first, last: last - first, (2000, 2012)) == 12
+    assert names(folder) == before
 
 
 # -- files ----------------------------------------------------------------------------------------------------------
