@@ -15,6 +15,8 @@ LINEAR_MASS = np.array([[2.0, 1], [1, 2]]) / 6
 SECOND_MOMENTS = np.array([np.eye(3) / 2 - np.diag(np.arange(3) == k) for k in range(3)] + [np.zeros((3, 3))])
 SECOND_MOMENTS[3, 1, 2] = SECOND_MOMENTS[3, 2, 1] = -1.0
 
+# Of positions: a beam this short, as a share of its distance from the origin, has no length that digits could tell.
+ROUND_OFF = 1e-12
 
 # [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]] = BENDING[0] + Phi BENDING[1]
 BENDING = np.array([[[4.0, -2.0], [-2.0, 4.0]], [[1.0, 1.0], [1.0, 1.0]]])
@@ -258,7 +260,10 @@ def along(ends, place) -> Float[Array, "..."]:
 
 def check_length(*, ref) -> list[str]:
     """Faults of an element with two end positions."""
-    if np.any(np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) == 0):
+    p, q = np.asarray(ref.p), np.asarray(ref.q)
+    # What is left of equal positions that were computed in two ways, such as 3 * 0.05 and 0.15.
+    left = ROUND_OFF * np.max(np.maximum(np.abs(p), np.abs(q)), axis=-1)
+    if np.any(np.linalg.norm(q - p, axis=-1) <= left):
         return ["has zero length: its two ends have the same position"]
     return []
 

@@ -42,6 +42,10 @@ WRONG = {
         r"'gear' \(needy\) needs the property 'ratio'",
     ),
     "zero length": (lambda b: (b.node("C", (0, 0)), b.add(planar.truss, "A", "C", name="z")), r"'z' has zero length"),
+    "zero length to round-off": (
+        lambda b: (b.node("C", (0.15, 0)), b.node("D", (3 * 0.05, 0)), b.add(planar.beam, "C", "D", name="z")),
+        r"'z' has zero length",
+    ),
     "deformation out of range": (lambda b: beam(b, released=(1, 4)), r"'leaf' has deformations 1 to 3, not 4"),
     "two roles": (lambda b: (beam(b), b.fix("A"), b.dof("A", "x")), r"'A' is fixed already and cannot be dof too"),
     "degree of freedom twice": (lambda b: (beam(b), b.dof("B", "x"), b.dof("B", "x")), r"B.x.* twice"),
