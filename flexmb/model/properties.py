@@ -67,16 +67,17 @@ def with_property(
 
 def _numbers(path: str, values: Any, count: int) -> Any:
     """One number for each element, (count,)."""
-    if not isinstance(values, jax.Array) and np.ndim(values) == 0:
-        values = [values] * count
+    if np.ndim(values) == 0:
+        values = jnp.full(count, values) if isinstance(values, jax.Array) else [values] * count
     check_numbers(f"The numbers for '{path}', one for each element,", values, (count,), fault=ModelError)
     return np.asarray(values, float) if is_concrete(values) else jnp.asarray(values, float)
 
 
 def _stacks(topology: Topology, parameters: Parameters, labels: Any) -> Iterator[_Stack]:
     for i, (block, own) in enumerate(zip(topology.blocks, parameters.properties, strict=True)):
-        # An element without deformations, such as a mass, has no name here.
-        names = [labels.e[i].of for i in np.asarray(block.e)[:, 0]] if block.e.shape[1] else [""] * len(block.e)
+        if not block.e.shape[1]:  # such as a mass, which has no name here
+            continue
+        names = [labels.e[i].of for i in np.asarray(block.e)[:, 0]]
         if not isinstance(own.get("section"), tuple):
             yield _Stack(i, None, names, own)
             continue

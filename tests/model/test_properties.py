@@ -49,6 +49,14 @@ def test_elements_that_are_named_alone_are_changed_in_their_order(model):
         np.testing.assert_array_equal(one, other)
 
 
+def test_one_number_of_jax_is_that_of_all(model):
+    def first(thickness):
+        changed = model.with_property("section.thickness", thickness)
+        return sum(jnp.sum(leaf) for leaf in jax.tree.leaves(changed.parameters.properties))
+
+    assert float(jax.grad(first)(jnp.asarray(1e-3))) == 3.0
+
+
 def test_its_derivative_is_that_of_the_closed_form():
     """A cantilever of two leaf springs under a small force at its tip, where δ = F ∫ s²/EI ds."""
     b = fm.Builder()
