@@ -166,19 +166,19 @@ def _prepare_jax() -> None:
 
 
 def _mode_number(mode: str | None, analysis: str | None) -> int:
-    from .answers.answers import modes
+    from .answers.answers import mode_of, modes
 
-    names = {one.name: one.number for one in modes().values()}
     wanted = analysis if analysis is not None else mode
     if wanted is None or (mode is not None and analysis is not None):
         _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
     text = str(wanted)
+    # SPACAR draws nothing for a negative number; the analysis is the same.
+    if re.fullmatch(r"-?\d{1,9}", text, re.ASCII):
+        with contextlib.suppress(KeyError):
+            return mode_of(int(text.removeprefix("-"))).number
+    names = {one.name: one.number for one in modes().values()}
     if text in names:
         return names[text]
-    # SPACAR draws nothing for a negative number; the analysis is the same.
-    number = int(text.removeprefix("-")) if re.fullmatch(r"-?\d{1,9}", text, re.ASCII) else None
-    if number in modes():
-        return number
     known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
     _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
 

@@ -30,7 +30,11 @@ def _prepared(path: Path) -> None:
             raise PermissionError(f"The folder '{path}' belongs to another user: compiled code in it could be theirs.")
         if state.st_mode & 0o022:
             raise PermissionError(f"Others may write into '{path}', whose code would be run: take chmod 700 first.")
-    files = [(file.stat(), file) for file in (*path.iterdir(), *path.glob("*/*")) if file.is_file()]
+    files = [
+        (file.stat(), file)
+        for file in (*path.iterdir(), *path.glob("traces/*"), *path.glob("constants/*"))
+        if file.is_file()
+    ]
     files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
     kept = 0
     for state, file in files:

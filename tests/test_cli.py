@@ -572,7 +572,8 @@ def test_a_motion_that_ends_early_is_no_answer(mode, swing):
 
 def test_an_answer_that_is_not_finite_is_none(monkeypatch):
     data = {"x": {"1": [0.0, np.nan]}, "stable": True}
-    monkeypatch.setitem(answers.modes(), 7, answers.modes()[7]._replace(run=lambda _: Found(data)))
+    other = answers.mode_of(7)._replace(run=lambda _: Found(data))
+    monkeypatch.setattr(answers, "mode_of", lambda number: other)
     result, data = answer("pf2d", 7)
     assert (result.exit_code, data["status"]) == (1, "not_finite")
     assert data["message"].endswith("(x)")

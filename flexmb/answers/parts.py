@@ -2,16 +2,14 @@
 
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..compilation.compile import jit
-from ..linear.compliance import directional_compliance
+from ..linear.compliance import directional_compliance, rates_on_host
 from ..linear.linearize import Linearization
 from ..linear.modes import poles
 from ..linear.stress import stress, without_shape
 from ..math.linear import is_positive_definite
-from ..math.rotation import lbar
 from ..model.model import Entry, Labels
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
@@ -53,14 +51,20 @@ def reactions(lin: Linearization) -> dict[str, list[float]]:
         if held.isdisjoint(indices):
             continue
         values = reactions[indices]
-        # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I, so M = Lbar f / 2.
-        found[node] = (np.asarray(lbar(jnp.asarray(x[indices]))) @ values / 2 if len(indices) == 4 else values).tolist()
+        # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I, so M = Lbar f / 2, and rates are 2 Lbar.
+        found[node] = (rates_on_host(x[indices]) @ values / 4 if len(indices) == 4 else values).tolist()
     return found
 
 
 def state_of(lin: Linearization) -> dict[str, Any]:
     """What answers about a static equilibrium have in common."""
-    return {**configuration(lin), **matrices(lin), "stable": bool(_is_stable(lin.matrices.K))}
+    return {**configuration(lin), **matrices(lin), "stable": bool(_is_stable(_stiffness(lin)))}
+
+
+def _stiffness(lin: Linearization) -> np.ndarray:
+    """Whole stiffness, (n_q, n_q), added on the host: JAX compiles a program to add."""
+    m = lin.matrices
+    return np.asarray(m.K0) + np.asarray(m.N0) + np.asarray(m.G0)
 
 
 @jit
@@ -102,7 +106,7 @@ def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
     Args:
         always: Also where frequencies say the same.
     """
-    damped = np.any(np.asarray(lin.matrices.C0 + lin.matrices.D0))
+    damped = np.any(np.asarray(lin.matrices.C0) + np.asarray(lin.matrices.D0))
     if not (always or damped or not lin.matrices.symmetric):
         return {}
     return {"poles": [[p.real, p.imag] for p in poles(lin).tolist()]}
@@ -131,7 +135,7 @@ def hertz_of(values, hertz) -> list[float | None]:
 def loose_warnings(lin: Linearization) -> list[str]:
     """Degrees of freedom that move nothing stiff."""
     m = lin.matrices
-    whole = np.abs(np.asarray(m.K))
+    whole = np.abs(_stiffness(lin))
     stiffness, coupled = np.diag(whole), np.max(whole, axis=1, initial=0.0)
     largest = max(stiffness.max(initial=0.0), np.abs(np.asarray(m.S)).max(initial=0.0))
     return [

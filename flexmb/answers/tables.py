@@ -10,7 +10,7 @@ from ..model.model import Model
 from ..model.roles import Role
 from ..spacar.lines import statements
 from ..spacar.series import described
-from .answers import Answer, modes
+from .answers import Answer, mode_of
 from .parts import matrix, row
 
 CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "R"}
@@ -27,7 +27,7 @@ def table(data: dict[str, Any]) -> str:
         lines.append(data["message"])
     if "stable" in data:
         lines.append(f"stable: {'yes' if data['stable'] else 'NO'}")
-    return "\n".join([*lines, *modes()[data["mode"]].table(data)])
+    return "\n".join([*lines, *mode_of(data["mode"]).table(data)])
 
 
 def _entries(title: str, entries, roles) -> list[str]:

@@ -313,7 +313,7 @@ def buckling(
     """
     multiplier, shapes, lin = _asked(model, "buckling", throw, at, step, increment)
     bounded = int(np.sum(np.isfinite(multiplier)))
-    shapes = np.asarray(shapes[:, :bounded])
+    multiplier, shapes = np.asarray(multiplier), np.asarray(shapes)[:, :bounded]
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
     lin = lin or linearize(model, increment=increment or 0.0, throw=throw)
-    return Buckling(multiplier[:bounded], jnp.asarray(shapes / largest), lin)
+    return Buckling(jax.device_put(multiplier[:bounded]), jax.device_put(shapes / largest), lin)

@@ -31,8 +31,15 @@ def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
 _rates_of_rotation = jit(_rates)
 
 
-def _rates_on_host(coordinates: np.ndarray) -> np.ndarray:
-    """As :func:`_rates`, by one program at most, not one for each operation."""
+def rates_on_host(coordinates: np.ndarray) -> np.ndarray:
+    """Matrix from rates of a node's coordinates to its velocity, by one program at most, not one for each operation.
+
+    Args:
+        coordinates: Of a position, an angle or a rotation, (n,) [m, rad, -].
+
+    Returns:
+        (m, n), to the velocity or the angular velocity about global axes.
+    """
     n = coordinates.shape[0]
     return np.asarray(_rates_of_rotation(coordinates)) if n == ROTATION3.size else np.eye(n)
 
@@ -189,7 +196,7 @@ def directional_compliance(
     found = {}
     for node in dict.fromkeys(entry.of for entry in lin.labels.x):
         indices = lin.labels.coordinates(node)
-        rows = _rates_on_host(x[indices]) @ dfx[indices]
+        rows = rates_on_host(x[indices]) @ dfx[indices]
         own = np.einsum("ij,jk,ik->i", rows, flexibility, rows)
         found[node] = np.where(takes_part(rows, free), np.inf, own)
     return found
