@@ -72,7 +72,7 @@ def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     moved = largest > 1e-6 * np.max(largest, axis=0)
     by_stiffness = np.asarray(fm.frequency_response(model, hertz, method="direct").response)
     # Round-off of python-control, whose matrix has the highest frequency squared beside the lowest, 5e8 times less, at
-    # a resonance that is fifty times as high as the response at rest: 5e-6 of one rounding, of which LAPACK makes a few.
+    # a resonance that is fifty times as high as the response at rest: 5e-6 for one rounding, and LAPACK makes a few.
     assert np.max((np.abs(by_stiffness - expected) / largest)[:, moved]) < 1e-4
     found = np.asarray(fm.frequency_response(model, hertz).response)
     # Both solve the same equations from the side of the stiffness: round-off, and coupling of modes taken as none.

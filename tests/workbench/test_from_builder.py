@@ -29,7 +29,7 @@ def check_same(builder, other, release="none") -> None:
     """Counts, frequencies, the steady state and, where there are signals, the response at 10 rad/s."""
     one, two = builder.build(release=release), other.build(release=release)
     assert two.counts() == one.counts()
-    # Coordinates stand in another order. What is found is flexibility, 1 / omega^2: its round-off is of the largest one.
+    # Coordinates stand in another order. Found is flexibility, 1 / omega^2: its round-off is that of the largest one.
     found, expected = (np.asarray(fm.frequencies(model)) for model in (two, one))
     moves = np.isfinite(expected)
     assert np.array_equal(np.isfinite(found), moves)
