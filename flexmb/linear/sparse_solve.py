@@ -105,7 +105,10 @@ def _energies(elements: ElementMatrices, motions: np.ndarray) -> np.ndarray:
     changed = np.zeros((len(elements.kept), motions.shape[1]))
     for at, columns, own in elements.constraints:
         changed[at] = own @ motions[columns]
-    return sum((np.einsum("eik,eij,ejk->k", changed[at], own, changed[by]) for at, by, own in elements.elastic), 0.0)
+    found = np.zeros(motions.shape[1])
+    for at, by, own in elements.elastic:
+        found += np.einsum("eik,eij,ejk->k", changed[at], own, changed[by])
+    return found
 
 
 def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray) -> np.ndarray:

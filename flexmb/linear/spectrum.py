@@ -34,9 +34,11 @@ MAX_SHIFTS = 40
 TOLD = 1e-10
 NEXT_SHIFT = 1e-4
 EPS = float(np.finfo(float).eps)
-# An eigenvalue is told where it is so many times what round-off makes of it, and lost where that is this share of it.
+# An eigenvalue is told where it is so many times what round-off makes of it, and lost where that is this share of it,
+# and this share of others: a zero beside them, as at a critical state, is not.
 SURE = 10.0
 LOST = 1e-3
+FAINT = 1e-9
 # A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
 MASSLESS = 100 * float(np.finfo(float).eps)
 # A combination of degrees of freedom has no mass where that is below this share of what the degrees of freedom have
@@ -131,11 +133,10 @@ def _eigenvalues(k, m, shift, mu, w) -> tuple[Any, Any, Any]:
 
 
 def is_lost(values: Any, doubt: Any) -> Any:
-    """Whether round-off hides an eigenvalue: moves it by a large share of it, and of the lowest that is told."""
-    xp: Any = np if isinstance(values, np.ndarray) else jnp
-    values = xp.where(xp.isfinite(values), values, 0.0)
-    lowest = xp.min(xp.where(values > SURE * doubt, values, xp.inf), initial=xp.inf)
-    return xp.isfinite(lowest) & xp.any(doubt > LOST * xp.maximum(abs(values), lowest))
+    """Whether round-off hides an eigenvalue that is no zero beside the lowest of those that are known well."""
+    values = jnp.where(jnp.isfinite(values), values, 0.0)
+    lowest = jnp.min(jnp.where(LOST * values > doubt, values, jnp.inf), initial=jnp.inf)
+    return jnp.any((doubt > LOST * jnp.abs(values)) & (doubt > FAINT * lowest))
 
 
 def spectrum(
