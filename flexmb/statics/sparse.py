@@ -19,7 +19,7 @@ from ..errors import ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear, is_nonlinear_at_rest, stress_of_strain
@@ -39,12 +39,14 @@ class Balanced(NamedTuple):
     Attributes:
         x: Nodal coordinates, (n_x,) [m, rad, -].
         multipliers: Stress resultants of the held deformations, (h,) [N, N m].
+        near: Deformations that angles are counted from, (n_e,) [m, rad].
         iterations: Newton iterations.
         result: Code of RESULTS.
     """
 
     x: Float[Array, "n_x"]
     multipliers: Float[Array, "h"]
+    near: Float[Array, "n_e"]
     iterations: Any = 0
     result: Any = 0
 
@@ -99,7 +101,7 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    return Balanced(s.done.x, s.done.multipliers, s.iterations, s.result)
+    return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
 
 
 @kernel
@@ -126,7 +128,7 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
 def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
     solved = _balanced(topology, parameters, factors)
-    near = deformations(topology, parameters, solved.x, zero_near(topology))
+    near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, held = unknowns(topology)
 
     def equations(parameters, factors):
@@ -151,7 +153,7 @@ def _balance_jvp(primals, tangents):
     z = jax.lax.custom_linear_solve(matvec, -change, solve(False), solve(True))
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, Balanced(dx, z[free.shape[0] :], no_change, no_change)
+    return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)
 
 
 def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
@@ -229,7 +231,7 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
     """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
     _, fast, held = unknowns(topology)
-    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
+    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, at.near), at.x)
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
     gravity = scaled_loads(parameters, factors).gravity
