@@ -71,12 +71,8 @@ def _traced_answer(topology: Topology, stiff, rows, right, *, falls: bool, trans
     return jax.pure_callback(call, shapes, topology, stiff, rows, right, vmap_method="sequential")
 
 
-@jax.custom_jvp
-def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
-    """Equilibrium by Newton's method on coordinates and multipliers, see :func:`flexmb.mechanics.residual.iterate`.
-
-    Its derivative is one solution with factors of the tangent at the state.
-    """
+def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    """Equilibrium by Newton's method on coordinates and multipliers."""
     s: Any = None
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
         s = start(topology, parameters)._replace(finished=True)
@@ -88,20 +84,32 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
-            on_host = jax.tree.map(np.asarray, (topology, *linear))
-            s = corrected(topology, parameters, target, s, *_answer(*on_host, falls=falls(parameters)), still)
+            on_host = jax.tree.map(np.asarray, (topology, linear.stiff, linear.rows, linear.right))
+            found = _answer(*on_host, falls=falls(parameters))
+            s = corrected(topology, parameters, target, s, linear, *found, still)
     else:
         answer = functools.partial(_traced_answer, falls=falls(parameters))
 
         def turn(s: Search) -> Search:
             linear, still = linear_equations(topology, parameters, target, s)
-            return corrected(topology, parameters, target, s, *answer(topology, *linear), still)
+            found = answer(topology, linear.stiff, linear.rows, linear.right)
+            return corrected(topology, parameters, target, s, linear, *found, still)
 
         again = start(topology, parameters)
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
     return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+
+
+# Its derivative is one solution with factors of the tangent at the state.
+_differentiable = jax.custom_jvp(_found)
+
+
+def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    # For numbers the rule of derivatives would take longer to pass by than a chain of fifty beams to balance.
+    known = is_concrete((topology, parameters, target))
+    return _found(topology, parameters, target) if known else _differentiable(topology, parameters, target)
 
 
 @kernel
@@ -124,7 +132,7 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
     return found.stiff, found.rows, of_stiff, of_rows
 
 
-@_balanced.defjvp
+@_differentiable.defjvp
 def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
     solved = _balanced(topology, parameters, factors)
