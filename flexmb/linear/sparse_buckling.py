@@ -14,7 +14,7 @@ from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, scaled_loads
 from ..mechanics.stress_resultants import strain_of
@@ -62,17 +62,15 @@ class _Buckled(NamedTuple):
 
 @jax.custom_jvp
 def _load_multipliers(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, near: Array, count: Array
+    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
 ) -> Float[Array, "k"]:
     refuse_traced(parameters, factors, at)
-    return jnp.asarray(_about(topology, parameters, factors, at, near, count.shape[0]).values)
+    return jnp.asarray(_about(topology, parameters, factors, at, count.shape[0]).values)
 
 
-def _about(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, near: Array, count: int
-) -> _Buckled:
+def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: int) -> _Buckled:
     """Smallest multipliers about a state; what stays and what is scaled as in :func:`.buckling.scaled_stiffness`."""
-    near = deformations(topology, parameters, at.x, near)
+    near = deformations(topology, parameters, at.x, at.near)
     stiffness = np.asarray(_stiffness(topology, parameters, factors, near))
     _refuse_negative(topology, stiffness)
     held = unknowns(topology)[2]
@@ -216,13 +214,14 @@ def _quotient(topology, parameters, factors, at: Balanced, near, motion, multipl
 
 @_load_multipliers.defjvp
 def _load_multipliers_jvp(primals, tangents):
-    topology, parameters, factors, at, near, count = primals
+    topology, parameters, factors, at, count = primals
     if parameters.increment is not None:
         raise NotImplementedError(
             "Load multipliers of incremental loads by sparse factors have no derivative: scale all loads, or leave"
             " `sparse` out."
         )
-    found = _about(topology, parameters, factors, at, near, count.shape[0])
+    found = _about(topology, parameters, factors, at, count.shape[0])
+    near = deformations(topology, parameters, at.x, at.near)
     bounded = np.isfinite(found.values)
     values = np.where(bounded, found.values, 0.0)
 
@@ -267,11 +266,11 @@ def sparse_multipliers(
             " fewer, or give sparse=False and a model with degrees of freedom."
         )
     if about is None:
-        at, near = balanced(topology, parameters, target), zero_near(topology)
+        at = balanced(topology, parameters, target)
     else:
-        at, near = Balanced(about.x, about.sigma[held]), about.e
+        at = Balanced(about.x, about.sigma[held], about.e)
     # The number is handed on as a shape, which stays known.
-    return _load_multipliers(topology, parameters, target, at, near, jnp.zeros(min(count, every)))
+    return _load_multipliers(topology, parameters, target, at, jnp.zeros(min(count, every)))
 
 
 def _of_blocks(topology: Topology, stiffness: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

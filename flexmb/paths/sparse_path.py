@@ -169,8 +169,8 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step]) -> Spar
     sigma = np.stack([equations.sigma(ramp, point) for point in points])
     felt, reactions, external = zip(
         *(
-            acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, own)
-            for point, own in zip(points, sigma, strict=True)
+            acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, deformed, own)
+            for point, deformed, own in zip(points, e, sigma, strict=True)
         ),
         strict=True,
     )
