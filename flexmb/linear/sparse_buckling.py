@@ -13,7 +13,7 @@ from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.sparse import SparseFactors
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
 from ..mechanics.stress_resultants import stiffness_pieces
@@ -67,7 +67,7 @@ def _load_multipliers(
 def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: int) -> _Buckled:
     """Smallest multipliers about a state; what stays and what is scaled as in :func:`.buckling.scaled_stiffness`."""
     _refuse_negative(topology, parameters)
-    near = deformations(topology, parameters, at.x, zero_near(topology))
+    near = deformations(topology, parameters, at.x, at.near)
     held = unknowns(topology)[2]
     sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
     found = assemble(topology, parameters, factors, at.x, near, sigma)
@@ -211,7 +211,7 @@ def _load_multipliers_jvp(primals, tangents):
             " `sparse` out."
         )
     found = _about(topology, parameters, factors, at, count.shape[0])
-    near = deformations(topology, parameters, at.x, zero_near(topology))
+    near = deformations(topology, parameters, at.x, at.near)
     bounded = np.isfinite(found.values)
     values = np.where(bounded, found.values, 0.0)
 

@@ -11,7 +11,7 @@ from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..math.bordered import Bordered
 from ..math.sparse import SparseFactors
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, nodal_forces
 from ..model.model import Model
@@ -105,7 +105,7 @@ class SparseEquations:
         try:
             start = balanced(topology, parameters, ramp_of(topology, parameters).base)
             x, multipliers = np.asarray(start.x), np.asarray(start.multipliers)
-            near = np.asarray(_deformations(topology, parameters, x, zero_near(topology)))
+            near = np.asarray(_deformations(topology, parameters, x, start.near))
         except AnalysisError as fault:
             code = RESULTS[fault.code]
         strained = near.copy()

@@ -19,7 +19,7 @@ from ..errors import ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear, is_nonlinear_at_rest, stress_of_strain
@@ -39,12 +39,14 @@ class Balanced(NamedTuple):
     Attributes:
         x: Nodal coordinates, (n_x,) [m, rad, -].
         multipliers: Stress resultants of the held deformations, (h,) [N, N m].
+        near: Deformations that angles are counted from, (n_e,) [m, rad].
         iterations: Newton iterations.
         result: Code of RESULTS.
     """
 
     x: Float[Array, "n_x"]
     multipliers: Float[Array, "h"]
+    near: Float[Array, "n_e"]
     iterations: Any = 0
     result: Any = 0
 
@@ -69,12 +71,8 @@ def _traced_answer(topology: Topology, stiff, rows, right, *, falls: bool, trans
     return jax.pure_callback(call, shapes, topology, stiff, rows, right, vmap_method="sequential")
 
 
-@jax.custom_jvp
-def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
-    """Equilibrium by Newton's method on coordinates and multipliers, see :func:`flexmb.mechanics.residual.iterate`.
-
-    Its derivative is one solution with factors of the tangent at the state.
-    """
+def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    """Equilibrium by Newton's method on coordinates and multipliers."""
     s: Any = None
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
         s = start(topology, parameters)._replace(finished=True)
@@ -86,20 +84,32 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
-            on_host = jax.tree.map(np.asarray, (topology, *linear))
-            s = corrected(topology, parameters, target, s, *_answer(*on_host, falls=falls(parameters)), still)
+            on_host = jax.tree.map(np.asarray, (topology, linear.stiff, linear.rows, linear.right))
+            found = _answer(*on_host, falls=falls(parameters))
+            s = corrected(topology, parameters, target, s, linear, *found, still)
     else:
         answer = functools.partial(_traced_answer, falls=falls(parameters))
 
         def turn(s: Search) -> Search:
             linear, still = linear_equations(topology, parameters, target, s)
-            return corrected(topology, parameters, target, s, *answer(topology, *linear), still)
+            found = answer(topology, linear.stiff, linear.rows, linear.right)
+            return corrected(topology, parameters, target, s, linear, *found, still)
 
         again = start(topology, parameters)
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    return Balanced(s.done.x, s.done.multipliers, s.iterations, s.result)
+    return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+
+
+# Its derivative is one solution with factors of the tangent at the state.
+_differentiable = jax.custom_jvp(_found)
+
+
+def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    # For numbers the rule of derivatives would take longer to pass by than a chain of fifty beams to balance.
+    known = is_concrete((topology, parameters, target))
+    return _found(topology, parameters, target) if known else _differentiable(topology, parameters, target)
 
 
 @kernel
@@ -122,11 +132,11 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
     return found.stiff, found.rows, of_stiff, of_rows
 
 
-@_balanced.defjvp
+@_differentiable.defjvp
 def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
     solved = _balanced(topology, parameters, factors)
-    near = deformations(topology, parameters, solved.x, zero_near(topology))
+    near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, held = unknowns(topology)
 
     def equations(parameters, factors):
@@ -151,7 +161,7 @@ def _balance_jvp(primals, tangents):
     z = jax.lax.custom_linear_solve(matvec, -change, solve(False), solve(True))
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, Balanced(dx, z[free.shape[0] :], no_change, no_change)
+    return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)
 
 
 def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
@@ -229,7 +239,7 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
     """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
     _, fast, held = unknowns(topology)
-    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
+    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, at.near), at.x)
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
     gravity = scaled_loads(parameters, factors).gravity

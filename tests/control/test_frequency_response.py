@@ -72,12 +72,13 @@ def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     moved = largest > 1e-6 * np.max(largest, axis=0)
     by_stiffness = np.asarray(fm.frequency_response(model, hertz, method="direct").response)
     # Round-off of python-control, whose matrix has the highest frequency squared beside the lowest, 5e8 times less, at
-    # a resonance that is fifty times as high as the response at rest.
-    assert np.max((np.abs(by_stiffness - expected) / largest)[:, moved]) < 1e-5
+    # a resonance that is fifty times as high as the response at rest: 5e-6 for one rounding, and LAPACK makes a few.
+    assert np.max((np.abs(by_stiffness - expected) / largest)[:, moved]) < 1e-4
     found = np.asarray(fm.frequency_response(model, hertz).response)
     # Both solve the same equations from the side of the stiffness: round-off, and coupling of modes taken as none.
     assert np.max((np.abs(found - by_stiffness) / largest)[:, moved]) < 1e-9
-    # At the highest response of the sway, with nineteen digits by refinement: round-off by the condition of K.
+    # At the highest response of the sway, with nineteen digits by refinement: round-off of modes is that of K by its
+    # condition, 5e8, of which a tenth is seen.
     peak = int(np.argmax(np.abs(found[:, 0, 0])))
     lin, w = fm.linearize(model), 2 * np.pi * np.longdouble(hertz[peak])
     k, d, m = (np.asarray(of).astype(np.clongdouble) for of in (lin.K, lin.D0, lin.M0))
@@ -86,7 +87,7 @@ def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     x = np.zeros(len(z), np.clongdouble)
     for _ in range(5):
         x = x + np.linalg.solve(z.astype(complex), (force - z @ x).astype(complex))
-    assert found[peak, 0, 0] == pytest.approx(complex(sensed @ x), rel=1e-10)
+    assert found[peak, 0, 0] == pytest.approx(complex(sensed @ x), rel=1e-8)
 
 
 @pytest.mark.filterwarnings("ignore::scipy.signal.BadCoefficients")
