@@ -1085,7 +1085,7 @@ FAULTS = [
         "and switch",
         "paths/test_stops.py -k any_bifurcation",
     ),
-    Fault("paths/path.py", "        with heard():\n", "        if True:\n", "paths/test_stops.py -k stress_is_met"),
+    Fault("paths/path.py", "    with heard():\n", "    if True:\n", "paths/test_stops.py -k stress_is_met"),
     Fault(
         "viewer/notebook.py",
         '{"font.size": 9}',
@@ -1660,7 +1660,10 @@ FAULTS = [
         "linear/test_states.py -k share",
     ),
     Fault(
-        "paths/path.py", "load_factors(load, 0.0) if", "load_factors(1.0, 0.0) if", "linear/test_states.py -k buckling"
+        "paths/over_load.py",
+        "load_factors(load, 0.0) if",
+        "load_factors(1.0, 0.0) if",
+        "linear/test_states.py -k buckling",
     ),
     Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call"),
     Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k of_a_motion"),
@@ -1669,8 +1672,8 @@ FAULTS = [
     Fault("linear/along.py", "values = 1 / found", "values = found", "linear/test_along.py -k closed_form"),
     Fault(
         "paths/path.py",
-        "_factors(self.model, point.load_factor)",
-        "_factors(self.model, 1.0)",
+        "factors_of(self.model, point.load_factor)",
+        "factors_of(self.model, 1.0)",
         "linear/test_along.py -k critical",
     ),
     Fault("plot/canvas.py", "return 1 / by, prefix", "return by, prefix", "plot/test_plot.py -k any_two"),
