@@ -26,6 +26,7 @@ SCRIPTS = (
     "large",
     "designs",
     "batch",
+    "chains_static",
     "large_deflection",
     "viewer",
     "workbench",

@@ -143,3 +143,10 @@ def test_the_top_level_holds_nothing_else():
     if listed.returncode:
         pytest.skip("this is no git repository")
     assert {name.split("/")[0] for name in listed.stdout.splitlines()} == set(TOP_LEVEL)
+
+
+def test_the_tests_that_begin_first_are_there():
+    tests = Path(__file__).parent
+    names = (tests / "longest.txt").read_text().split()
+    assert [name for name in names if not (tests / name).is_file()] == []
+    assert len(set(names)) == len(names)

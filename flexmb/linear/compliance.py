@@ -92,7 +92,7 @@ def compliance(
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     if isinstance(lin, SparseLinearization):
         try:
-            return _compliance_of_large(lin, places, local)
+            return compliance_of_large(lin, places, local)
         except AnalysisError:
             if sparse is not None or lin is model or lin is at:
                 raise
@@ -131,7 +131,7 @@ def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], loc
     return rows
 
 
-def _compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool) -> Float[Array, "n n"]:
+def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
     """Compliance by sparse factors: displacements under the forces dual to them."""
     rows = _directions(lin.x, parts, local)
     along = jnp.zeros((sum(row.shape[0] for row in rows), lin.x.shape[0]))

@@ -2,6 +2,7 @@
 
 import functools
 from collections import deque
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,6 +12,7 @@ from ..compilation.record import Record, static
 from ..math.block_tridiagonal import BlockFactors, factorise_blocks, parts_of
 from ..model.topology import Block, Topology
 from .blocks import scatter_vector
+from .turning import Turning, turning_of
 
 # By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
 # on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
@@ -27,6 +29,7 @@ class Levels(Record):
             upper blocks; one past the last for none, (3, b, b, count, most).
         empty: Ones on the diagonal of places without an unknown, (b, b, count).
         unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
+        turning: Which of them turn with which rotations.
         holds: Whether deformations of each such block are held.
     """
 
@@ -35,6 +38,7 @@ class Levels(Record):
     table: Int[Array, "three b b count most"]
     empty: Float[Array, "b b count"]
     unknowns: tuple[Int[Array, "elements k"], ...]
+    turning: Turning
     holds: tuple[bool, ...] = static()
 
     def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> BlockFactors:
@@ -104,18 +108,23 @@ def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
     Returns:
         Levels, or None where one has more unknowns.
     """
+    moving = moving_blocks(topology)
     blocks = [
         (np.asarray(block.x), np.asarray(block.e) if "deformation" in block.companions else np.asarray(block.e)[:, :0])
-        for block in moving_blocks(topology)
+        for block in moving
     ]
     free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
     arrays = [free, held, *(array for pair in blocks for array in pair)]
     key = tuple((array.shape, array.astype(np.int64).tobytes()) for array in arrays)
-    return _levels(key, topology.n_x, topology.n_e, widest)
+    found = _levels(key, topology.n_x, topology.n_e, widest)
+    if found is None:
+        return None
+    place, back, table, empty, unknowns, holds = found
+    return Levels(place, back, table, empty, unknowns, turning_of(topology, moving), holds)
 
 
 @functools.lru_cache(8)
-def _levels(key, n_x: int, n_e: int, widest: int | None) -> Levels | None:
+def _levels(key, n_x: int, n_e: int, widest: int | None) -> Any:
     free, held, *rest = (np.frombuffer(data, np.int64).reshape(shape) for shape, data in key)
     n, count = len(free), len(free) + len(held)
     of_x, of_e = np.full(n_x, count), np.full(n_e, count)
@@ -139,11 +148,8 @@ def _levels(key, n_x: int, n_e: int, widest: int | None) -> Levels | None:
     table = _table(unknowns, np.append(level, -9), np.append(within, 0), wide, many, count)
     empty = np.eye(wide)[:, :, None] * (place == count)
     back = within * many + level
-    return Levels(
-        *(jnp.asarray(place), jnp.asarray(back), jnp.asarray(table), jnp.asarray(empty)),
-        tuple(jnp.asarray(u) for u in unknowns),
-        tuple(holds),
-    )
+    arrays = (jnp.asarray(of) for of in (place, back, table, empty))
+    return *arrays, tuple(jnp.asarray(u) for u in unknowns), tuple(holds)
 
 
 def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:

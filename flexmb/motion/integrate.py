@@ -16,7 +16,8 @@ from ..mechanics.levels import Levels
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
-from .chain_form import chain_form
+from .chain_form import ChainForm, chain_form
+from .chain_march import march_chain
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
@@ -102,17 +103,13 @@ class Integrated(NamedTuple):
 def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, t1, times, start: MotionState, moved):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    own = (
-        integrator.solver,
-        integrator.controller,
-        integrator.adjoint,
-        integrator.event,
-        problem.jumps,
-        problem.levels,
-    )
+    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
     given = equations, integrator, problem.jumps, t0, t1, times, start, moved
     if any(one is not None for one in own):
         return _by_diffrax(parts, *given)
+    if problem.levels is not None:
+        # Its numbers are concrete: there are no derivatives.
+        return _marched(parts, *given)
     return with_derivative(functools.partial(_marched, parts), functools.partial(_by_diffrax, parts), *given)
 
 
@@ -123,6 +120,8 @@ def _marched(parts: float, equations: Equations, integrator: Integrator, jumps, 
         return _first_step(integrator, fast, t1 - t0, parts, False)
 
     allowed: Any = (integrator.rtol, integrator.atol)
+    if isinstance(equations, ChainForm):
+        return march_chain(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
     return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
 
 
@@ -132,8 +131,9 @@ def _by_diffrax(
     """States at times, by any solver; the first step is so small a part of the time at most."""
     import diffrax
 
+    from .collocation import carried_from
     from .projected import Projected
-    from .radau import Radau, carried_from
+    from .radau import Radau
     from .rosenbrock import Rodas5P, Rosenbrock
     from .step_control import DisplacementController
     from .term import MotionTerm

@@ -52,7 +52,7 @@ def balanced_chain(topology: Topology, parameters: Parameters, target: LoadFacto
         equations, still = linear_equations(topology, parameters, target, s)
         z, regular = _solved(topology, levels, equations, falls(parameters))
         why = jnp.where(regular, RESULTS.successful, RESULTS.singular_stiffness)
-        return corrected(topology, parameters, target, s, jnp.where(regular, z, jnp.nan), why, still)
+        return corrected(topology, parameters, target, s, equations, jnp.where(regular, z, jnp.nan), why, still)
 
     return jax.lax.while_loop(lambda s: ~s.finished, turn, start(topology, parameters))
 

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.indices import put
 from ..mechanics.blocks import kernel, scatter_vector
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformation_functions, deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import free_deformations
@@ -63,11 +63,13 @@ class LinearEquations(NamedTuple):
     Attributes:
         stiff, rows: Element matrices, see :class:`flexmb.statics.tangent.Pieces`.
         right: What the equations lack, and the force that bends the softest motion, (n + h, 2).
+        e: Deformations, (n_e,) [m, rad].
     """
 
     stiff: list[Array]
     rows: list[Array]
     right: Float[Array, "m 2"]
+    e: Float[Array, "n_e"]
 
 
 def _load_of(target: LoadFactors, s: Search) -> tuple[Array, LoadFactors]:
@@ -122,15 +124,24 @@ def linear_equations(topology: Topology, parameters: Parameters, target: LoadFac
         largest = jnp.abs(jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (error,))[1])
         pulled = along(n_x, transposed[0], [jnp.abs(d) for d in transposed[1]], largest)
         still = (s.iterations == 0) & jnp.all(jnp.abs(lacking[free]) <= pulled[free])
-    return LinearEquations(found.stiff, found.rows, right), still
+    return LinearEquations(found.stiff, found.rows, right, e), still
 
 
 @kernel
-def corrected(topology: Topology, parameters: Parameters, target: LoadFactors, s: Search, z, code, still) -> Search:
+def corrected(
+    topology: Topology,
+    parameters: Parameters,
+    target: LoadFactors,
+    s: Search,
+    equations: LinearEquations,
+    z,
+    code,
+    still,
+) -> Search:
     """The search after the solution of its linear equations."""
     free, fast, held = unknowns(topology)
     load, factors = _load_of(target, s)
-    x, near, carried, _ = s.trial
+    x, _, carried, _ = s.trial
     wanted_x, _ = held_values(topology, parameters, factors)
     change = put(put(jnp.zeros(topology.n_x), free, z[: len(free), 0]), fast, wanted_x[fast] - x[fast])
     change = jnp.where(still, 0.0, change)
@@ -138,16 +149,15 @@ def corrected(topology: Topology, parameters: Parameters, target: LoadFactors, s
     first = jnp.where(s.tries == 0, size, s.first)
     bad = AT_LOAD.astray(size, s.before, s.tries)
     done = near_enough(size, load, s.tries) & ~bad
-    e, rate = jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (change,))
+    places = [(block.e, block.x) for block, *_ in deformation_functions(topology, parameters, equations.e)]
+    e, rate = equations.e, along(topology.n_e, places, equations.rows, change)
     strained = _strained(topology, parameters, factors, carried)
     # The softest motion, by the power method for the largest 1/mu of K v = mu K0 v.
     softer = z[: len(free), 1]
 
     def energy(v):
-        def stressed(x):
-            return deformations(topology, parameters, x, near)
-
-        moved = put(jax.jvp(stressed, (x,), (put(jnp.zeros(topology.n_x), free, v),))[1], held, 0.0)
+        moved = along(topology.n_e, places, equations.rows, put(jnp.zeros(topology.n_x), free, v))
+        moved = put(moved, held, 0.0)
         return moved @ jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (moved,))[1]
 
     new, old = jax.vmap(energy)(jnp.stack([softer, s.soft]))

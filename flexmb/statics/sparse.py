@@ -19,10 +19,10 @@ from ..errors import ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
-from ..mechanics.stress_resultants import is_nonlinear, is_nonlinear_at_rest, stress_of_strain
+from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -39,12 +39,14 @@ class Balanced(NamedTuple):
     Attributes:
         x: Nodal coordinates, (n_x,) [m, rad, -].
         multipliers: Stress resultants of the held deformations, (h,) [N, N m].
+        near: Deformations that angles are counted from, (n_e,) [m, rad].
         iterations: Newton iterations.
         result: Code of RESULTS.
     """
 
     x: Float[Array, "n_x"]
     multipliers: Float[Array, "h"]
+    near: Float[Array, "n_e"]
     iterations: Any = 0
     result: Any = 0
 
@@ -69,12 +71,8 @@ def _traced_answer(topology: Topology, stiff, rows, right, *, falls: bool, trans
     return jax.pure_callback(call, shapes, topology, stiff, rows, right, vmap_method="sequential")
 
 
-@jax.custom_jvp
-def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
-    """Equilibrium by Newton's method on coordinates and multipliers, see :func:`flexmb.mechanics.residual.iterate`.
-
-    Its derivative is one solution with factors of the tangent at the state.
-    """
+def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    """Equilibrium by Newton's method on coordinates and multipliers."""
     s: Any = None
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
         s = start(topology, parameters)._replace(finished=True)
@@ -86,20 +84,32 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
-            on_host = jax.tree.map(np.asarray, (topology, *linear))
-            s = corrected(topology, parameters, target, s, *_answer(*on_host, falls=falls(parameters)), still)
+            on_host = jax.tree.map(np.asarray, (topology, linear.stiff, linear.rows, linear.right))
+            found = _answer(*on_host, falls=falls(parameters))
+            s = corrected(topology, parameters, target, s, linear, *found, still)
     else:
         answer = functools.partial(_traced_answer, falls=falls(parameters))
 
         def turn(s: Search) -> Search:
             linear, still = linear_equations(topology, parameters, target, s)
-            return corrected(topology, parameters, target, s, *answer(topology, *linear), still)
+            found = answer(topology, linear.stiff, linear.rows, linear.right)
+            return corrected(topology, parameters, target, s, linear, *found, still)
 
         again = start(topology, parameters)
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    return Balanced(s.done.x, s.done.multipliers, s.iterations, s.result)
+    return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+
+
+# Its derivative is one solution with factors of the tangent at the state.
+_differentiable = jax.custom_jvp(_found)
+
+
+def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+    # For numbers the rule of derivatives would take longer to pass by than a chain of fifty beams to balance.
+    known = is_concrete((topology, parameters, target))
+    return _found(topology, parameters, target) if known else _differentiable(topology, parameters, target)
 
 
 @kernel
@@ -122,11 +132,12 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
     return found.stiff, found.rows, of_stiff, of_rows
 
 
-@_balanced.defjvp
+@_differentiable.defjvp
 def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
-    solved = _balanced(topology, parameters, factors)
-    near = deformations(topology, parameters, solved.x, zero_near(topology))
+    # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
+    solved = _differentiable(topology, parameters, factors)
+    near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, held = unknowns(topology)
 
     def equations(parameters, factors):
@@ -151,7 +162,7 @@ def _balance_jvp(primals, tangents):
     z = jax.lax.custom_linear_solve(matvec, -change, solve(False), solve(True))
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, Balanced(dx, z[free.shape[0] :], no_change, no_change)
+    return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)
 
 
 def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
@@ -168,7 +179,8 @@ def second_variation(topology, parameters, factors, at: Balanced, near, motion) 
 
     (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
+    own = jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (e,), (put(first, held, 0.0),))[1]
+    stress = put(own, held, 0.0)
     geometric = sigma @ second
     gravity = scaled_loads(parameters, factors).gravity
     if gravity is not None:
@@ -192,15 +204,16 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
 
 
 def refuse_what_is_not_sparse(topology: Topology) -> None:
-    """Raise where analyses of vibration, buckling and paths by sparse factors have no equations.
+    """Raise where analyses of buckling and paths by sparse factors have no equations.
 
     Raises:
-        ModelError: Loads that follow a body, moments about fixed axes, or elements with a law or an energy.
+        ModelError: Loads that follow a body, moments about fixed axes, or laws of several deformations.
     """
-    if lacks_potential(topology) or is_nonlinear(topology):
+    if lacks_potential(topology):
         raise ModelError(
-            "The sparse path takes dead loads, gravity and elements of constant stiffness: no moments about fixed axes"
-            " in space, loads that follow a body, laws or energies. Leave `sparse` out."
+            "By sparse factors critical states are found of what has a potential: loads that follow a body, moments"
+            " about fixed axes in space and laws of several deformations have none. Give sparse=False, which takes"
+            " them, and a model with degrees of freedom."
         )
 
 
@@ -228,13 +241,21 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 @kernel
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
     """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
-    _, fast, held = unknowns(topology)
-    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, zero_near(topology)), at.x)
+    held = unknowns(topology)[2]
+    e = deformations(topology, parameters, at.x, at.near)
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
+    return at.x, e, sigma, *acting(topology, parameters, factors, at.x, e, sigma)
+
+
+@kernel
+def acting(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma):
+    """What mass feels, reactions and external forces at a state."""
+    fast = unknowns(topology)[1]
+    _, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
+    force = nodal_forces(topology, parameters, factors, x)
     gravity = scaled_loads(parameters, factors).gravity
-    reactions = put(jnp.zeros(topology.n_x), fast, force[fast])
-    external = nodal_forces(topology, parameters, factors, at.x) + reactions
+    reactions = put(jnp.zeros(topology.n_x), fast, (pull(sigma)[0] - force)[fast])
+    external = force + reactions
     if gravity is not None:
-        external = external - weight(topology, parameters, at.x, gravity)
-    return at.x, e, sigma, Felt(gravity), reactions, external
+        external = external - weight(topology, parameters, x, gravity)
+    return Felt(gravity), reactions, external

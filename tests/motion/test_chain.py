@@ -128,3 +128,38 @@ def test_why_a_chain_does_not_start_is_said():
     b.fix("A")
     with pytest.raises(fm.ModelError, match=r'form="chain" does not apply: .* spectral beams'):
         fm.simulate(b.build(), [0.0, 0.01], form="chain", loads={"C.y": lambda t: 1.0})
+
+
+def soft_pendulum(beams: int):
+    """A pendulum that bends far while it turns."""
+    section = fm.Rigidity(EA=1e5, EIy=1.0, mass=1.0)
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (i / beams, 0.0))
+    for i in range(beams):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"rod {i + 1}", section=section)
+    b.fix("n0", "position")
+    b.gravity((0.0, -9.81))
+    return b.build()
+
+
+def test_its_loop_goes_where_that_of_diffrax_goes():
+    model, times = soft_pendulum(8), np.array([0.0, 0.1, 0.3, 0.31, 0.6])
+    own = fm.simulate(model, times, rtol=1e-5, form="chain")
+    # A jump that comes after the end asks for the general loop.
+    other = fm.simulate(model, times, rtol=1e-5, form="chain", jumps=[2.0])
+    # Ten times the tolerance of a step; stiff beams make velocities some hundred times as large.
+    np.testing.assert_allclose(own.x, other.x, rtol=0, atol=1e-4)
+    np.testing.assert_allclose(own.xd, other.xd, rtol=0, atol=1e-2)
+    # Matrices that do not turn with the nodes need 1.5 times as many, steps that Newton's method does not finish.
+    assert int(fm.simulate(model, [0.0, 1.0], rtol=1e-3, form="chain").steps) < 150
+
+
+def test_its_failures_are_named():
+    model = soft_pendulum(2)
+    short = fm.simulate(model, TIMES, form="chain", max_steps=5, throw=False)
+    assert fm.RESULTS(int(short.result)) == fm.RESULTS.motion_unfinished
+    assert np.all(np.isfinite(short.x[0]))
+    assert not np.any(np.isfinite(short.x[-1, 2:]))
+    with pytest.raises(fm.AnalysisError, match="away"):
+        fm.simulate(model, [0.0, 1e6], form="chain", loads={"n2.y": lambda t: 1e12 * t})

@@ -1,6 +1,7 @@
 """The sparse path: answers and derivatives of the dense one, and closed forms where that one does not reach."""
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.sparse
@@ -281,3 +282,28 @@ def test_factors_of_a_chain_of_held_elongations_stay_sparse(monkeypatch):
     np.testing.assert_allclose(tip, (0.8393583, 0.4934575), atol=1e-5)
     # A multiplier eliminated before its coordinates has no pivot: 40 times as many entries.
     assert max(made[1:]) < 4
+
+
+@pytest.mark.parametrize("angle", [7.0, -13.0])
+def test_turns_are_counted(angle):
+    """A spring in a hinge in space that is turned by its body beyond full turns, a leaf spring carried along."""
+
+    def turned(stiffness):
+        b = fm.Builder()
+        for name, place in {"a": (0, 0, 0), "b": (0, 0, 0), "c": (0.1, 0, 0)}.items():
+            b.node(name, place)
+        across = jnp.stack([stiffness, 1.0, 1.0])
+        b.add(spatial.hinge, "a", "b", name="spring", axis=(0, 0, 1), stiffness=across, released="all")
+        b.add(spatial.beam, "b", "c", section=fm.Rectangle(0.01, 1e-3, STEEL), y=(0, 0, 1))
+        b.fix("a")
+        b.prescribe("b", "rotation", angle, axis=(0, 0, 1))
+        b.fix("b", "position")
+        return fm.equilibrium(b.build(check=False), sparse=True)
+
+    found = turned(0.05)
+    place = [str(name) for name in found.labels.e].index("spring.e1")
+    # Round-off of the load steps.
+    assert found.e[place] == pytest.approx(angle, abs=1e-12)
+    assert found.sigma[place] == pytest.approx(0.05 * angle, abs=1e-12)
+    np.testing.assert_allclose(found.at("c"), 0.1 * np.array([np.cos(angle), np.sin(angle), 0]), atol=1e-12)
+    assert jax.grad(lambda k: turned(k).sigma[place])(0.05) == pytest.approx(angle, abs=1e-12)
