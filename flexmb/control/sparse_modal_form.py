@@ -15,7 +15,7 @@ from ..math.element_matrices import between, times
 from .second_order_form import SecondOrder
 from .sparse_response import solutions
 from .sparse_second_order import SparseSecondOrder, sparse_second_order
-from .truncation import BESIDE, IDLE, STILL, tell_of_error
+from .truncation import BESIDE, IDLE, STILL, beside_resonances, tell_of_error
 
 # So many frequencies, over two decades, at which responses are compared, beside those near each mode.
 POINTS = 40
@@ -158,6 +158,7 @@ def error_of_large(
     grid = np.unique(
         np.concatenate([end * np.logspace(-2, 0, POINTS), beside[(beside > 1e-2 * end) & (beside <= end)]])
     )
+    grid = beside_resonances(grid, hertz)
     n_u, n = whole.B.shape[2], whole.elements.unknowns[0]
     free, moves = np.asarray(whole.elements.free), np.asarray(whole.orders)
     w = 2 * np.pi * grid

@@ -149,8 +149,7 @@ def error_of(
     grid = np.unique(
         np.concatenate([end * np.logspace(-2, 0, POINTS), beside[(beside > 1e-2 * end) & (beside <= end)]])
     )
-    # At an undamped resonance there is no response.
-    grid = grid[np.all(np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None], axis=1)]
+    grid = beside_resonances(grid, hertz)
     shape = len(lin.labels.outputs), len(lin.labels.inputs)
     full, least = [], np.zeros(shape)
     for f in grid:
@@ -164,6 +163,16 @@ def error_of(
     eye = np.eye(len(a))
     own = np.array([c @ np.linalg.solve(2j * np.pi * f * eye - a, b) + d for f in grid])
     return tell_of_error(lin, grid, np.array(full), own, least, end, len(kept), len(hertz))
+
+
+def beside_resonances(grid: np.ndarray, hertz: np.ndarray) -> np.ndarray:
+    """Those of some frequencies that are no resonance, at which there is no response without damping.
+
+    Args:
+        grid: Frequencies, (n,) [Hz].
+        hertz: Of modes, (modes,) [Hz].
+    """
+    return grid[np.all(np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None], axis=1)]
 
 
 def tell_of_error(

@@ -1,18 +1,20 @@
 """What a path or a motion tells of each of its states, asked for by a text such as "force top.x" or "frequency 1"."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..model.by_name import TURNS
 from ..results import RESULTS
-from .compliance import compliance_of
-from .linearize import Linearization, ManyStates, Matrices
+from .compliance import compliance_of, compliance_of_large
+from .linearize import ManyStates, Matrices
+from .sparse_solve import lowest_values
 from .spectrum import general_spectrum, is_real, to_frequency
 from .stress import stress
 
@@ -174,6 +176,9 @@ def _numbered(values: np.ndarray, word: str, text: str, unit: str) -> Series:
 
 def _frequency(result: Any, text: str) -> Series:
     path = result.states().kind == "path"
+    if result.by_sparse and text.isdigit():
+        each = [lowest_values(lin.elements, int(text)) for lin in _each_linearization(result)]
+        return _numbered(np.asarray(to_frequency(jnp.stack(each))), "frequency", text, "Hz")
     found = np.asarray(result.frequencies) if path else frequencies_along(result.linearizations().matrices)
     return _numbered(found, "frequency", text, "Hz")
 
@@ -181,6 +186,11 @@ def _frequency(result: Any, text: str) -> Series:
 def _multiplier(result: Any, text: str) -> Series:
     if result.states().kind != "path":
         raise KeyError("load multipliers are asked of a path, not of a motion")
+    if result.by_sparse:
+        raise KeyError(
+            "a path by sparse matrices has no load multipliers of all states: ask about one, as"
+            " fm.buckling_loads(model, count=1, at=path, step=-1)"
+        )
     return _numbered(np.asarray(result.multipliers), "multiplier", text, "-")
 
 
@@ -193,11 +203,19 @@ def _stiffness(result: Any, text: str) -> Series:
     if component not in names:
         raise KeyError(f"node '{node}' has no component '{component}' here; it has {', '.join(names)}")
     places = tuple(labels.known(part) for part in labels.parts(node))
-    lin: Linearization = result.linearizations()
-    found = np.asarray(_compliances(lin.matrices, places))[:, names.index(component), names.index(component)]
+    at = names.index(component)
+    if result.by_sparse:
+        found = np.array([compliance_of_large(lin, places)[at, at] for lin in _each_linearization(result)])
+    else:
+        found = np.asarray(_compliances(result.linearizations().matrices, places))[:, at, at]
     with np.errstate(divide="ignore"):
         values = 1 / found
     return Series(values, f"stiffness {text}", "N m/rad" if component in ANGLES else "N/m", "stiffness")
+
+
+def _each_linearization(result: Any) -> Iterator[Any]:
+    """Linearised equations of each state of a path, one after the other."""
+    return (result.linearization(i) for i in range(len(result.x)))
 
 
 @jit

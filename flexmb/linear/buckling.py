@@ -7,10 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_flag, check_whole
+from ..arguments import check_flag, check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..display import Result, States, Summary, modal_summary
+from ..errors import ModelError
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.blocks import kernel
@@ -26,9 +27,11 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
 from ..statics.solve import held_values, solve_state
+from .choice import few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
 from .shapes import Shapes
 from .sparse_buckling import ROUND_OFF, UNBOUNDED, sparse_multipliers
+from .sparse_linearize import SparseLinearization
 from .spectrum import is_real
 
 
@@ -46,7 +49,7 @@ class Buckling(Shapes, Result, Record):
 
     multipliers: Float[Array, "n"]
     shapes: Float[Array, "n_x n"]
-    lin: Linearization
+    lin: Linearization | SparseLinearization
     one_axis = "multipliers"
 
     def states(self) -> States:
@@ -229,20 +232,26 @@ def _asked(model: Model, function: str, throw: bool, at: ManyStates | None, step
         target = load_factors_of(model, 1.0, 0.0 if increment is None else increment, function)
         multiplier, shapes, result = _buckling(model.topology, model.parameters, target)
     else:
-        if not isinstance(at, ManyStates) or at.states().kind != "path":
-            raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not a {type(at).__name__}.")
-        lin = where.linearization(model, function)
-        factors = at.factors(-1 if step is None else step)
+        lin, factors = _on_path(model, where, function)
         multiplier, shapes, result = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
     check(result, throw)
     return multiplier, shapes, lin
+
+
+def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization | SparseLinearization, LoadFactors]:
+    """A state of a path, and its load factors."""
+    at = where.at
+    if not isinstance(at, ManyStates) or at.states().kind != "path":
+        raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not a {type(at).__name__}.")
+    found = where.state(model, function)
+    return found, at.factors(-1 if where.step is None else where.step)
 
 
 def buckling_loads(
     model: Model,
     *,
     count: int | None = None,
-    sparse: bool = False,
+    sparse: bool | None = None,
     throw: bool = True,
     at: ManyStates | None = None,
     step: int | None = None,
@@ -254,8 +263,9 @@ def buckling_loads(
         model: Mechanism with loads; differentiable in ``model.parameters``. With incremental loads, those are scaled
             and the others are a constant preload; otherwise all loads are scaled.
         count: How many of the smallest size; all unless given or where there are fewer.
-        sparse: For thousands of elements: ``count`` multipliers by sparse factors, of a model that needs no degrees of
-            freedom; see :func:`flexmb.equilibrium`. Those of incremental loads have no derivative.
+        sparse: ``count`` multipliers by sparse factors, of a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium`. Chosen by size unless given, where ``count`` is, numbers are known and no
+            stiffness is negative. Those of incremental loads have no derivative.
         throw: Raise where the equilibrium fails or is unstable; by sparse factors it is raised in any case.
         at: Path of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
@@ -272,17 +282,32 @@ def buckling_loads(
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
-    check_flag("sparse", sparse)
     count = None if count is None else check_whole("count", count, 1)
-    if not sparse:
-        return _asked(model, "buckling_loads", throw, at, step, increment)[0][:count]
-    if count is None or at is not None:
+    model = as_model(model, "buckling_loads")
+    where = Where(at, step, None, increment)
+    if sparse is not None:
+        check_flag("sparse", sparse)
+    if sparse and count is None:
         raise ValueError("With `sparse` give a Model and `count`, the number of load multipliers wanted.")
-    Where(at, step, None, increment).refuse("buckling_loads")
-    target = load_factors_of(
-        as_model(model, "buckling_loads"), 1.0, 0.0 if increment is None else increment, "buckling_loads"
-    )
-    return sparse_multipliers(model, target, count)
+    large = is_large(model) or (isinstance(at, ManyStates) and at.by_sparse)
+    chosen = sparse is None and throw and is_concrete(model) and large and few_of(model, count)
+    if count is not None and (sparse or chosen):
+        try:
+            return _by_sparse(model, where, count)
+        except ModelError:
+            if sparse:
+                raise
+    return _asked(model, "buckling_loads", throw, at, step, increment)[0][:count]
+
+
+def _by_sparse(model: Model, where: Where, count: int) -> Float[Array, "k"]:
+    """Load multipliers by sparse factors."""
+    where.refuse("buckling_loads")
+    if where.at is None:
+        increment = 0.0 if where.increment is None else where.increment
+        return sparse_multipliers(model, load_factors_of(model, 1.0, increment, "buckling_loads"), count)
+    about, factors = _on_path(model, where, "buckling_loads")
+    return sparse_multipliers(model, factors, count, about)
 
 
 def buckling(

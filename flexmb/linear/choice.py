@@ -7,7 +7,7 @@ from ..mechanics.loads import lacks_potential
 from ..model.model import Model, as_model
 from ..statics.equilibrium import load_factors_of
 from ..statics.sparse_structure import by_sparse
-from .linearize import Linearization, Where
+from .linearize import Linearization, ManyStates, Where
 from .sparse_linearize import SparseLinearization, sparse_linearization
 from .sparse_spectrum import asks_for_all
 
@@ -45,11 +45,13 @@ def sparsely(
     """
     if sparse is not None:
         check_flag("sparse", sparse)
-    about = where.at if isinstance(where.at, SparseLinearization) else given
-    if isinstance(about, SparseLinearization):
+    at: Any = where.at
+    of_path = isinstance(at, ManyStates) and at.by_sparse
+    if of_path or isinstance(at, SparseLinearization) or isinstance(given, SparseLinearization):
         if sparse is False:
             raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
-        where.refuse(function, given=about is given)
+        where.refuse(function, given=isinstance(given, Linearization | SparseLinearization))
+        about: Any = given if at is None else where.state(as_model(given, function), function)
         if about is not given and isinstance(given, Model) and given.labels.x != about.labels.x:
             raise ValueError(
                 f"Argument `at` of fm.{function} is of another model: its nodes are not those of this one."

@@ -18,7 +18,7 @@ from ..model.model import Model
 from ..results import RESULTS, check
 from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
-from .loose import free_motions, named, takes_part
+from .loose import free_motions, named, naming_stiffest, takes_part
 from .sparse_linearize import SparseLinearization
 from .sparse_solve import solved
 
@@ -92,7 +92,7 @@ def compliance(
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     if isinstance(lin, SparseLinearization):
         try:
-            return _compliance_of_large(lin, places, local)
+            return compliance_of_large(lin, places, local)
         except AnalysisError:
             if sparse is not None or lin is model or lin is at:
                 raise
@@ -131,7 +131,7 @@ def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], loc
     return rows
 
 
-def _compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool) -> Float[Array, "n n"]:
+def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
     """Compliance by sparse factors: displacements under the forces dual to them."""
     rows = _directions(lin.x, parts, local)
     along = jnp.zeros((sum(row.shape[0] for row in rows), lin.x.shape[0]))
@@ -141,7 +141,8 @@ def _compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local
         start += row.shape[0]
     elements = lin.elements
     forces = along.T[elements.free]
-    moved = solved(elements, jnp.concatenate([forces, jnp.zeros((elements.unknowns[1], forces.shape[1]))]))
+    with naming_stiffest(lin.model):
+        moved = solved(elements, jnp.concatenate([forces, jnp.zeros((elements.unknowns[1], forces.shape[1]))]))
     return forces.T @ moved[: forces.shape[0]]
 
 

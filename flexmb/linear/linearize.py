@@ -1,7 +1,7 @@
 """Linearised equations of motion about the static equilibrium."""
 
 import re
-from typing import Any, Generic, Literal, NamedTuple, TypeVar, overload
+from typing import Any, ClassVar, Generic, Literal, NamedTuple, TypeVar, overload
 
 import jax
 import jax.numpy as jnp
@@ -246,13 +246,19 @@ class Stressed(NamedTuple):
 
 
 class ManyStates:
-    """Base class of a path and a motion: results with many states, each of which questions can be asked about."""
+    """Base class of a path and a motion: results with many states, each of which questions can be asked about.
+
+    Attributes:
+        by_sparse: Whether states are linearised by sparse matrices.
+    """
+
+    by_sparse: ClassVar[bool] = False
 
     def states(self) -> States:
         """The states, one after the other."""
         raise NotImplementedError
 
-    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization | SparseLinearization:
         """Linearised equations of motion about one state; the last unless given.
 
         Args:
@@ -378,6 +384,19 @@ class Where(NamedTuple):
             )
 
     def linearization(self, model: Model, function: str) -> Linearization:
+        """Linearised equations about the state that ``at`` says, dense.
+
+        Raises:
+            TypeError: ``at`` is none, or is linearised by sparse matrices.
+            ValueError: As for :meth:`state`.
+        """
+        found = self.state(model, function)
+        if isinstance(found, SparseLinearization):
+            instead = "fm.path(model, sparse=False)" if self.at is not found else "fm.linearize(model)"
+            raise TypeError(f"fm.{function} takes no sparse linearisation: give {instead}, which is dense.")
+        return found
+
+    def state(self, model: Model, function: str) -> Linearization | SparseLinearization:
         """Linearised equations about the state that ``at`` says.
 
         Raises:
@@ -394,7 +413,7 @@ class Where(NamedTuple):
                     f" step=, such as step=-1 for the last{also}."
                 )
             at = at.linearization(self.step, self.time)
-        if not isinstance(at, Linearization):
+        if not isinstance(at, Linearization | SparseLinearization):
             raise TypeError(
                 f"Argument `at` of fm.{function} must be a Path, a Motion or a Linearization of the model, not"
                 f" {'an' if type(at).__name__[0] in 'AEIO' else 'a'} {type(at).__name__}."

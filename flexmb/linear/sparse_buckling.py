@@ -13,14 +13,16 @@ from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.sparse import SparseFactors
+from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
-from ..mechanics.loads import LoadFactors
-from ..mechanics.stress_resultants import stiffness_pieces
+from ..mechanics.loads import LoadFactors, nodal_forces, scaled_loads
+from ..mechanics.stress_resultants import strain_of
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
+from ..statics.solve import held_values
 from ..statics.sparse import (
     Balanced,
     balanced,
@@ -28,8 +30,11 @@ from ..statics.sparse import (
     refuse_what_is_not_sparse,
     second_variation,
 )
-from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
+from ..statics.tangent import Assembled, assemble, elastic_stress, stiffness_rows, unknowns
 from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
+from .linearize import Linearization
+from .sparse_linearize import SparseLinearization
+from .sparse_spectrum import asks_for_all
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -66,8 +71,9 @@ def _load_multipliers(
 
 def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: int) -> _Buckled:
     """Smallest multipliers about a state; what stays and what is scaled as in :func:`.buckling.scaled_stiffness`."""
-    _refuse_negative(topology, parameters)
     near = deformations(topology, parameters, at.x, at.near)
+    stiffness = np.asarray(_stiffness(topology, parameters, factors, near))
+    _refuse_negative(topology, stiffness)
     held = unknowns(topology)[2]
     sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
     found = assemble(topology, parameters, factors, at.x, near, sigma)
@@ -80,37 +86,74 @@ def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at:
         if abs(found.geometric).max() > 0:
             _refuse_unstable(structural, found.geometric)
         stays = found.tangent
-        added, moved = _of_increment(topology, parameters, factors, near, held)
+        added, moved = _of_increment(topology, parameters, factors, at.x, near, found)
         sigma, only = jnp.asarray(added), LoadFactors(0.0, 1.0)
         scaled = assemble(topology, parameters, only, at.x, near, sigma).geometric
-    wrong = _round_off(topology, parameters, found, np.asarray(sigma), moved, np.asarray(held))
+    wrong = _round_off(topology, parameters, found, stiffness, np.asarray(sigma), moved)
     noise = assemble(topology, parameters, LoadFactors(0.0, 0.0), at.x, near, wrong).geometric
     return _smallest(stays, scaled, noise, min(count, n - (stays.shape[0] - n)))
 
 
-def _of_increment(topology, parameters, factors, near, held) -> tuple[np.ndarray, np.ndarray]:
-    """Stresses that the incremental loads add to first order, (n_e,), and the displacements, (n_x,)."""
+@kernel
+def _stiffness(topology: Topology, parameters: Parameters, factors: LoadFactors, e: Array) -> Array:
+    """Rows of the elements' tangent stiffnesses at deformations."""
+    strain = strain_of(topology, parameters, scaled_loads(parameters, factors), e)
+    return stiffness_rows(topology, parameters, strain)
 
-    def state(increment):
+
+def _of_increment(topology, parameters, factors, x, e, found: Assembled) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses that the incremental loads add to first order, (n_e,), and the displacements, (n_x,).
+
+    About this state itself: under the same loads there may be others.
+    """
+    free, fast, held = (np.asarray(i) for i in unknowns(topology))
+    moving, growing, force = (np.asarray(of) for of in _by_increment(topology, parameters, factors, x))
+    stretched, moved = np.zeros(topology.n_e), np.zeros(topology.n_x)
+    stretched[held], moved[fast] = growing[held], moving[fast]
+    stress = np.array(_stress_by_increment(topology, parameters, factors, e, stretched))
+    stress[held] = 0.0
+    right = np.concatenate([(force - found.jacobian.T @ stress)[free], growing[held]])
+    if len(fast):
+        right = right - found.coupling @ moving[fast]
+    factored = found.factors()
+    if not factored.regular:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    solved = factored.solve(right)
+    moved[free] = solved[: len(free)]
+    sigma = np.array(_stress_by_increment(topology, parameters, factors, e, found.jacobian @ moved))
+    sigma[held] = solved[len(free) :]
+    return sigma, moved
+
+
+@kernel
+def _by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, x):
+    """Changes of what is held, x and e, and of nodal forces with the factor of the incremental loads."""
+
+    def at(increment):
         own = LoadFactors(factors.initial, increment)
-        at = balanced(topology, parameters, own)
-        e = deformations(topology, parameters, at.x, near)
-        return put(elastic_stress(topology, parameters, own, e), held, at.multipliers), at.x
+        return *held_values(topology, parameters, own), nodal_forces(topology, parameters, own, x)
 
-    _, (sigma, x) = jax.jvp(state, (jnp.asarray(factors.increment, float),), (jnp.ones(()),))
-    return np.asarray(sigma), np.asarray(x)
+    return jax.jvp(at, (jnp.asarray(factors.increment, float),), (jnp.ones(()),))[1]
 
 
-def _round_off(topology, parameters, found: Assembled, sigma, moved, held) -> np.ndarray:
+@kernel
+def _stress_by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, e, change):
+    """Change of the elements' stress with that factor where deformations change too."""
+
+    def at(increment, e):
+        return elastic_stress(topology, parameters, LoadFactors(factors.initial, increment), e)
+
+    return jax.jvp(at, (jnp.asarray(factors.increment, float), e), (jnp.ones(()), change))[1]
+
+
+def _round_off(topology, parameters, found: Assembled, stiffness, sigma, moved) -> np.ndarray:
     """What stress resultants are wrong by, as :func:`.buckling.scaled_stiffness` has it, (n_e,) [N, N m]."""
     rows, sizes = abs(found.jacobian), np.asarray(sizes_of(topology, parameters))
     largest = np.max(sizes * (rows.T @ np.abs(sigma)), initial=0.0)
     reach = rows.multiply(sizes).max(axis=1).toarray().ravel()
     stretched, elastic = rows @ np.abs(moved), np.zeros(topology.n_e)
-    for at, columns, matrices in stiffness_pieces(topology, parameters):
-        own = np.einsum("eij,ej->ei", np.abs(np.asarray(matrices)), stretched[np.asarray(columns)])
-        np.add.at(elastic, np.asarray(at), own)
-    elastic[held] = 0.0
+    for at, own in _of_blocks(topology, stiffness):
+        elastic[at] = np.einsum("eij,ej->ei", np.abs(own), stretched[at])
     return ROUND_OFF * (elastic + np.divide(largest, reach, out=np.zeros_like(reach), where=reach > 0))
 
 
@@ -229,11 +272,15 @@ def _load_multipliers_jvp(primals, tangents):
 
 
 @one_thread()
-def sparse_multipliers(model: Model, target: LoadFactors, count: int) -> Float[Array, "k"]:
+def sparse_multipliers(
+    model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization | None = None
+) -> Float[Array, "k"]:
     """Load multipliers of smallest size about the equilibrium by sparse factors, (count,) or fewer [-].
 
     Args:
         model: As for :func:`sparse_equilibrium`.
+        target: Load factors there.
+        about: Another state with these loads, of a path; None: the equilibrium.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`, too large a count, or an element of negative stiffness.
@@ -245,17 +292,30 @@ def sparse_multipliers(model: Model, target: LoadFactors, count: int) -> Float[A
     topology, parameters = model.topology, model.parameters
     refuse_what_is_not_sparse(topology)
     free, _, held = unknowns(topology)
-    if count >= len(free) - len(held):
-        raise ModelError(f"Argument `count` = {count}: the sparse path gives few of many multipliers. Leave it out.")
-    at = balanced(topology, parameters, target)
+    every = len(free) - len(held)
+    if asks_for_all(count, every):
+        raise ModelError(
+            f"Argument `count` = {count}: sparse matrices give few of the {every} load multipliers, not all. Ask for"
+            " fewer, or give sparse=False and a model with degrees of freedom."
+        )
+    if about is None:
+        at = balanced(topology, parameters, target)
+    else:
+        at = Balanced(about.x, about.sigma[held], about.e)
     # The number is handed on as a shape, which stays known.
-    return _load_multipliers(topology, parameters, target, at, jnp.zeros(count))
+    return _load_multipliers(topology, parameters, target, at, jnp.zeros(min(count, every)))
 
 
-def _refuse_negative(topology: Topology, parameters: Parameters) -> None:
+def _of_blocks(topology: Topology, stiffness: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Numbers of the deformations, (elements, k), and stiffnesses of the elements of each block, (elements, k, k)."""
+    places = [np.asarray(b.e) for b in topology.blocks if "deformation" in b.companions and b.e.shape[1]]
+    return [(at, stiffness[at][:, :, : at.shape[1]]) for at in places]
+
+
+def _refuse_negative(topology: Topology, stiffness: np.ndarray) -> None:
     """Raise where an element's stiffness is negative: the method's inner product relies on it."""
-    for _, _, matrices in stiffness_pieces(topology, parameters):
-        own = np.linalg.eigvalsh(np.asarray(matrices))
+    for _, matrices in _of_blocks(topology, stiffness):
+        own = np.linalg.eigvalsh(matrices)
         if np.any(own[:, 0] < -NEGATIVE * np.abs(own[:, -1])):
             raise ModelError(
                 "An element has a negative stiffness, which load multipliers by sparse factors cannot take."

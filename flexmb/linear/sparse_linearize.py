@@ -215,8 +215,19 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
             "What is linearised by sparse matrices needs a potential: loads that follow a body, moments about fixed"
             " axes in space and laws of several deformations have none. Give sparse=False, which takes them."
         )
-    x, e, sigma, felt, reactions, external, iterations, result = sparse_equilibrium(topology, parameters, target)
-    check(result, throw)
-    elements = element_matrices(topology, parameters, target, x, e, sigma)
-    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
+    found = sparse_equilibrium(topology, parameters, target)
+    check(found[-1], throw)
+    return about_state(model, target, *found)
+
+
+def about_state(
+    model: Model, factors: LoadFactors, x, e, sigma, felt: Felt, reactions, external, iterations, result
+) -> SparseLinearization:
+    """Linearised equations about a state at rest that has been found, element by element.
+
+    Args:
+        factors: Load factors there; what follows is as :class:`SparseLinearization` has it.
+    """
+    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
+    elements = element_matrices(model.topology, model.parameters, factors, x, e, sigma)
     return SparseLinearization(elements, x, e, sigma, felt, reactions, external, iterations, result, factors, model)

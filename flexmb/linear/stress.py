@@ -407,7 +407,7 @@ def _state(
         increment = 0.0 if where.increment is None else where.increment
         at = equilibrium(model, load_factor=load_factor, increment=increment, sparse=sparse, throw=throw)
     elif isinstance(where.at, ManyStates) and not several:
-        at = where.linearization(model, function)
+        at = where.state(model, function)
     if getattr(at, "x", None) is None:
         raise TypeError(
             "Argument `at` must be an Equilibrium, a Linearization, a Path or a Motion of this model, not a"

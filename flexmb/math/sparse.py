@@ -75,8 +75,9 @@ class SparsePattern:
 
         Those of the last matrix are kept: a derivative asks for them again.
         """
-        last = self._last
-        if last is None or not np.array_equal(last[0], matrix.data):
+        last, data = self._last, matrix.data
+        # Complex ones of equal numbers are others: they solve for complex right-hand sides.
+        if last is None or last[0].dtype != data.dtype or not np.array_equal(last[0], data):
             last = matrix.data, SparseFactors(matrix, self.ordering)
             self._last, self.ordering = last, last[1].ordering
         return last[1]

@@ -5,7 +5,18 @@ from typing import Any
 import numpy as np
 
 from ..display import AT_MOST, States, Summary, course, short
+from ..mechanics.loads import LoadFactors, load_factors
+from ..model.model import Model
 from ..results import told
+
+
+def factors_of(model: Model, load: Any) -> LoadFactors:
+    """Load factors of a state: a path scales the incremental loads, or all where there are none.
+
+    Args:
+        load: Load factor of the path, () [-].
+    """
+    return load_factors(load, 0.0) if model.parameters.increment is None else load_factors(1.0, load)
 
 
 class OverLoad:

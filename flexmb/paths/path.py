@@ -11,16 +11,18 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_flag, check_number, check_whole, is_concrete, shown
 from ..compilation.record import Record, static
+from ..compilation.threads import one_thread
 from ..display import Result, short
 from ..errors import AnalysisError, heard, warn
 from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
+from ..linear.choice import is_large
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..linear.stress import stress
 from ..mechanics.blocks import kernel
-from ..mechanics.loads import LoadFactors, load_factors
+from ..mechanics.loads import LoadFactors
 from ..mechanics.residual import state
 from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model
@@ -28,10 +30,12 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS, check
+from ..statics.sparse import refuse_what_is_not_sparse
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
-from .over_load import OverLoad
-from .sparse_path import SparsePath, walk_of_sparse
+from .over_load import OverLoad, factors_of
+from .sparse_path import SparsePath, path_of
+from .sparse_walk import SparseEquations
 from .stepper import Ramp
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
@@ -105,7 +109,7 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
         found = []
         for point in self.critical_points:
             near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
-            factors = _factors(self.model, point.load_factor)
+            factors = factors_of(self.model, point.load_factor)
             found.append(_look_at(self.model.topology, self.model.parameters, factors, jnp.asarray(point.x), near))
         matrices, multipliers = jax.tree.map(lambda *a: jnp.stack(a), *found)
         values = jnp.asarray(np.sign(hertz := frequencies_along(matrices)) * (2 * np.pi * hertz) ** 2)
@@ -119,16 +123,11 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
         Args:
             step: Which, from 0.
         """
-        return _factors(self.model, self.load_factor[step])
+        return factors_of(self.model, self.load_factor[step])
 
     def stressed(self) -> Stressed:
         """What the stress of all steps is computed from."""
         return Stressed(self.x, self.sigma, self.felt, self.e)
-
-
-def _factors(model: Model, load: Any) -> LoadFactors:
-    """A path scales the incremental loads, or all where there are none."""
-    return load_factors(load, 0.0) if model.parameters.increment is None else load_factors(1.0, load)
 
 
 class _Found(NamedTuple):
@@ -179,7 +178,7 @@ def path(
     step: float = 0.1,
     stop: Mapping[str, float] | None = None,
     switch: bool | int | Mapping[int, int] = False,
-    imperfection: None = None,
+    imperfection: Mapping[int, float] | None = None,
     progress: Callable[[int, float], None] | bool = False,
     throw: bool = True,
 ) -> SparsePath: ...
@@ -187,7 +186,7 @@ def path(
 def path(
     model: Model,
     *,
-    sparse: Literal[False] = False,
+    sparse: Literal[False] | None = None,
     max_steps: int = 200,
     step: float = 0.1,
     stop: Mapping[str, float] | None = None,
@@ -205,7 +204,7 @@ def path(
     switch: bool | int | Mapping[int, int] = False,
     imperfection: Mapping[int, float] | None = None,
     progress: Callable[[int, float], None] | bool = False,
-    sparse: bool = False,
+    sparse: bool | None = None,
     throw: bool = True,
 ) -> Path | SparsePath:
     """Equilibrium path over the load factor from 0 to 1, past limit points.
@@ -229,8 +228,10 @@ def path(
             which the path begins, for the loads that grow. A positive one lets the position grow that moves most.
         progress: True for a bar, or a function called with the number of states and the load factor before each step.
             An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
-        sparse: For thousands of elements: sparse factors in all coordinates, of a model that needs no degrees of
-            freedom; see :func:`flexmb.equilibrium`. The result has no matrices.
+        sparse: By sparse factors in all coordinates, of a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium`. Chosen by size unless given, where there is no imperfection, which takes dense
+            matrices. The result is a SparsePath, which has no matrices and of the eigenvalues those nearest to zero;
+            about its states questions are asked as about those of a Path.
         throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:
@@ -256,37 +257,40 @@ def path(
         psi^T (K t + r_load t_load) = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a
         bifurcation.
     """
-    check_flag("sparse", sparse)
-    (as_model if sparse else as_determined)(model, "path")
+    model = as_model(model, "path")
+    if sparse is not None:
+        check_flag("sparse", sparse)
+    if sparse and imperfection is not None:
+        raise ValueError("Argument `imperfection` takes dense matrices: leave `sparse` or it out.")
+    large = bool(sparse) if sparse is not None else imperfection is None and is_large(model)
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
     left = _switches(switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
-    if sparse:
-        return _sparse_path(model, max_steps, step, stop, left, imperfection, progress, throw)
+    if large:
+        refuse_what_is_not_sparse(model.topology)
+        with one_thread():
+            found = _sparse_path(model, step, max_steps, stop, left, progress, hanging=sparse is None)
+        if found is not None:
+            return _checked(*found, stop, left, throw)
+    model = as_determined(model, "path")
     model = model if imperfection is None else bent_by_modes(model, imperfection)
+    return _checked(*_dense_path(model, step, max_steps, stop, left, progress), stop, left, throw)
+
+
+def _dense_path(model, step, max_steps, stop, left, progress) -> tuple[Path, Walker]:
+    """See :func:`path`; the path, and the walk that found it."""
 
     def found_at(step: Step) -> _Found:
         return _look(model.topology, model.parameters, walker.ramp, step)
 
     def largest_stress(step: Step) -> float:
-        # That it is above the material's strength is not asked at every step.
-        with heard():
-            return float(stress(model, at=Linearization(found_at(step).matrices, model)).maximum)
+        return _largest_stress(model, Linearization(found_at(step).matrices, model))
 
-    stops = stops_of(model, stop, largest_stress)
-    walker = Walker(DenseEquations(model), step, stops)
-    if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
-        raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
-    with reporting(progress, "states, load factor") as report:
-        try:
-            code = walker.walk(max_steps, left, report)
-        except KeyboardInterrupt:
-            if report is None:
-                raise
-            code = RESULTS.stopped
+    walker = Walker(DenseEquations(model), step, stops_of(model, stop, largest_stress))
+    code = _walked(walker, max_steps, stop, left, progress, largest_stress)
     found = [found_at(s) for s in walker.steps]
     if not found[0].matrices.symmetric:
         found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
@@ -305,18 +309,42 @@ def path(
         model=model,
         stopped_by=walker.ended or None,
     )
-    return _checked(whole, walker, stop, left, throw)
+    return whole, walker
 
 
-def _sparse_path(model, max_steps, step, stop, left, imperfection, progress, throw) -> SparsePath:
-    """See :func:`path`."""
-    if imperfection is not None or (stop and STRESS in stop):
-        what = "imperfection" if imperfection is not None else f'stop["{STRESS}"]'
-        raise ValueError(f"Argument `{what}` takes dense matrices: leave `sparse` or it out.")
-    stops = stops_of(model, stop, lambda _: np.nan)
+def _sparse_path(model, step, max_steps, stop, left, progress, hanging: bool) -> tuple[SparsePath, Walker] | None:
+    """The same by sparse factors; None of a body without stiffness where it begins, if ``hanging`` ones are left."""
+
+    def largest_stress(step: Step) -> float:
+        return _largest_stress(model, path_of(equations, walker, [step]))
+
+    equations = SparseEquations(model)
+    walker = Walker(equations, step, stops_of(model, stop, largest_stress))
+    if hanging and walker.code == RESULTS.singular_stiffness:
+        # Dense matrices take what meets no stiffness not to move at first.
+        return None
+    code = _walked(walker, max_steps, stop, left, progress, largest_stress)
+    return path_of(equations, walker, walker.steps, code), walker
+
+
+def _walked(walker: Walker, max_steps, stop, left, progress, largest_stress: Callable[[Step], float]) -> RESULTS:
+    """Walk, and tell why the walk ended."""
+    if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
+        raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
     with reporting(progress, "states, load factor") as report:
-        found, walker = walk_of_sparse(model, step, stops, max_steps, left, report)
-    return _checked(found, walker, stop, left, throw)
+        try:
+            return walker.walk(max_steps, left, report)
+        except KeyboardInterrupt:
+            if report is None:
+                raise
+            return RESULTS.stopped
+
+
+def _largest_stress(model: Model, at: Any) -> float:
+    """Largest von Mises stress of a state, () [Pa]."""
+    # That it is above the material's strength is not asked at every step.
+    with heard():
+        return float(np.max(stress(model, at=at).maximum))
 
 
 P = TypeVar("P", Path, SparsePath)

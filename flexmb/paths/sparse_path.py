@@ -1,40 +1,70 @@
 """Equilibrium paths of large mechanisms, by sparse factors."""
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..arguments import check_whole
 from ..compilation.record import Record, static
-from ..compilation.threads import one_thread
 from ..display import Result
+from ..linear.along import Along
+from ..linear.linearize import Stressed
+from ..linear.sparse_linearize import DENSE, SparseLinearization, about_state
+from ..mechanics.inertia import Felt
+from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
 from ..model.model import Model
 from ..results import RESULTS
-from ..statics.sparse import refuse_what_is_not_sparse
+from ..statics.sparse import acting
 from .critical import CriticalPoint
-from .over_load import OverLoad
-from .sparse_walk import SparseEquations
-from .stops import Stops
-from .walk import Walker
+from .over_load import OverLoad, factors_of
+from .sparse_walk import SparseEquations, as_arrays
+from .stepper import Ramp
+from .walk import Step, Walker
+
+# What a path by dense matrices has beside those of a linearisation.
+OF_DENSE = (*DENSE, "matrices", "eigenvalues", "frequencies", "multipliers", "iterations", "symmetric", "moving")
 
 
-class SparsePath(OverLoad, ByName, Result, Record):
+class SparseStates(NamedTuple):
+    """Equilibria of a large mechanism, one after the other; attributes as of :class:`SparsePath`."""
+
+    load_factor: Float[Array, "steps"]
+    x: Float[Array, "steps n_x"]
+    e: Float[Array, "steps n_e"]
+    sigma: Float[Array, "steps n_e"]
+    felt: Felt
+    reactions: Float[Array, "steps n_x"]
+    external: Float[Array, "steps n_x"]
+    critical_values: Float[np.ndarray, "steps n"]
+    negative: Int[np.ndarray, "steps"]
+    stable: Bool[np.ndarray, "steps"]
+
+
+class SparsePath(OverLoad, ByName, Along, Result, Record):
     """Equilibria along a path of a large mechanism, steps first.
+
+    It is asked as :class:`flexmb.paths.Path` is, and about its states frequencies, modes, compliance, stress, responses
+    and state spaces are; matrices in the degrees of freedom, and all frequencies at each step, it has none.
 
     Attributes:
         load_factor: Load factor, (steps,) [-].
         x: Nodal coordinates, (steps, n_x) [m, rad, -].
         e: Deformations, (steps, n_e) [m, rad].
         sigma: Stress resultants; for FIXED deformations the multiplier, (steps, n_e) [N, N m].
+        felt: Gravity, which acts along the elements.
+        reactions: Forces of the supports, (steps, n_x) [N, N m].
+        external: Forces from outside, loads but weight and the supports' together, (steps, n_x) [N, N m].
         critical_values: Those eigenvalues of the stiffness, in extents and radians, that are nearest to zero, four of
             them or all, ascending, (steps, n) [N m].
         negative: How many eigenvalues of the stiffness are negative, those that are not told too, (steps,).
         stable: Whether all eigenvalues are positive, (steps,).
         critical_points: Limit and bifurcation points in the order of the path.
+        critical_states: The states there, in the same order; None where there are none.
         result: Code of RESULTS.
-        model: The mechanism.
+        model: The mechanism, with its imperfections.
         stopped_by: Name of the condition of ``stop`` that ended the path; None where none did.
     """
 
@@ -42,58 +72,141 @@ class SparsePath(OverLoad, ByName, Result, Record):
     x: Float[Array, "steps n_x"]
     e: Float[Array, "steps n_e"]
     sigma: Float[Array, "steps n_e"]
+    felt: Felt
+    reactions: Float[Array, "steps n_x"]
+    external: Float[Array, "steps n_x"]
     critical_values: Float[np.ndarray, "steps n"]
     negative: Int[np.ndarray, "steps"]
     stable: Bool[np.ndarray, "steps"]
     critical_points: tuple[CriticalPoint, ...]
+    critical_states: SparseStates | None
     result: Int[Array, ""]
     model: Model
     stopped_by: str | None = static(default=None)
     one_axis = "load_factor"
-    picture: ClassVar[str | None] = None
+    picture: ClassVar[str | None] = "path"
+    by_sparse: ClassVar[bool] = True
+
+    def __getattr__(self, name: str) -> Any:
+        if name in OF_DENSE:
+            raise AttributeError(
+                f"A path by sparse matrices has no {name}: ask about one state, as by path.linearization(-1) or"
+                " fm.frequencies(model, count=3, at=path, step=-1), or give fm.path(model, sparse=False)."
+            )
+        raise AttributeError(f"A SparsePath has no {name}.")
+
+    def linearization(self, step: int | None = None, time: float | None = None) -> SparseLinearization:
+        """Linearised equations of motion about one step, element by element.
+
+        Args:
+            step: Which, from 0; the last unless given.
+            time: None; a path has no times.
+
+        Raises:
+            IndexError: There are not so many steps.
+            ValueError: A time is given.
+        """
+        if time is not None:
+            raise ValueError("A path has no times: say which state by step=, such as step=-1 for the last.")
+        count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        at = (self.x, self.e, self.sigma, self.reactions, self.external)
+        x, e, sigma, reactions, external = (jnp.asarray(np.asarray(own)[chosen]) for own in at)
+        gravity = None if self.felt.gravity is None else jnp.asarray(np.asarray(self.felt.gravity)[chosen])
+        zero, felt = jnp.zeros((), jnp.int32), Felt(gravity)
+        return about_state(self.model, self.factors(chosen), x, e, sigma, felt, reactions, external, zero, zero)
+
+    def linearizations(self) -> Any:
+        """Refused: a large mechanism is linearised about one state at a time.
+
+        Raises:
+            TypeError: In any case.
+        """
+        raise TypeError(
+            "A large mechanism is linearised about one state at a time: ask path.linearization(step), or give"
+            " fm.path(model, sparse=False)."
+        )
+
+    def at_critical_points(self) -> "SparsePath":
+        """The critical points as states of a path of their own, in their order; at least one."""
+        if self.critical_states is None:
+            raise ValueError("This path has no critical points.")
+        found = self.critical_states
+        return SparsePath(
+            **found._replace(stable=np.zeros_like(found.stable))._asdict(),
+            critical_points=self.critical_points,
+            critical_states=self.critical_states,
+            result=self.result,
+            model=self.model,
+        )
+
+    def factors(self, step: int) -> LoadFactors:
+        """Load factors of the constant and of the incremental loads at one step.
+
+        Args:
+            step: Which, from 0.
+        """
+        return factors_of(self.model, self.load_factor[step])
+
+    def stressed(self) -> Stressed:
+        """What the stress of all steps is computed from."""
+        return Stressed(self.x, self.sigma, self.felt, self.e)
 
 
-@one_thread()
-def walk_of_sparse(
-    model: Model, step: float, stops: Stops, max_steps: int, left: dict[int, int], report: Any
-) -> tuple[SparsePath, Walker]:
-    """Path of a mechanism by sparse factors, and the walk that found it.
+def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step]) -> SparseStates:
+    """What a path reports of its states.
 
     Args:
-        model: As for :func:`sparse_equilibrium`.
-        step: Largest change of the load factor in a step, () [-].
-        stops: Where it ends.
-        max_steps: Steps at most.
-        left: Direction in which bifurcations are left, by their number from 1; what is used is taken out.
-        report: Called with the number of steps and the load factor before each step.
-
-    Raises:
-        ModelError: See :func:`refuse_what_is_not_sparse`.
+        equations: Of the mechanism.
+        ramp: Load factors along the path.
+        steps: Of its walk, one at least.
     """
-    refuse_what_is_not_sparse(model.topology)
-    equations = SparseEquations(model)
-    walker = Walker(equations, step, stops)
-    try:
-        code = walker.walk(max_steps, left, report)
-    except KeyboardInterrupt:
-        if report is None:
-            raise
-        code = RESULTS.stopped
-    points = [s.point for s in walker.steps]
-    e = np.stack([point.strained for point in points])
+    topology, parameters = equations.parts
+    points = [s.point for s in steps]
+    x, e = np.stack([point.x for point in points]), np.stack([point.strained for point in points])
     e[:, equations.held] = np.stack([point.near[equations.held] for point in points])
-    values, below = np.stack([s.values for s in walker.steps]), np.array([int(s.below) for s in walker.steps])
-    found = SparsePath(
-        load_factor=jnp.asarray([s.load for s in walker.steps]),
-        x=jnp.asarray(np.stack([point.x for point in points])),
+    sigma = np.stack([equations.sigma(ramp, point) for point in points])
+    felt, reactions, external = zip(
+        *(
+            acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, deformed, own)
+            for point, deformed, own in zip(points, e, sigma, strict=True)
+        ),
+        strict=True,
+    )
+    gravity = None if felt[0].gravity is None else jnp.asarray(np.stack([own.gravity for own in felt]))
+    values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
+    return SparseStates(
+        load_factor=jnp.asarray([s.load for s in steps]),
+        x=jnp.asarray(x),
         e=jnp.asarray(e),
-        sigma=jnp.asarray(np.stack([equations.sigma(walker.ramp, point) for point in points])),
+        sigma=jnp.asarray(sigma),
+        felt=Felt(gravity),
+        reactions=jnp.asarray(np.stack(reactions)),
+        external=jnp.asarray(np.stack(external)),
         critical_values=values,
         negative=below + np.sum(values < 0, axis=1),
         stable=np.all(values > 0, axis=1) & (below == 0),
+    )
+
+
+def path_of(
+    equations: SparseEquations, walker: Walker, steps: list[Step], code: RESULTS = RESULTS.successful
+) -> SparsePath:
+    """The path that a walk has found.
+
+    Args:
+        equations: Of the mechanism.
+        walker: The walk.
+        steps: Those of its states that are told.
+        code: Why the walk ended.
+    """
+    critical = walker.critical_steps
+    return SparsePath(
+        **states_at(equations, walker.ramp, steps)._asdict(),
         critical_points=tuple(walker.critical),
+        critical_states=states_at(equations, walker.ramp, critical) if critical else None,
         result=jnp.asarray(int(code), jnp.int32),
-        model=model,
+        model=equations.model,
         stopped_by=walker.ended or None,
     )
-    return found, walker

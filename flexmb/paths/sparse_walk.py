@@ -90,7 +90,7 @@ class SparseEquations:
     """
 
     def __init__(self, model: Model):
-        self.parts = model.topology, model.parameters
+        self.model, self.parts = model, (model.topology, model.parameters)
         self.free, self.fast, self.held = (np.asarray(i) for i in unknowns(model.topology))
         self.sizes = np.asarray(sizes_of(*self.parts))
         # Near to the motions of the critical values that were found last.
@@ -204,14 +204,22 @@ class SparseEquations:
 
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers among them [N, N m]."""
-        found = np.array(elastic_stress(*self.parts, _factors(ramp.at(point.load)), jnp.asarray(point.strained)))
+        found = np.array(
+            elastic_stress(*self.parts, as_arrays(ramp.at(point.load)), jnp.asarray(self._strained(point)))
+        )
         found[self.held] = point.strained[self.held]
+        return found
+
+    def _strained(self, point: Point) -> np.ndarray:
+        """Deformations that the stress is of, where elements couple held ones with others too, (n_e,) [m, rad]."""
+        found = np.array(point.strained)
+        found[self.held] = point.near[self.held]
         return found
 
     def _tangent(self, ramp: Ramp, point: Point) -> _Tangent:
         """Equations and their derivatives at a state."""
-        factors, rate = _factors(ramp.at(point.load)), _factors(ramp.rate)
-        found = _at_load(*self.parts, factors, rate, jnp.asarray(point.x), jnp.asarray(point.strained))
+        factors, rate = as_arrays(ramp.at(point.load)), as_arrays(ramp.rate)
+        found = _at_load(*self.parts, factors, rate, jnp.asarray(point.x), jnp.asarray(self._strained(point)))
         sigma, wanted_x, wanted_e, by_stress, moving, growing, by_force = (np.array(one) for one in found)
         sigma[self.held], by_stress[self.held] = point.strained[self.held], 0.0
         at = assemble(*self.parts, factors, point.x, point.near, sigma)
@@ -256,6 +264,6 @@ class SparseEquations:
         return found.values, found.below
 
 
-def _factors(given: LoadFactors) -> LoadFactors:
+def as_arrays(given: LoadFactors) -> LoadFactors:
     """Load factors as arrays of JAX."""
     return LoadFactors(*(jnp.asarray(factor, float) for factor in given))

@@ -356,6 +356,7 @@ class Walker:
         step: Largest change of the load factor in a step, () [-].
         steps: States found.
         critical: Critical points found.
+        critical_steps: The states there.
         conditions: Values that end the walk.
         most: Number of critical points that ends it, or None.
         end: Largest load factor to which the conditions let it go, () [-].
@@ -369,6 +370,7 @@ class Walker:
         self.step = step
         self.steps: list[Step] = [first]
         self.critical: list[CriticalPoint] = []
+        self.critical_steps: list[Step] = []
         self.conditions, self.most, self.end = stops
         self.ended: str | None = None
 
@@ -583,6 +585,7 @@ class Walker:
         """Add a critical point."""
         at: Any = crossing.zero.step
         motion: Any = phi.x
+        self.critical_steps.append(at)
         self.critical.append(CriticalPoint(at.load, crossing.kind, at.point.x, motion, crossing.zero.uncertainty))
 
     def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Stride | None:

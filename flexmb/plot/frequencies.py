@@ -6,15 +6,19 @@ import numpy as np
 
 from ..display import unit_of
 from ..linear.along import frequencies_along
+from ..linear.modes import frequencies as frequencies_of
 from ..motion.motion import Motion
 from ..paths.path import Path
+from ..paths.sparse_path import SparsePath
 from .canvas import label_axis, largest_of, plain_axes
 from .modes import AT_MOST
 from .path import index_of
 from .state import states_of
 
 
-def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_MOST, ax: Any = None) -> Any:
+def frequencies(
+    found: Path | SparsePath | Motion, of: str | None = None, *, count: int = AT_MOST, ax: Any = None
+) -> Any:
     """Natural frequencies along a path or a motion; below zero where the motion grows.
 
     Along a motion they are those of K0 + N0 + G0 and M0 at every time, without C0 and D0; where an eigenvalue is
@@ -36,12 +40,16 @@ def frequencies(found: Path | Motion, of: str | None = None, *, count: int = AT_
     Source:
         THEORY.md 7.
     """
-    if not isinstance(found, Path | Motion):
+    if not isinstance(found, Path | SparsePath | Motion):
         raise TypeError(f"Frequencies are drawn along a Path or a Motion, not along a {type(found).__name__}.")
     states = states_of(found)
     along, label = states.along, states.label
     of_motion = isinstance(found, Motion)
-    hertz = frequencies_along(found.linearizations().matrices) if of_motion else np.asarray(found.frequencies)
+    if isinstance(found, SparsePath):
+        each = [frequencies_of(found.linearization(i), count=count) for i in range(len(found.x))]
+        hertz = np.asarray(each)
+    else:
+        hertz = frequencies_along(found.linearizations().matrices) if of_motion else np.asarray(found.frequencies)
     if of is not None:
         along = states.x[:, index_of(found.labels, of)]
     ax = plain_axes(ax)

@@ -7,6 +7,7 @@ import numpy as np
 from ..display import unit_of
 from ..model.model import Labels
 from ..paths.path import Path
+from ..paths.sparse_path import SparsePath
 from .canvas import BLACK, BLUE, GREY, RED, label_axis, largest_of, plain_axes, prefixed
 
 MARKERS = {"limit": "o", "bifurcation": "s"}
@@ -16,7 +17,9 @@ FORCES = ("force", "moment", "reaction")
 FIRST = 4
 
 
-def path(found: Path, of: str | None = None, *, x: str | None = None, y: str | None = None, ax: Any = None) -> Any:
+def path(
+    found: Path | SparsePath, of: str | None = None, *, x: str | None = None, y: str | None = None, ax: Any = None
+) -> Any:
     """Load factor over a coordinate, or any quantity over any other: solid where stable, dashed where not.
 
     ``fm.plot.path(found, x="displacement top.x", y="force top.x")`` is force against stroke, with the slope at the
@@ -39,7 +42,7 @@ def path(found: Path, of: str | None = None, *, x: str | None = None, y: str | N
         KeyError: No such coordinate or quantity.
         ValueError: Both ``of`` and ``x`` are given.
     """
-    if not isinstance(found, Path):
+    if not isinstance(found, Path | SparsePath):
         raise TypeError(f"Argument `found` must be of fm.path(model), but is a {type(found).__name__}.")
     if of is not None and x is not None:
         raise ValueError("Arguments `of` and `x` both say what to draw over: give `x` alone.")
@@ -112,7 +115,7 @@ def with_unit(labels: Labels, index: int) -> str:
     return f"{labels.x[index]} [{unit_of(labels.x[index])}]"
 
 
-def _with_critical(steps, critical, stable, found: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _with_critical(steps, critical, stable, found: Path | SparsePath) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the path with the critical ones among them, and whether each piece between two points is stable.
 
     Critical points lie between the steps at which stability changes, in the order of the path; a piece that has an end

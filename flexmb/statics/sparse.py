@@ -22,7 +22,7 @@ from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight, work_of_weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
-from ..mechanics.stress_resultants import is_nonlinear, is_nonlinear_at_rest, stress_of_strain
+from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
@@ -135,7 +135,8 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
 @_differentiable.defjvp
 def _balance_jvp(primals, tangents):
     topology, parameters, factors = primals
-    solved = _balanced(topology, parameters, factors)
+    # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
+    solved = _differentiable(topology, parameters, factors)
     near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, held = unknowns(topology)
 
@@ -178,7 +179,8 @@ def second_variation(topology, parameters, factors, at: Balanced, near, motion) 
 
     (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    stress = put(stress_of_strain(topology, parameters, first), held, 0.0)
+    own = jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (e,), (put(first, held, 0.0),))[1]
+    stress = put(own, held, 0.0)
     geometric = sigma @ second
     gravity = scaled_loads(parameters, factors).gravity
     if gravity is not None:
@@ -202,15 +204,16 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
 
 
 def refuse_what_is_not_sparse(topology: Topology) -> None:
-    """Raise where analyses of vibration, buckling and paths by sparse factors have no equations.
+    """Raise where analyses of buckling and paths by sparse factors have no equations.
 
     Raises:
-        ModelError: Loads that follow a body, moments about fixed axes, or elements with a law or an energy.
+        ModelError: Loads that follow a body, moments about fixed axes, or laws of several deformations.
     """
-    if lacks_potential(topology) or is_nonlinear(topology):
+    if lacks_potential(topology):
         raise ModelError(
-            "The sparse path takes dead loads, gravity and elements of constant stiffness: no moments about fixed axes"
-            " in space, loads that follow a body, laws or energies. Leave `sparse` out."
+            "By sparse factors critical states are found of what has a potential: loads that follow a body, moments"
+            " about fixed axes in space and laws of several deformations have none. Give sparse=False, which takes"
+            " them, and a model with degrees of freedom."
         )
 
 
@@ -238,13 +241,21 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 @kernel
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
     """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
-    _, fast, held = unknowns(topology)
-    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, at.near), at.x)
+    held = unknowns(topology)[2]
+    e = deformations(topology, parameters, at.x, at.near)
     sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, at.x)
+    return at.x, e, sigma, *acting(topology, parameters, factors, at.x, e, sigma)
+
+
+@kernel
+def acting(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma):
+    """What mass feels, reactions and external forces at a state."""
+    fast = unknowns(topology)[1]
+    _, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
+    force = nodal_forces(topology, parameters, factors, x)
     gravity = scaled_loads(parameters, factors).gravity
-    reactions = put(jnp.zeros(topology.n_x), fast, force[fast])
-    external = nodal_forces(topology, parameters, factors, at.x) + reactions
+    reactions = put(jnp.zeros(topology.n_x), fast, (pull(sigma)[0] - force)[fast])
+    external = force + reactions
     if gravity is not None:
-        external = external - weight(topology, parameters, at.x, gravity)
-    return at.x, e, sigma, Felt(gravity), reactions, external
+        external = external - weight(topology, parameters, x, gravity)
+    return Felt(gravity), reactions, external

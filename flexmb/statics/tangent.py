@@ -47,11 +47,12 @@ def elastic_stress(topology: Topology, parameters: Parameters, factors: LoadFact
     return sigma if loads.prestress is None else sigma + loads.prestress
 
 
-def _stiffness_rows(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]):
+def stiffness_rows(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]):
     """Rows of the elements' tangent stiffnesses, those of held deformations zero, (n_e, widest).
 
-    Elements whose companions lie in another block than their deformation are found by the numbers of their
-    deformations, which are in the same order there.
+    Those of a block are ``rows[block.e]``, up to the number of its deformations. Elements whose companions lie in
+    another block than their deformation are found by the numbers of their deformations, which are in the same order
+    there.
     """
     widest = max([b.e.shape[1] for b in topology.blocks], default=0)
     keep = jnp.ones(topology.n_e).at[topology.e.held].set(0.0)
@@ -104,7 +105,7 @@ def pieces_at(topology, parameters, factors, x, near, sigma, strained=None, mass
     e = scatter_vector(topology.n_e, values)
     loads = scaled_loads(parameters, factors)
     strain = strain_of(topology, parameters, loads, e if strained is None else strained)
-    stiffness = _stiffness_rows(topology, parameters, strain)
+    stiffness = stiffness_rows(topology, parameters, strain)
     curved = curvature_pieces(topology, parameters, x, near, sigma)
     elastic = []
     for at, _, d in jacobian:

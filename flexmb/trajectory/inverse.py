@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float, Int
 
 from ..arguments import check_numbers, is_concrete, shown
-from ..compilation.compile import jit_beside_options
+from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError
@@ -652,11 +652,9 @@ def _output(form, signal: Signal, moving: Moving) -> Float[Array, ""]:
 
 def _as_loads(model: Model, times, u0, f0) -> tuple[Driven, ...]:
     """Inputs and what holds the rest, as loads that depend on time: their values at the times are exact."""
-    top = model.topology
-    plain = coordinates_form(top, model.parameters)
-    found = []
+    top, found = model.topology, []
     if model.labels.inputs:
-        constant: Any = jax.vmap(lambda u: under_inputs(model, plain, u).driven)(u0)
+        constant: Any = _driven_by_inputs(model.without_names(), u0)
         found += [Driven(one.quantity, one.at[0], Table(times, one.value.value)) for one in constant]
     n = top.x.dof.shape[0]
     if n:
@@ -664,3 +662,10 @@ def _as_loads(model: Model, times, u0, f0) -> tuple[Driven, ...]:
     if top.n_q > n:
         found.append(Driven("stress", top.e.dof, Table(times, -f0[:, n:])))
     return tuple(found)
+
+
+@jit
+def _driven_by_inputs(model: Model, u0) -> tuple[Driven, ...]:
+    """What inputs drive, at all times: one program, where each operation was one."""
+    plain = coordinates_form(model.topology, model.parameters)
+    return jax.vmap(lambda u: under_inputs(model, plain, u).driven)(u0)

@@ -4,6 +4,7 @@ import inspect
 import pydoc
 import re
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -65,7 +66,7 @@ def test_signs_are_as_told():
     for end, expected in ((1, [0, 1, 0]), (3, [0, 0, -1])):
         x = [np.array(part) for part in flat]
         x[end] = np.array([small])
-        found = planar.beam.deformation(*x, ref=flat)
+        found = jax.jit(planar.beam.deformation)(*x, ref=flat)
         np.testing.assert_allclose(found / (small * l0), expected, atol=1e-5)
     start = np.array([1.0, 0, 0, 0])
     ref = spatial.beam.reference([np.zeros(3), start, np.array([l0, 0, 0]), start])
@@ -74,5 +75,5 @@ def test_signs_are_as_told():
     for (end, axis), (which, sign) in told.items():
         x = [np.array(part) for part in ref]
         x[end] = start + small / 2 * np.eye(4)[axis]
-        found = spatial.beam.deformation(*x, ref=ref, y=np.array([0.0, 1, 0]))
+        found = jax.jit(spatial.beam.deformation)(*x, ref=ref, y=np.array([0.0, 1, 0]))
         np.testing.assert_allclose(found / (small * l0), sign * np.eye(6)[which], atol=1e-5)

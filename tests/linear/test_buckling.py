@@ -121,8 +121,8 @@ def test_what_sparse_multipliers_refuse():
     assert not np.any(np.isfinite(fm.buckling_loads(column(6, (0.0, 0.0), sparse=True), count=2, sparse=True)))
     with pytest.raises(ValueError, match="`count`"):
         fm.buckling_loads(column(4, sparse=True), sparse=True)
-    with pytest.raises(fm.ModelError, match="few of many"):
-        fm.buckling_loads(column(4, sparse=True), sparse=True, count=50)
+    with pytest.raises(fm.ModelError, match="few of the 3000 load"):
+        fm.buckling_loads(column(1000, sparse=True), sparse=True, count=1000)
     with pytest.raises(NotImplementedError, match="incremental loads"):
         jax.grad(lambda p: fm.buckling_loads(column(4, (-1.0, 0.0), (0.0, p), sparse=True), count=1, sparse=True)[0])(
             0.1

@@ -92,15 +92,24 @@ def test_inputs_are_asked_by_name(inputs, words):
 def test_derivatives_of_what_is_measured():
     """Of a mass that swings across its spring too; against JAX's own derivatives of the measurements."""
     model = controlled(guided=False)
-    form = coordinates_form(model.topology, model.parameters)
     x, v = np.array(model.parameters.reference), np.zeros(4)
     x[2:], v[2:] = [0.35, 0.3], [0.4, -0.9]
-    state = form.state_of(jnp.asarray(x), jnp.asarray(v), None)
-    sensors = measuring(model, form, None)
-    y, (by_u, by_w, *_) = sensors.measured(0.0, state), sensors._measured_derivatives(0.0, state)
+
+    @jax.jit
+    def asked(x, v):
+        form = coordinates_form(model.topology, model.parameters)
+        state = form.state_of(x, v, None)
+        sensors = measuring(model, form, None)
+
+        def by_rates(u, w):
+            return sensors.measured(0.0, state._replace(u=u, w=w))
+
+        jacobian = jax.jacfwd(by_rates, (0, 1))(state.u, state.w)
+        return sensors.measured(0.0, state), sensors._measured_derivatives(0.0, state), jacobian
+
+    y, (by_u, by_w, *_), jacobian = asked(x, v)
     length = np.hypot(0.35, 0.3)
     np.testing.assert_allclose(y, [-0.05, 0.4, length - 0.4, (0.35 * 0.4 - 0.3 * 0.9) / length], rtol=1e-12)
-    jacobian = jax.jacfwd(lambda u, w: sensors.measured(0.0, state._replace(u=u, w=w)), (0, 1))(state.u, state.w)
     np.testing.assert_allclose(by_u, jacobian[0], atol=1e-12)
     np.testing.assert_allclose(by_w, jacobian[1], atol=1e-12)
 
