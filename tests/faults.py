@@ -814,6 +814,82 @@ FAULTS = [
         '"Jx", "Jz", "Jy", "Jyz"',
         "elements/test_damping.py -k spectral_beam_that_turns",
     ),
+    # Chains in motion.
+    Fault("motion/chain_march.py", "at <= m.to)", "at < m.to)", "motion/test_chain.py -k diffrax"),
+    Fault(
+        "motion/chain_march.py",
+        "jnp.where(away, RESULTS.ran_away, result)",
+        "result",
+        "motion/test_chain.py -k failures",
+    ),
+    Fault("motion/chain_march.py", "keep = error < 1", "keep = error < 1e6", "motion/test_chain.py -k diffrax"),
+    Fault(
+        "motion/chain_march.py",
+        "jnp.where(regular, none, RESULTS.singular_mass)",
+        "none",
+        "motion/test_chain.py -k without_mass",
+    ),
+    Fault(
+        "motion/collocation.py",
+        "10 * u - 4 * w + a / 2",
+        "10 * u - 4 * w - a / 2",
+        "motion/test_chain.py -k what_follows",
+    ),
+    Fault(
+        "motion/collocation.py",
+        "moved = turned(turns, twice @ change)",
+        "moved = turned_back(turns, twice @ change)",
+        "motion/test_chain.py -k diffrax",
+    ),
+    Fault(
+        "motion/collocation.py",
+        "t + nodes * h, reached, z",
+        "t + 0 * nodes, reached, z",
+        "motion/test_chain.py -k what_follows",
+    ),
+    Fault("motion/collocation.py", "LEFT, ROUND_OFF = 0.01", "LEFT, ROUND_OFF = 1e5", "motion/test_chain.py"),
+    Fault("mechanics/turning.py", "back * before[places]", "before[places]", "mechanics/test_turning.py"),
+    Fault(
+        "mechanics/turning.py",
+        "jnp.moveaxis(products, 0, 2)",
+        "jnp.moveaxis(products, 0, 1)",
+        "mechanics/test_turning.py",
+    ),
+    Fault("mechanics/turning.py", "turns.of_parameters.mT)", "turns.of_parameters)", "mechanics/test_turning.py"),
+    Fault(
+        "mechanics/levels.py",
+        "np.max(level[coordinates], initial=0)",
+        "0",
+        "motion/test_chain.py -k neighbouring",
+    ),
+    Fault(
+        "mechanics/levels.py", "back = within * many + level", "back = level * wide + within", "motion/test_chain.py"
+    ),
+    Fault(
+        "motion/chain_form.py",
+        "self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)",
+        "self._pulled(self.stiffness, strain)",
+        "motion/test_chain.py -k what_follows",
+    ),
+    Fault(
+        "motion/chain_form.py",
+        "acting.force - form.applied(t, at.x), at",
+        "acting.force + form.applied(t, at.x), at",
+        "motion/test_chain.py -k what_follows",
+    ),
+    Fault("math/block_tridiagonal.py", "jnp.roll(last, 1,", "jnp.roll(last, -1,", "math/test_block_tridiagonal.py"),
+    Fault(
+        "math/block_tridiagonal.py",
+        "left - _product(joint, back)), kept",
+        "left + _product(joint, back)), kept",
+        "math/test_block_tridiagonal.py",
+    ),
+    Fault(
+        "mechanics/tree.py",
+        "CONJUGATE = np.array([1.0, -1,",
+        "CONJUGATE = np.array([1.0, 1,",
+        "motion/test_tree_form.py -k in_space",
+    ),
     # Ends of spectral beams that are computed.
     Fault("mechanics/tree.py", "jnp.where(back, inverse, turns)", "turns", "motion/test_tree_form.py -k moves"),
     Fault("motion/tree_form.py", "acting.force - self.form.applied", "acting.force - 0", "motion/test_tree_form.py"),
