@@ -108,6 +108,12 @@ class RESULTS(enum.IntEnum):
         " loop of a controller is unstable, as fm.control.closed_loop(model, controller) tells, a stiffness or damping"
         " is negative, or a load grows without bound; the results up to there are kept.",
     )
+    lost_in_round_off = (
+        16,
+        "Stiffnesses are so far apart that round-off of the largest hides the softest motions: the lowest frequencies"
+        " would be wrong. Make rigid what is that stiff, such as a very short beam: leave out its section, or join its"
+        " nodes. Degrees of freedom that are deformations, as build() finds them, lose fewer digits than positions.",
+    )
     impossible_design = (
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"

@@ -18,7 +18,7 @@ from ..model.model import Model
 from ..results import RESULTS, check
 from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
-from .loose import free_motions, named, takes_part
+from .loose import free_motions, named, naming_stiffest, takes_part
 from .sparse_linearize import SparseLinearization
 from .sparse_solve import solved
 
@@ -141,7 +141,8 @@ def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local:
         start += row.shape[0]
     elements = lin.elements
     forces = along.T[elements.free]
-    moved = solved(elements, jnp.concatenate([forces, jnp.zeros((elements.unknowns[1], forces.shape[1]))]))
+    with naming_stiffest(lin.model):
+        moved = solved(elements, jnp.concatenate([forces, jnp.zeros((elements.unknowns[1], forces.shape[1]))]))
     return forces.T @ moved[: forces.shape[0]]
 
 

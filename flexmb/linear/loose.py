@@ -1,11 +1,18 @@
-"""Motions that meet no stiffness, carry no mass or a negative one: found on concrete numbers, and named."""
+"""Motions that meet no stiffness, carry no mass or a negative one, and what is too stiff: found and named."""
 
+import contextlib
+from collections.abc import Iterator
+
+import jax.numpy as jnp
 import numpy as np
 
 from ..checks.mobility import constraints, motions_of, shares
 from ..errors import AnalysisError
 from ..math.linear import SEMIDEFINITE
+from ..mechanics.deformation import jacobian_pieces
+from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix
+from ..mechanics.stress_resultants import stiffness_pieces
 from ..model.model import Model
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
@@ -112,3 +119,26 @@ def without_anything(lin: Linearization) -> str:
     mass = np.asarray(m.M0)
     light = [v for v in free.T if abs(v @ mass @ v) <= MASSLESS * (np.abs(v) @ np.abs(mass) @ np.abs(v))]
     return f"Here that is {named(lin.model, np.asarray(m.DFx) @ np.array(light).T)}." if light else ""
+
+
+def of_stiffest(model: Model) -> str:
+    """What a message says of the element that is stiffest, by motions of the mechanism's extent and radians."""
+    topology, parameters = model.topology, model.parameters
+    sizes, size, stiff = sizes_of(topology, parameters), np.zeros(topology.n_e), np.zeros(topology.n_e)
+    for at, columns, own in jacobian_pieces(topology, parameters, parameters.reference, jnp.zeros(topology.n_e))[1]:
+        size[at] = np.linalg.norm(np.asarray(own) * sizes[columns][:, None, :], axis=2)
+    for at, _, own in stiffness_pieces(topology, parameters, "stiffness"):
+        np.maximum.at(stiff, np.asarray(at), np.abs(np.einsum("eii->ei", np.asarray(own))))
+    stiff[np.asarray(topology.e.held)] = 0.0
+    return f"Here the stiffest is '{model.labels.e[int(np.argmax(stiff * size**2))].of}'."
+
+
+@contextlib.contextmanager
+def naming_stiffest(model: Model) -> Iterator[None]:
+    """Errors that tell of answers lost in round-off name the element that is too stiff."""
+    try:
+        yield
+    except AnalysisError as fault:
+        if fault.code != RESULTS.lost_in_round_off.name:
+            raise
+        raise AnalysisError(fault.code, f"{fault} {of_stiffest(model)}") from None

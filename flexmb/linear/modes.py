@@ -22,7 +22,14 @@ from ..results import RESULTS, check
 from ..statics.equilibrium import load_factors_of
 from .choice import few_of, sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
-from .loose import negative_mass, of_negative_mass, refuse_negative_mass, without_anything
+from .loose import (
+    naming_stiffest,
+    negative_mass,
+    of_negative_mass,
+    of_stiffest,
+    refuse_negative_mass,
+    without_anything,
+)
 from .shapes import Shapes
 from .sparse_linearize import SparseLinearization
 from .sparse_solve import lowest, lowest_values
@@ -148,7 +155,8 @@ def frequencies(
     if large is not None:
         if count is None:
             raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
-        return to_frequency(lowest_values(large.elements, count))
+        with naming_stiffest(large.model):
+            return to_frequency(lowest_values(large.elements, count))
     if isinstance(model, Linearization) or at is not None:
         model = linearized(model, "frequencies", throw, where)
         if at is not None and model.matrices.moving is not None:
@@ -180,6 +188,8 @@ def check_spectrum(result, throw: bool, model: Any) -> None:
                 about = of_negative_mass(negative_mass(lin))
             else:
                 about = without_anything(lin)
+        if code == RESULTS.lost_in_round_off:
+            about = of_stiffest(model if isinstance(model, Model) else model.model)
     check(result, throw, about)
 
 
@@ -254,7 +264,8 @@ def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
     """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
     if count is None:
         raise ValueError("With sparse matrices give `count`, the number of modes wanted.")
-    found: Any = lowest(lin.elements, count)
+    with naming_stiffest(lin.model):
+        found: Any = lowest(lin.elements, count)
     roles = lin.model.topology
     deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
     q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])

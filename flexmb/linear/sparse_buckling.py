@@ -16,12 +16,13 @@ from ..math.sparse import SparseFactors
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
-from ..mechanics.loads import LoadFactors, scaled_loads
+from ..mechanics.loads import LoadFactors, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import strain_of
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
+from ..statics.solve import held_values
 from ..statics.sparse import (
     Balanced,
     balanced,
@@ -85,7 +86,7 @@ def _about(topology: Topology, parameters: Parameters, factors: LoadFactors, at:
         if abs(found.geometric).max() > 0:
             _refuse_unstable(structural, found.geometric)
         stays = found.tangent
-        added, moved = _of_increment(topology, parameters, factors, near, held)
+        added, moved = _of_increment(topology, parameters, factors, at.x, near, found)
         sigma, only = jnp.asarray(added), LoadFactors(0.0, 1.0)
         scaled = assemble(topology, parameters, only, at.x, near, sigma).geometric
     wrong = _round_off(topology, parameters, found, stiffness, np.asarray(sigma), moved)
@@ -100,17 +101,49 @@ def _stiffness(topology: Topology, parameters: Parameters, factors: LoadFactors,
     return stiffness_rows(topology, parameters, strain)
 
 
-def _of_increment(topology, parameters, factors, near, held) -> tuple[np.ndarray, np.ndarray]:
-    """Stresses that the incremental loads add to first order, (n_e,), and the displacements, (n_x,)."""
+def _of_increment(topology, parameters, factors, x, e, found: Assembled) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses that the incremental loads add to first order, (n_e,), and the displacements, (n_x,).
 
-    def state(increment):
+    About this state itself: under the same loads there may be others.
+    """
+    free, fast, held = (np.asarray(i) for i in unknowns(topology))
+    moving, growing, force = (np.asarray(of) for of in _by_increment(topology, parameters, factors, x))
+    stretched, moved = np.zeros(topology.n_e), np.zeros(topology.n_x)
+    stretched[held], moved[fast] = growing[held], moving[fast]
+    stress = np.array(_stress_by_increment(topology, parameters, factors, e, stretched))
+    stress[held] = 0.0
+    right = np.concatenate([(force - found.jacobian.T @ stress)[free], growing[held]])
+    if len(fast):
+        right = right - found.coupling @ moving[fast]
+    factored = found.factors()
+    if not factored.regular:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    solved = factored.solve(right)
+    moved[free] = solved[: len(free)]
+    sigma = np.array(_stress_by_increment(topology, parameters, factors, e, found.jacobian @ moved))
+    sigma[held] = solved[len(free) :]
+    return sigma, moved
+
+
+@kernel
+def _by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, x):
+    """Changes of what is held, x and e, and of nodal forces with the factor of the incremental loads."""
+
+    def at(increment):
         own = LoadFactors(factors.initial, increment)
-        at = balanced(topology, parameters, own)
-        e = deformations(topology, parameters, at.x, near)
-        return put(elastic_stress(topology, parameters, own, e), held, at.multipliers), at.x
+        return *held_values(topology, parameters, own), nodal_forces(topology, parameters, own, x)
 
-    _, (sigma, x) = jax.jvp(state, (jnp.asarray(factors.increment, float),), (jnp.ones(()),))
-    return np.asarray(sigma), np.asarray(x)
+    return jax.jvp(at, (jnp.asarray(factors.increment, float),), (jnp.ones(()),))[1]
+
+
+@kernel
+def _stress_by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, e, change):
+    """Change of the elements' stress with that factor where deformations change too."""
+
+    def at(increment, e):
+        return elastic_stress(topology, parameters, LoadFactors(factors.initial, increment), e)
+
+    return jax.jvp(at, (jnp.asarray(factors.increment, float), e), (jnp.ones(()), change))[1]
 
 
 def _round_off(topology, parameters, found: Assembled, stiffness, sigma, moved) -> np.ndarray:

@@ -18,9 +18,12 @@ from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..results import RESULTS
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
+from .spectrum import EPS, LOST
 
 # Eigenvalues nearer than this, relatively, are taken to be repeated.
 NEAR = 1e-8
+# A free motion has no more elastic energy than this share of what round-off of the largest stiffness would be.
+FREE = 1e-8
 
 
 def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
@@ -85,12 +88,39 @@ def bordered(elements: ElementMatrices, z, border: Float[Array, "n b"], values: 
     return jnp.concatenate([balance, border.T @ z[:n]])
 
 
+def _false_stiffness(elements: ElementMatrices) -> float:
+    """What round-off of the largest stiffness may be to any motion of extents and radians [N m]."""
+    own = [np.abs(np.einsum("eii->ei", k)) * elements.sizes[at] ** 2 for at, _, k in elements.stiffness]
+    return EPS * max((float(np.max(one, initial=0.0)) for one in own), default=0.0)
+
+
+def _refuse_lost(lost: bool) -> None:
+    """Refuse answers that round-off hides."""
+    if lost:
+        raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
+
+
+def _energies(elements: ElementMatrices, motions: np.ndarray) -> np.ndarray:
+    """Twice the elastic energy of motions of all coordinates, one a column, from their deformations."""
+    changed = np.zeros((len(elements.kept), motions.shape[1]))
+    for at, columns, own in elements.constraints:
+        changed[at] = own @ motions[columns]
+    found = np.zeros(motions.shape[1])
+    for at, by, own in elements.elastic:
+        found += np.einsum("eik,eij,ejk->k", changed[at], own, changed[by])
+    return found
+
+
 def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray) -> np.ndarray:
     whole = Whole(elements)
     factored = SparseFactors(whole.bordered(whole.at(), border)) if border.size else whole.factors(whole.at())
     if not factored.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-    return factored.solve(right)
+    found, n = factored.solve(right), elements.unknowns[0]
+    forces = np.asarray(right)[:n] * elements.sizes[elements.free, None]
+    work = np.abs(np.sum(found[:n] * right[:n], axis=0))
+    _refuse_lost(bool(np.any(_false_stiffness(elements) * work > LOST * np.sum(forces**2, axis=0))))
+    return found
 
 
 def solved(
@@ -184,6 +214,11 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
         values, moving, multipliers = lowest_of_sparse(tangent, mass, k)
         motions = np.zeros((n_x, k))
         motions[elements.free] = moving
+        heaviest = np.max(mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
+        false = _false_stiffness(elements) / heaviest if heaviest else 0.0
+        # A free motion is as near to zero, and has no elastic energy.
+        near = motions[:, np.abs(values) < false / LOST]
+        _refuse_lost(bool(np.any(_energies(elements, near) > FREE * false)))
         sized = motions / elements.sizes[:, None]
         signs = np.sign(sized[np.argmax(np.abs(sized), axis=0), np.arange(k)])
         return values, motions * signs, multipliers * signs

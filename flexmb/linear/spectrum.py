@@ -29,11 +29,24 @@ SHIFT_GROWTH = 8.0
 # then keep nine digits.
 GENERAL_SHIFT = 1e-6
 MAX_SHIFTS = 40
+# Beside a shift an eigenvalue is told from zero that is above this share of it. The next shift tried is this share of
+# the lowest that is told: what is below both shares of that is zero beside it.
+TOLD = 1e-10
+NEXT_SHIFT = 1e-4
+EPS = float(np.finfo(float).eps)
+# An eigenvalue is told where it is so many times what round-off makes of it, and lost where that is this share of it,
+# and this share of others: a zero beside them, as at a critical state, is not.
+SURE = 10.0
+LOST = 1e-3
+FAINT = 1e-9
 # A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
 MASSLESS = 100 * float(np.finfo(float).eps)
 # A combination of degrees of freedom has no mass where that is below this share of what the degrees of freedom have
 # that meet in it, for each of them.
 WITHOUT_MASS = 1e-13
+# Poles are solved from the stiffness side where it is as well conditioned as this, and taken apart where sizes differ.
+REGULAR = 1e12
+APART = 1e-6
 # A value is real where its imaginary part is below this share of it.
 REAL = 1e-8
 
@@ -53,23 +66,77 @@ def shift_to_definite(
     Source:
         THEORY.md 7, eq. (7.2): a stated shift where K is not positive definite.
     """
+    s, stable, found, _ = _shift(k, m)
+    return s, stable, found
+
+
+def _shift(k, m) -> tuple[Any, Any, Any, Any]:
+    """As :func:`shift_to_definite`, and whether eigenvalues are lost in round-off."""
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
     ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
+    s, found, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, LOWEST * ratio)
+    stable = found & (tries == 1)
+
+    # That is a share of the largest stiffness, which may be of a beam so short that no other motion has any of it, with
+    # eigenvalues far below the digits of s. Each turn tells lower ones, until none is left but zeros.
+    def unfinished(carry):
+        s, after, *_ = carry
+        return after < s
+
+    def lower(carry):
+        s, after, lowest, told, lost = carry
+        values, _, doubt = _eigenvalues(k, m, after, *pencil(m, k + after * m))
+        sure = values > jnp.maximum(SURE * doubt, TOLD * after)
+        own = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
+        more = (own < lowest / 2) | jnp.isinf(s)
+        s, lowest = jnp.where(more, after, s), jnp.where(more, own, lowest)
+        told, lost = jnp.where(more, jnp.all(sure), told), jnp.where(more, is_lost(values, doubt), lost)
+        goal, definite, _ = _smallest(k, m, NEXT_SHIFT * lowest, SHIFT_GROWTH * NEXT_SHIFT * lowest, 0.0)
+        return s, jnp.where(more & definite & (lowest < s), goal, s), lowest, told, lost
+
+    no = jnp.array(False)
+    start = jnp.where(found & ~stable, jnp.inf, s), s, jnp.array(jnp.inf), no, no
+    s, _, _, told, lost = lax.while_loop(unfinished, lower, start)
+    return s, stable | (told & is_positive_definite(k)), found, lost
+
+
+def _smallest(k, m, first, second, margin) -> tuple[Any, Any, Any]:
+    """Smallest shift tried with K + (s - margin) M positive definite, whether there is one, and how many were tried."""
 
     def attempt(carry):
         _, after, _, tries = carry
-        found = is_positive_definite(k + (after - LOWEST * ratio) * m)
-        return after, jnp.where(tries == 0, FIRST_SHIFT * ratio, SHIFT_GROWTH * after), found, tries + 1
+        found = is_positive_definite(k + (after - margin) * m)
+        return after, jnp.where(tries == 0, second, SHIFT_GROWTH * after), found, tries + 1
 
     def unfinished(carry):
         _, _, found, tries = carry
         return ~found & (tries <= MAX_SHIFTS)
 
-    start = (jnp.zeros(()), jnp.zeros(()), jnp.array(False), jnp.zeros((), jnp.int32))
+    start = (jnp.zeros(()), first, jnp.array(False), jnp.zeros((), jnp.int32))
     s, _, found, tries = lax.while_loop(unfinished, attempt, start)
-    stable = found & (tries == 1)
-    return s, stable, found
+    return s, found, tries
+
+
+def _eigenvalues(k, m, shift, mu, w) -> tuple[Any, Any, Any]:
+    """Eigenvalues, infinite for motions without mass, their vectors, and how far round-off may move them.
+
+    Round-off is that of the terms whose sum v^T (K + s M) v is.
+    """
+    massive = mu > MASSLESS * k.shape[0] * jnp.max(mu, initial=0.0)
+    positive = jnp.where(massive, mu, 1.0)
+    values = jnp.where(massive, 1 / positive - shift, jnp.inf)
+    sizes = jnp.abs(lax.stop_gradient(w))
+    meeting = jnp.sum(sizes * (jnp.abs(lax.stop_gradient(k + shift * m)) @ sizes), axis=0)
+    doubt = EPS * meeting / lax.stop_gradient(positive)
+    return values, jnp.where(massive, w / jnp.sqrt(positive), 0.0), jnp.where(massive, doubt, 0.0)
+
+
+def is_lost(values: Any, doubt: Any) -> Any:
+    """Whether round-off hides an eigenvalue that is no zero beside the lowest of those that are known well."""
+    values = jnp.where(jnp.isfinite(values), values, 0.0)
+    lowest = jnp.min(jnp.where(LOST * values > doubt, values, jnp.inf), initial=jnp.inf)
+    return jnp.any((doubt > LOST * jnp.abs(values)) & (doubt > FAINT * lowest))
 
 
 def spectrum(
@@ -87,23 +154,23 @@ def spectrum(
 
     Returns:
         omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
-        (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue.
+        (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue,
+        lost_in_round_off where stiffnesses are too far apart.
 
     Source:
         THEORY.md 7, eq. (7.2).
     """
-    shift, stable, found = shift_to_definite(k, m)
+    shift, stable, found, lost = _shift(k, m)
     n = k.shape[0]
     if count is None or count >= n:
         mu, w = pencil(m, k + shift * m)
         mu, w = mu[::-1], w[:, ::-1]
     else:
         mu, w = leading(m, k + shift * m, count)
-    massive = mu > MASSLESS * n * jnp.max(mu, initial=0.0)
-    positive = jnp.where(massive, mu, 1.0)
-    values = jnp.where(massive, 1 / positive - shift, jnp.inf)
-    vectors = jnp.where(massive, w / jnp.sqrt(positive), 0.0)
-    result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), RESULTS.successful, RESULTS.singular_mass)
+    values, vectors, doubt = _eigenvalues(k, m, shift, mu, w)
+    lost = lost | is_lost(lax.stop_gradient(values), doubt)
+    result = jnp.where(lost, RESULTS.lost_in_round_off, RESULTS.successful)
+    result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), result, RESULTS.singular_mass)
     result = jnp.where(found, result, RESULTS.singular_stiffness)
     return values, vectors, stable, result.astype(jnp.int32)
 
@@ -136,16 +203,36 @@ def _with_shift(k, m, solve: Callable[[np.ndarray], Any], first: float = FIRST_S
     heaviest = np.max(np.diag(m), initial=0.0)
     ratio = np.max(np.abs(np.diag(k)), initial=0.0) / heaviest if heaviest > 0 else 1.0
     ratio, shift = ratio or 1.0, 0.0
-    for _ in range(MAX_SHIFTS + 1):
+
+    def attempt(shift):
         try:
-            found = solve(k + shift * m)
+            return solve(k + shift * m)
         except np.linalg.LinAlgError:
-            found = None
+            return None
+
+    def lowest_told(shift, found):
+        mu = found[0][np.abs(found[0]) > MASSLESS * len(m) * np.max(np.abs(found[0]), initial=0.0)]
+        values = np.real(1 / mu - shift)
+        return np.min(values[values > TOLD * shift], initial=np.inf)
+
+    for _ in range(MAX_SHIFTS + 1):
+        found = attempt(shift)
         # Zero stiffness but for round-off would leave no digits for the others.
         if found is not None and np.all(np.abs(found[0]) * LOWEST * ratio < 1):
-            return shift, found
+            break
         shift = max(SHIFT_GROWTH * shift, first * ratio)
-    raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    else:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    lowest = lowest_told(shift, found)
+    # As in :func:`shift_to_definite`, of a shift that is longer than eigenvalues.
+    while lowest < shift:
+        after = NEXT_SHIFT * lowest
+        beside = attempt(after)
+        own = np.inf if beside is None else lowest_told(after, beside)
+        if not own < lowest / 2:
+            break
+        shift, found, lowest = after, beside, own
+    return shift, found
 
 
 def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
@@ -203,8 +290,33 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     right = np.block([[eye, zero], [zero, m / heavy]])
     top, bottom = np.asarray(scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True))
     finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
-    found = w * top[finite] / bottom[finite]
+    found: Any = _with_slow(w * top[finite] / bottom[finite], k, c, m)
     return found[np.lexsort((found.imag, np.round(np.abs(found.imag), 9)))]
+
+
+def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) -> np.ndarray:
+    """Poles of which the slower half, by orders of size, is solved anew from the stiffness side.
+
+    The QZ method is right to round-off of the fastest pole; those of K^-1 M and K^-1 C, 1/lambda, to that of the
+    slowest.
+    """
+    scale = 1 / np.sqrt(np.where(np.diag(k) > 0, np.diag(k), 1.0))
+    k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
+    if not len(fast) or np.linalg.cond(k) > REGULAR:
+        return fast
+    n, by_mass, by_damping = len(k), np.linalg.solve(k, m), np.linalg.solve(k, c)
+    unit = np.sqrt(np.linalg.norm(by_mass)) + np.linalg.norm(by_damping)
+    inverse = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-by_mass / unit**2, -by_damping / unit]]))
+    inverse = inverse[np.argsort(-np.abs(inverse))][: len(fast)]
+    fast = fast[np.argsort(np.abs(fast))]
+    sizes = np.abs(inverse)
+    # Cut where neighbours are apart, the nearest to amidst them.
+    apart = 1 + np.flatnonzero(sizes[1:] < (1 - APART) * sizes[:-1])
+    if not len(apart) or sizes[0] == 0 or sizes[-1] == 0:
+        return fast
+    middle = np.sqrt(sizes[0] * 1 / (np.abs(fast[-1]) * unit))
+    cut = apart[np.argmin(np.abs(np.log(sizes[apart] / middle)))]
+    return np.concatenate([1 / (unit * inverse[:cut]), fast[cut:]])
 
 
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,7 +15,7 @@ from jaxtyping import ArrayLike
 from ..arguments import as_floats, check_numbers, is_concrete, shown
 from ..compilation.program import Captured, captured
 from ..compilation.record import Record
-from ..errors import ModelError
+from ..errors import AnalysisError, ModelError
 from ..linear.loose import without_mass
 from ..math.sparse import LARGE
 from ..mechanics.levels import WIDE, Levels, is_elastic, levels_of
@@ -36,6 +36,9 @@ from .parts import integrate_in_parts, sampled_intervals
 
 if TYPE_CHECKING:
     import diffrax
+
+# Where a motion failed, functions of time are looked at in so many times.
+LOOKED_AT = 101
 
 Group = TypeVar("Group", Drives, Loop, Integrator)
 
@@ -184,9 +187,42 @@ def simulate(
         x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if levels is None else "Radau"
     found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, str(integrator.form), name)
-    failing = throw and not stopped and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass
-    check(found.result, throw and not stopped, without_mass(model) if failing else "")
+    about = ""
+    if throw and not stopped and is_concrete(found.result) and int(found.result) != RESULTS.successful:
+        if is_concrete((model, driven, times)):
+            _refuse_not_finite(model, drives, driven, np.asarray(times))
+        if int(found.result) == RESULTS.singular_mass:
+            about = without_mass(model)
+            if levels is not None and not about:
+                raise ModelError(
+                    'form="chain" does not apply: it eliminates one part of the chain after the other, and the'
+                    " equations of a part alone are singular here, as those of spectral beams are, whose coefficients"
+                    " no node holds. Leave `form` out."
+                )
+    check(found.result, throw and not stopped, about)
     return found
+
+
+def _refuse_not_finite(model: Model, drives: Drives, driven, times: np.ndarray) -> None:
+    """Refuse numbers of the model, and functions of time, that are not finite: a motion that failed met them.
+
+    Raises:
+        AnalysisError: not_finite.
+    """
+    for path, leaf in jax.tree_util.tree_leaves_with_path(model.parameters):
+        if not np.all(np.isfinite(np.asarray(leaf))):
+            where = jax.tree_util.keystr(path)
+            raise AnalysisError("not_finite", f"A number of the model is not finite: model.parameters{where}.")
+    signals = [s.name for s in model.labels.inputs for _ in s.terms if s.name in (drives.inputs or {})]
+    names = [f"Load '{name}'" for name in drives.loads or {}] + [f"Motion '{name}'" for name in drives.motion or {}]
+    names += [f"Input '{name}'" for name in signals] + ["Argument `increment`"]
+    looked_at = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], LOOKED_AT)]))
+    for what, one in zip(names, driven, strict=False):
+        for t in looked_at:
+            if not np.all(np.isfinite(np.asarray(one.value(jnp.asarray(t))))):
+                raise AnalysisError(
+                    "not_finite", f"{what} is not finite at t = {t:.6g} s: let it give finite numbers at all times."
+                )
 
 
 def _in_its_form(integrator: Integrator, model: Model, driven, feedback, numbers) -> tuple[Integrator, Levels | None]:

@@ -2,22 +2,30 @@
 
 from typing import Any
 
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_number, is_concrete
+from ..checks.mobility import constraints, motions_of, shares
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_force
 from ..errors import ModelError, warn
+from ..math.sparse import LARGE
+from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, load_factors
+from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
-from ..results import check, told
+from ..results import RESULTS, check, told
 from .chain import is_long_chain
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
 from .sparse_structure import by_sparse
+
+# Failures of which a motion without stiffness may be the reason.
+STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)
 
 
 class Equilibrium(ByName, Result, Record):
@@ -147,5 +155,30 @@ def equilibrium(
     solve: Any = sparse_equilibrium if sparse else _equilibrium
     found: Any = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
-    check(solved.result, throw)
+    failed = throw and is_concrete((model, solved.result)) and int(solved.result) in STIFFNESS_MISSING
+    check(solved.result, throw, without_stiffness(model) if failed else "")
     return solved
+
+
+def without_stiffness(model: Model) -> str:
+    """Names of what moves without any elastic deformation of the undeformed mechanism, for a message; or empty."""
+    topology = model.topology
+    if is_nonlinear(topology) or topology.n_x > LARGE:
+        return ""
+    elastic = np.zeros(topology.n_e, bool)
+    for at, _, own in stiffness_pieces(topology, model.parameters):
+        elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(own)) > 0
+    elastic[np.asarray(topology.e.held)] = False
+    found = constraints(model)
+    motions, _ = motions_of(model, found)
+    _, _, free = null_spaces(found.jacobian[elastic] @ motions)
+    loose = found.motion(motions @ free, np.arange(topology.n_x))
+    if not loose.shape[1]:
+        return ""
+    names = "; ".join(
+        ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(one, model.labels.x)[:4]) for one in loose.T
+    )
+    return (
+        f"In the undeformed mechanism nothing elastic resists {names}: fix it, stiffen it, or clamp what is pinned"
+        " there (a rigid_beam does not turn the rotation of its second node; a rigid_body does)."
+    )

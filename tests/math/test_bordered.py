@@ -44,3 +44,16 @@ def test_an_unsymmetric_matrix_in_a_border():
     z, w = Bordered(stiff, SparseFactors(stiff), column, row, 0.0).solve(right, 1.0)
     whole = np.block([[matrix, column[:, None]], [row[None], np.zeros((1, 1))]])
     np.testing.assert_allclose(np.append(z, w), np.linalg.solve(whole, np.append(right, 1.0)), rtol=0, atol=1e-12)
+
+
+def test_a_border_of_what_has_no_factors():
+    # A coordinate without any stiffness: all is factored together, row and column brought to its size.
+    matrix = chain(6, 0.0)
+    matrix[2], matrix[:, 2] = 0.0, 0.0
+    column, row, right = 1 + np.arange(6.0), np.full(6, 100.0), np.cos(np.arange(6.0))
+    stiff = scipy.sparse.csc_array(matrix)
+    factored = SparseFactors(stiff)
+    assert not factored.regular
+    z, w = Bordered(stiff, factored, column, row, 0.7).solve(right, 2.0)
+    whole = np.block([[matrix, column[:, None]], [row[None], np.array([[0.7]])]])
+    np.testing.assert_allclose(np.append(z, w), np.linalg.solve(whole, np.append(right, 2.0)), rtol=0, atol=1e-12)

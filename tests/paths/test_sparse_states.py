@@ -193,6 +193,27 @@ def test_sparse_factors_are_chosen_by_size_and_left_where_they_do_not_serve():
     assert type(fm.path(large, stop={"load_factor": 0.01}, imperfection={1: 1e-6})).__name__ == "Path"
 
 
+def test_a_hanging_body_is_left_to_dense_matrices(monkeypatch):
+    b = fm.Builder()
+    b.node("ceiling", (0.0, 0.0))
+    b.node("bob", (0.0, -1.0))
+    b.add(planar.truss, "ceiling", "bob", section=fm.Rigidity(EA=1e3))
+    b.fix("ceiling")
+    b.force("bob", (0.0, -1.0))
+    monkeypatch.setattr("flexmb.paths.path.is_large", lambda model: True)
+    path = fm.path(b.build())
+    assert type(path).__name__ == "Path"
+    # N L / EA.
+    assert float(path.at("bob")[-1, 1]) == pytest.approx(-1.001, abs=1e-12)
+
+
+def test_multipliers_about_a_state_of_a_held_elongation():
+    case = {"beams": 4, "released": (2, 3), "rise": 0.05}
+    paths = [fm.path(arch(**case, sparse=of), sparse=of, stop={"load_factor": 0.02}) for of in (False, True)]
+    wanted, found = (fm.buckling_loads(path.model, count=2, at=path, step=-1) for path in paths)
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+
+
 def test_a_path_ends_at_a_stress():
     models = strip(True, preload=False), strip(False, preload=False)
     stop = {"stress": 50e6}
@@ -217,3 +238,15 @@ def test_a_multiplier_has_its_derivative_where_held_and_free_deformations_are_co
     ends = [float(fm.buckling_loads(first(model, 1 + s * h), count=1, sparse=True)[0]) for s in (1, -1)]
     # Truncation h^2.
     assert float(slope) == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-5)
+
+
+def test_multipliers_of_incremental_loads_about_a_state_that_has_snapped_through():
+    # Under the same loads there is an equilibrium that has not.
+    case = {"beams": 4, "preload": (0.0, -1.0)}
+    paths = [fm.path(arch(**case, sparse=of), sparse=of) for of in (False, True)]
+    steps = [int(np.flatnonzero(path.stable & (path.at("n2")[:, 1] < 0))[0]) for path in paths]
+    assert steps[0] == steps[1]
+    wanted, found = (
+        fm.buckling_loads(path.model, count=4, at=path, step=i) for path, i in zip(paths, steps, strict=True)
+    )
+    np.testing.assert_allclose(found, wanted, rtol=1e-8)

@@ -387,3 +387,18 @@ def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
     # With the cube of the thickness, but for the strain P/EA.
     np.testing.assert_allclose(found[:2], 3 * loads[:2] / 5e-4, rtol=1e-6)
     assert np.all(np.isfinite(found[:2]))
+
+
+def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found():
+    """A pinned body between two nodes in one place is a hinge, about which the loaded beam turns."""
+    b = fm.Builder()
+    section = fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0)
+    for name, x in {"A": 0.0, "B": 0.1, "C": 0.1, "D": 0.2}.items():
+        b.node(name, (x, 0))
+    b.add(planar.beam, "A", "B", section=section)
+    b.add(planar.rigid_beam, "B", "C")
+    b.add(planar.beam, "C", "D", section=section)
+    b.fix("A")
+    b.force("D", (0, -0.1))
+    with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi .* pinned"):
+        fm.equilibrium(b.build())
