@@ -190,28 +190,12 @@ def constraints(model: Model) -> Constraints:
     """
     topology, parameters = model.topology, model.parameters
     e, jacobian = undeformed(topology, parameters)
-    columns = np.asarray(sizes_of(topology, parameters)) * _sizes_of_own(model, jacobian)
+    columns = sizes_of(topology, parameters)
     scaled = jacobian * columns
     sizes = np.linalg.norm(scaled, axis=1)
     _check_undeformed(model, e, sizes)
     rows = 1 / np.where(sizes > 0, sizes, 1.0)
     return Constraints(scaled * rows[:, None], rows, columns)
-
-
-def _sizes_of_own(model: Model, jacobian: np.ndarray) -> np.ndarray:
-    """What coordinates that elements own are divided by beside, (n_x,): ones for all others.
-
-    An elongation of a spectral beam is a length, a curvature an angle, a warping an angle by length. So that no choice
-    depends on the unit of length, each is measured by what it does beside positions and rotations to the same rows.
-    """
-    sizes = np.asarray(sizes_of(model.topology, model.parameters))
-    own = np.array([entry.kind in ("internal", "warping") for entry in model.labels.x], bool)
-    found = np.ones(len(own))
-    beside = np.linalg.norm((jacobian * sizes)[:, ~own], axis=1)
-    joined = beside > 0
-    effects = np.max(np.abs(jacobian[joined][:, own]) / beside[joined, None], axis=0, initial=0.0)
-    found[own] = 1 / np.where(effects > VANISHING * np.max(effects, initial=0.0), effects, 1.0)
-    return found
 
 
 def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:

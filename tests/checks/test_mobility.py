@@ -97,23 +97,3 @@ def test_inputs_on_leaf_springs_are_looked_at_elsewhere_too():
     b.dof("tip", "x")
     b.input("tip", "x")
     assert locked_inputs(b.build()) == []
-
-
-@pytest.mark.parametrize("size", [1e3, 1e-3])
-def test_degrees_of_freedom_do_not_depend_on_the_unit_of_length(size):
-    """Coefficients of spectral beams are lengths and angles: which of them are chosen in a loop is the same in mm."""
-
-    def chosen(size):
-        b = fm.Builder()
-        places = {"A": (0, 0), "B": (0, 0.1), "C": (0.08, 0.1), "D": (0.1, 0), "E": (0.15, 0.13)}
-        for name, (x, y) in places.items():
-            b.node(name, (size * x, size * y))
-        b.add(planar.beam, "B", "C", name="BC")
-        for p, q in ("AB", "DC", "CE"):
-            section = fm.Rigidity(EA=1e4, EIy=size**2, mass=1 / size)
-            b.add(planar.spectral_beam, p, q, name=p + q, section=section, order=3)
-        b.fix("A")
-        b.fix("D")
-        return b.build().q_labels
-
-    assert chosen(size) == chosen(1.0)
