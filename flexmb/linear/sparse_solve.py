@@ -18,7 +18,7 @@ from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..results import RESULTS
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
-from .spectrum import EPS, LOST
+from .spectrum import EPS, FAINT, LOST
 
 # Eigenvalues nearer than this, relatively, are taken to be repeated.
 NEAR = 1e-8
@@ -204,7 +204,7 @@ def _possible(elements: ElementMatrices, count: int) -> int:
 
 @jax.custom_jvp
 def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
-    k, (_, h), n_x = count.shape[0], elements.unknowns, elements.sizes.shape[0]
+    k, (n, h), n_x = count.shape[0], elements.unknowns, elements.sizes.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n_x, k), (h, k))]
 
     def found(elements):
@@ -216,9 +216,13 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
         motions[elements.free] = moving
         heaviest = np.max(mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
         false = _false_stiffness(elements) / heaviest if heaviest else 0.0
-        # A free motion is as near to zero, and has no elastic energy.
-        near = motions[:, np.abs(values) < false / LOST]
-        _refuse_lost(bool(np.any(_energies(elements, near) > FREE * false)))
+        # A free motion is as near to zero, and has no elastic energy; that of a critical state is, beside the others.
+        near = np.abs(values) < false / LOST
+        if np.any(_energies(elements, motions[:, near]) > FREE * false):
+            others = lowest_of_sparse(tangent, mass, k + 1).values if np.all(near) and k < n - h else values
+            others = np.abs(others[np.isfinite(others)])
+            apart = np.min(others[others >= false / LOST], initial=np.inf)
+            _refuse_lost(bool(np.isinf(apart) or false > FAINT * apart))
         sized = motions / elements.sizes[:, None]
         signs = np.sign(sized[np.argmax(np.abs(sized), axis=0), np.arange(k)])
         return values, motions * signs, multipliers * signs
