@@ -95,7 +95,8 @@ def general(model, beams):
     from flexmb.motion.protocol import MotionState
 
     form = coordinates_form(model.topology, model.parameters)
-    n, m, memory = form.size, form.held.shape[0], form.state_of(model.parameters.reference, 0 * form.sizes, None).memory
+    n, m, start = form.size, form.held.shape[0], model.parameters.reference
+    memory = form.state_of(start, jnp.zeros_like(start), None).memory
     place = int(model.labels.known(f"right{beams}")[1])
 
     def out_of_balance(y, share):
