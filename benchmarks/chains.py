@@ -8,7 +8,6 @@ Times are those of the processor, of all threads, so that other work on the mach
 """
 
 import functools
-import time
 
 SIZES = (16, 64, 256, 1000)
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
@@ -47,27 +46,11 @@ def of_exudyn(beams: int, steps: int):
     return peer_exudyn.pendulum(*sizes, beams, END, steps, tolerance)
 
 
-def processor_time(call) -> tuple[float, float]:
-    """Least and median time of the processor of a few calls [s].
-
-    Args:
-        call: What is timed.
-    """
-    import statistics
-
-    spent = []
-    for _ in range(RUNS):
-        begin = time.process_time()
-        call()
-        spent.append(time.process_time() - begin)
-    return min(spent), statistics.median(spent)
-
-
 def main() -> None:
     """Compute, time, print, save and draw."""
     import numpy as np
     import peer_exudyn
-    from record import PACKAGES, chart, save
+    from record import PACKAGES, chart, processor_times, save
     from swing import END, pendulum
 
     import flexmb as fm
@@ -88,9 +71,8 @@ def main() -> None:
             except Exception as fault:  # Its own error class, and others.
                 print(f"{name}: {str(fault).splitlines()[0]}")
                 continue
-            least, median = processor_time(call)
-            found[name], timed[name] = {"error": error}, {"min": least, "median": median, "max": median}
-            print(f"{name:<40} error {error:.1e}, {least:7.3f} s", flush=True)
+            found[name], timed[name] = {"error": error}, processor_times({name: call}, RUNS)[name]
+            print(f"{name:<40} error {error:.1e}, {timed[name]['min']:7.3f} s", flush=True)
     save("chains", {"found": found, "times": timed}, (*PACKAGES, "diffrax", *(("exudyn",) if with_peer else ())))
     title = "Soft pendulums of 16 to 1000 beams, 1 s"
     chart("chains", found, timed, title, "time of the processor", "error of the tip at the end, over the length")

@@ -7,7 +7,6 @@ that of the elastica with extension. Times are those of the processor, of all th
 """
 
 import functools
-import time
 
 SIZES = (16, 64, 256, 1000)
 CABLES = (4, 8, 16, 64, 256, 1000)
@@ -77,28 +76,11 @@ def tip(model, elements: int):
     return np.asarray(fm.equilibrium(model).at(f"n{elements}"))
 
 
-def processor_times(calls: dict) -> dict:
-    """Least and median time of the processor of a few interleaved runs [s].
-
-    Args:
-        calls: What is timed, by name.
-    """
-    import statistics
-
-    spent = {name: [] for name in calls}
-    for _ in range(RUNS):
-        for name, call in calls.items():
-            begin = time.process_time()
-            call()
-            spent[name].append(time.process_time() - begin)
-    return {name: {"min": min(t), "median": statistics.median(t), "max": max(t)} for name, t in spent.items()}
-
-
 def main() -> None:
     """Compute, time, print, save and draw."""
     import numpy as np
     import peer_exudyn
-    from record import PACKAGES, chart, save
+    from record import PACKAGES, chart, processor_times, save
 
     import flexmb as fm
 
@@ -113,7 +95,7 @@ def main() -> None:
         rod = LENGTH, BENDING, STRETCHING, LOAD
         calls |= {f"Exudyn, ANCF cables: {n}": peer_exudyn.cantilever(*rod, n) for n in CABLES}
     found = {name: {"error": float(np.linalg.norm(call() - exact))} for name, call in calls.items()}
-    timed = processor_times(calls)
+    timed = processor_times(calls, RUNS)
     for name, error in found.items():
         print(f"{name:<32} error {error['error']:.1e}, {1e3 * timed[name]['median']:8.2f} ms")
     save("chains_static", {"found": found, "times": timed}, (*PACKAGES, *(("exudyn",) if with_peer else ())))

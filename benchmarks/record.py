@@ -37,6 +37,22 @@ def interleaved(variants: dict[str, Callable[[], Any]], runs: int = 7, repeat: i
     return {n: {"median": statistics.median(t), "min": min(t), "max": max(t)} for n, t in times.items()}
 
 
+def processor_times(calls: dict[str, Callable[[], Any]], runs: int = 7) -> dict[str, dict[str, float]]:
+    """Time of the processor, of all threads, of interleaved runs: median, minimum and maximum of each [s].
+
+    Args:
+        calls: What is timed, by name.
+        runs: Of each.
+    """
+    spent = {name: [] for name in calls}
+    for _ in range(runs):
+        for name, call in calls.items():
+            begin = time.process_time()
+            call()
+            spent[name].append(time.process_time() - begin)
+    return {name: {"min": min(t), "median": statistics.median(t), "max": max(t)} for name, t in spent.items()}
+
+
 def processor() -> str:
     """Model name of the processor."""
     try:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import check_whole
 from ..display import AT_MOST, States, Summary, course, short
 from ..mechanics.loads import LoadFactors, load_factors
 from ..model.model import Model
@@ -26,6 +27,20 @@ class OverLoad:
     def labels(self: Any):
         """Names."""
         return self.model.labels
+
+    def step_of(self: Any, step: int | None, time: float | None) -> int:
+        """Number of a step, from 0 or from the end; the last unless given.
+
+        Raises:
+            IndexError: There are not so many steps.
+            ValueError: A time is given.
+        """
+        if time is not None:
+            raise ValueError("A path has no times: say which state by step=, such as step=-1 for the last.")
+        count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
+        if not -count <= chosen < count:
+            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        return chosen
 
     def states(self: Any) -> States:
         """The equilibria, over the load factor."""

@@ -89,11 +89,7 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
             IndexError: There are not so many steps.
             ValueError: A time is given.
         """
-        if time is not None:
-            raise ValueError("A path has no times: say which state by step=, such as step=-1 for the last.")
-        count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
-        if not -count <= chosen < count:
-            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        chosen = self.step_of(step, time)
         if not is_concrete(self.matrices):
             return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
         # On the host: JAX compiles a program for the place in each shape of array.

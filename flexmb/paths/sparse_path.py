@@ -6,7 +6,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_whole
 from ..compilation.record import Record, static
 from ..display import Result
 from ..linear.along import Along
@@ -106,11 +105,7 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
             IndexError: There are not so many steps.
             ValueError: A time is given.
         """
-        if time is not None:
-            raise ValueError("A path has no times: say which state by step=, such as step=-1 for the last.")
-        count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
-        if not -count <= chosen < count:
-            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+        chosen = self.step_of(step, time)
         at = (self.x, self.e, self.sigma, self.reactions, self.external)
         x, e, sigma, reactions, external = (jnp.asarray(np.asarray(own)[chosen]) for own in at)
         gravity = None if self.felt.gravity is None else jnp.asarray(np.asarray(self.felt.gravity)[chosen])
