@@ -67,13 +67,42 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("flexmb")
 
 
+HERE = Path(__file__).parent
 # Files of tests that take longest: they begin first, so that no worker is left with one of them at the end.
-LONGEST = [Path(__file__).parent / name for name in (Path(__file__).parent / "longest.txt").read_text().split()]
+LONGEST = [HERE / name for name in (HERE / "longest.txt").read_text().split()]
+# Tests that take long and see no fault of faults.py that no other sees: the suite as a whole leaves them out.
+SLOW = frozenset((HERE / "slow.txt").read_text().split("\n"))
 
 
-def pytest_collection_modifyitems(items):
+def pytest_addoption(parser):
+    text = "what becomes of the tests in tests/slow.txt; out where no file is named, in where one is"
+    parser.addoption("--slow", choices=("out", "in", "only"), help=text)
+
+
+def is_slow(item):
+    """Whether a test, or its function with whatever parameters, is in tests/slow.txt."""
+    file, _, name = item.nodeid.removeprefix("tests/").partition("::")
+    return f"{file}::{name}" in SLOW or f"{file}::{name.partition('[')[0]}" in SLOW
+
+
+def slow_ones(config):
+    """What becomes of slow tests: who names files or tests wants all of them."""
+    return config.option.slow or ("in" if config.option.file_or_dir else "out")
+
+
+def pytest_collection_modifyitems(config, items):
     place = {path: at for at, path in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
+    asked = slow_ones(config)
+    if asked != "in":
+        left = [item for item in items if is_slow(item) == (asked == "out")]
+        items[:] = [item for item in items if is_slow(item) != (asked == "out")]
+        config.hook.pytest_deselected(items=left)
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if slow_ones(config) == "out":
+        terminalreporter.write_line("Slow tests were left out (tests/slow.txt): --slow=in runs them too, --slow=only alone.")
 
 
 def pytest_collection_finish():

@@ -3,6 +3,7 @@
 A suite that passes says nothing about what it would let through. Each fault here is a small one, such as are really
 made: a sign, a factor, a transposed matrix, an early return, a status that is forgotten. Each names the few tests that
 should see it. Faults are put into a copy of the package in a temporary folder, never into the working tree.
+Slow tests (slow.txt) are left out: what the suite runs without being asked has to see every fault.
 
     python tests/faults.py                # all of them, which takes an hour or more
     python tests/faults.py cli control    # those of some rooms
@@ -107,7 +108,7 @@ def tested(folder: Path, tests: str) -> tuple[int, str]:
             os.environ.update(PYTHONPATH=str(folder), PYTHONDONTWRITEBYTECODE="1")
             sys.dont_write_bytecode = True
             sys.path[:] = [str(folder), *(place for place in sys.path if Path(place).resolve() not in OURS)]
-            status = int(pytest.main(["-x", "-p", "no:cacheprovider", "--no-header", *words]))
+            status = int(pytest.main(["-x", "-p", "no:cacheprovider", "--no-header", "--slow=out", *words]))
             sys.stdout.flush()
         except BaseException:
             os.write(2, traceback.format_exc().encode())

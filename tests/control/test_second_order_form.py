@@ -14,12 +14,12 @@ FORCE = np.array([20.0, 3.0, 0.5])
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 
-def shaken_mass(stiffness=90.0, damping=1.2, mass=0.4, length=0.3):
-    """A mass on a damped spring on a wall."""
+def shaken_mass(stiffness=90.0, damping=1.2, mass=0.4, length=0.3, own=0.0):
+    """A mass on a damped spring, which may have a mass of its own, on a wall."""
     b = fm.Builder()
     b.node("wall", (0, 0))
     b.node("mass", (length, 0))
-    section, lossy = fm.Rigidity(EA=stiffness * length), fm.Damping(EA=damping * length)
+    section, lossy = fm.Rigidity(EA=stiffness * length, mass=own / length), fm.Damping(EA=damping * length)
     b.add(planar.truss, "wall", "mass", name="s", section=section, damping=lossy)
     b.fix("wall")
     b.fix("mass", "y")
@@ -151,6 +151,19 @@ def test_state_spaces_of_a_wall_that_shakes():
     b.output("wall", "x", "reaction", name="force on the floor")
     with pytest.raises(fm.ModelError, match="'force on the floor' takes the velocity of what the input 'floor' moves"):
         fm.to_statespace(b.build())
+
+
+def test_a_wall_that_shakes_a_damped_spring_with_mass():
+    """(-m_s s^2/6 + c s + k)/((m + m_s/3) s^2 + c s + k), the spring's mass m_s following its ends linearly."""
+    k, c, m, own = 90.0, 1.2, 0.4, 0.3
+    s = 1j * np.sqrt(k / m) * 0.8
+    b = shaken_mass(k, c, m, own=own)
+    b.input("wall", "x", "displacement", name="floor")
+    b.output("mass", "x")
+    found, states = fm.control.state_matrices(b.build())
+    assert states == ["mass.x shifted", "d mass.x shifted"]
+    moved = (-own / 6 * s**2 + c * s + k) / ((m + own / 3) * s**2 + c * s + k)
+    np.testing.assert_allclose(response(found, s), [[moved]], rtol=1e-12)
 
 
 def guide(floor, thickness=0.5e-3, length=0.1, weight=0.0):

@@ -41,3 +41,19 @@ def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     assert lin.C0[0, 0] == pytest.approx(4 * x * v / left**2, rel=1e-9)
     stiffness = 2 * (2 * x * a / left**2 + v**2 * (1 + 3 * x**2) / left**3 + 9.81 / left**1.5)
     assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == pytest.approx(stiffness, rel=1e-9)
+
+
+def test_a_force_that_follows_a_bar_takes_no_stiffness_from_it():
+    """J phi'' = 0: along its bar the force has no moment about the hinge, wherever the bar is."""
+    b = fm.Builder()
+    b.node("hinge", (0, 0))
+    b.node("tip", (0.5, 0))
+    b.add(planar.beam, "hinge", "tip")
+    b.fix("hinge", "x", "y")
+    b.mass("tip", 2.0)
+    b.force("tip", (-4.0, 0.0), follower=True)
+    b.dof("hinge", "phi")
+    b.start("hinge", "phi", 0.3)
+    lin = fm.motion.linearize_motion(fm.simulate(b.build(), [0.0, 0.01])).instant(0)
+    assert lin.M0[0, 0] == pytest.approx(0.5, rel=1e-12)
+    assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == pytest.approx(0.0, abs=1e-12)
