@@ -102,7 +102,7 @@ def pytest_collection_modifyitems(config, items):
 
 def pytest_terminal_summary(terminalreporter, config):
     if slow_ones(config) == "out":
-        terminalreporter.write_line("Slow tests were left out (tests/slow.txt): --slow=in runs them too, --slow=only alone.")
+        terminalreporter.write_line("Left out: tests/slow.txt. --slow=in runs these too, --slow=only these alone.")
 
 
 def pytest_collection_finish():

@@ -150,3 +150,12 @@ def test_the_tests_that_begin_first_are_there():
     names = (tests / "longest.txt").read_text().split()
     assert [name for name in names if not (tests / name).is_file()] == []
     assert len(set(names)) == len(names)
+
+
+def test_the_slow_tests_are_there():
+    tests = Path(__file__).parent
+    names = (tests / "slow.txt").read_text().splitlines()
+    assert names == sorted(set(names))
+    places = dict.fromkeys(tuple(name.partition("[")[0].split("::")) for name in names)
+    texts = {file: (tests / file).read_text() for file, _ in places}
+    assert [place for place in places if f"def {place[1]}(" not in texts[place[0]]] == []
