@@ -1,9 +1,10 @@
 """What first answers cost to compile, and a leaf spring beside a spectral beam with shear of the same order.
 
-``python benchmarks/compiling.py`` takes ten minutes and writes results/compiling.json: processor time in a fresh
+``python benchmarks/compiling.py`` takes three minutes and writes results/compiling.json: processor time in a fresh
 process, tracing and compiling together, without that of the imports. Of the answers of one element and of a guide, less
 that of a second answer: from nothing, for a cache, and with it, and of the whole process with it above that of
-``import jax.numpy``; ``python benchmarks/compiling.py answers`` measures these alone.
+``import jax.numpy``, one run of each; ``python benchmarks/compiling.py answers 7`` measures these alone, medians of
+seven.
 """
 
 import json
@@ -16,7 +17,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-RUNS = 7
+# Processor times scatter little. Of a leaf spring beside a beam medians count, of the others one run.
+RUNS, ANSWERED = 3, 1
 ANSWERS = (
     "equilibrium of a spectral beam in space",
     "path of a spectral beam in the plane",
@@ -145,7 +147,7 @@ def _said(code: str, *words: str) -> list[float]:
     return [float(word) for word in said.stdout.split()]
 
 
-def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
+def first_answers(runs: int = ANSWERED) -> dict[str, dict[str, float]]:
     """Medians of the processor time of first answers, each way, and of a whole process above ``import jax.numpy`` [s].
 
     Args:
@@ -172,22 +174,20 @@ def main() -> None:
     """Measure in fresh processes in turn, check that both kinds agree where they should, and save."""
     from record import RESULTS, save
 
-    # ``answers 1``: a run of each.
+    # ``answers 7``: as many runs of each.
     runs = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    first_of_all = {"processor time of first answers [s]": first_answers(*runs), "runs of these": (*runs, RUNS)[0]}
+    first_of_all = {"processor time of first answers [s]": first_answers(*runs), "runs of these": (*runs, ANSWERED)[0]}
     if "answers" in sys.argv[1:]:
         known = json.loads((RESULTS / "compiling.json").read_text())
         save("compiling", {name: value for name, value in known.items() if name != "about"} | first_of_all)
         return
     times: dict[tuple[str, str], list[float]] = {}
-    for run in range(RUNS + 1):
+    for _ in range(RUNS):
         for case in CASES:
             sideways = {}
             for kind in KINDS:
                 taken, sideways[kind] = _said("first", case, kind)
-                # The first run only fills the machine's caches.
-                if run:
-                    times.setdefault((case, kind), []).append(taken)
+                times.setdefault((case, kind), []).append(taken)
             # Restrained warping and clamps are 7 % in the fold, which twists.
             assert abs(sideways["leaf_spring"] / sideways["spectral_beam"] - 1) < 0.1, sideways
     found = {f"{case}, {kind}": statistics.median(values) for (case, kind), values in times.items()}

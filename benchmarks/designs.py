@@ -68,6 +68,40 @@ def once(call) -> float:
     return time.perf_counter() - begin
 
 
+def kernels(beams: int):
+    """Compiled functions of designs of the guide.
+
+    Args:
+        beams: A leaf spring.
+
+    Returns:
+        The first frequency, of six dimensions; the same with its gradient; first frequencies of a thousand designs, and
+        whether they failed, of nothing.
+    """
+    import jax
+    import numpy as np
+
+    import flexmb as fm
+    from flexmb.build.carry import carried
+    from flexmb.compilation.threads import cores
+    from flexmb.design.chunks import Chunk, Task, kernel_of
+    from flexmb.design.evaluate import build_once
+
+    build = guide(beams)
+    models = build_once(build, POINT)
+
+    def value(flat):
+        with carried(models):
+            return first(build(**dict(zip(POINT, flat, strict=True))))
+
+    draw = np.random.default_rng(0)
+    # Not more: the shear modulus stays, and Poisson's ratio has to be possible.
+    part = Chunk({name: v * draw.uniform(0.9, 1.1, DESIGNS) for name, v in POINT.items()}, DESIGNS)
+    example = {name: np.asarray(value) for name, value in POINT.items()}
+    kernel = kernel_of(Task(build, {"first": first}, True, 1, example), threads=cores())
+    return fm.jit(value), fm.jit(jax.value_and_grad(value)), lambda: kernel(part)
+
+
 def ours(beams: int, found: dict, run: dict) -> None:
     """Add our functions to time, and what they found: frequency, gradient against differences, compile times.
 
@@ -80,41 +114,23 @@ def ours(beams: int, found: dict, run: dict) -> None:
     import jax.numpy as jnp
     import numpy as np
 
-    import flexmb as fm
-    from flexmb.build.carry import carried
-    from flexmb.compilation.threads import cores
-    from flexmb.design.chunks import Chunk, Task, kernel_of
-    from flexmb.design.evaluate import build_once
-
-    build, at = guide(beams), jnp.array(list(POINT.values()))
-    models = build_once(build, POINT)
-
-    def value(flat):
-        with carried(models):
-            return first(build(**dict(zip(POINT, flat, strict=True))))
-
-    plain, both = fm.jit(value), fm.jit(jax.value_and_grad(value))
-    draw = np.random.default_rng(0)
-    # Not more: the shear modulus stays, and Poisson's ratio has to be possible.
-    designs = {name: v * draw.uniform(0.9, 1.1, DESIGNS) for name, v in POINT.items()}
-    example = {name: np.asarray(value) for name, value in POINT.items()}
-    kernel = kernel_of(Task(build, {"first": first}, True, 1, example), threads=cores())
-    part = Chunk(designs, DESIGNS)
-    compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: kernel(part)[0])]
+    at = jnp.array(list(POINT.values()))
+    plain, both, many = kernels(beams)
+    compiled = [once(call) for call in (lambda: plain(at), lambda: both(at), lambda: many()[0])]
     slopes, differences = np.asarray(both(at)[1] * at), []
     for i in range(len(at)):
         step = np.eye(len(at))[i] * 1e-5
         differences.append(float(plain(at * (1 + step)) - plain(at * (1 - step))) / 2e-5)
     error = float(np.max(np.abs(slopes - differences)) / np.max(np.abs(slopes)))
     assert error < 1e-6, error
-    assert not np.any(kernel(part)[1])
+    assert not np.any(many()[1])
     frequency = float(plain(at))
     entry = {"frequency": frequency, "slopes": (slopes / frequency).tolist()}
     entry |= {"gradient_error": error, "compile_s": compiled}
     found[f"flexmb, one design: {beams}"] = entry
     run[f"flexmb, one design: {beams}"] = lambda: plain(at).block_until_ready()
     run[f"flexmb, one design and its gradient: {beams}"] = lambda: jax.block_until_ready(both(at))
-    run[f"flexmb, each of a thousand: {beams}"] = lambda: kernel(part)
+    run[f"flexmb, each of a thousand: {beams}"] = many
 
 
 def peers(found: dict, run: dict, gradient) -> tuple[str, ...]:

@@ -36,6 +36,34 @@ def fresh_process(cache: str | None) -> float:
     return float(run.stdout)
 
 
+def kernels():
+    """The spatial guide, and functions of its numbers inside ``jax.jit``.
+
+    Returns:
+        The guide; its first frequency, of parameters; the same with its gradient; first frequencies of as many guides
+        as there are rows of thickness and width, (designs, 2) [m]; such rows.
+    """
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+    from scenes import guide
+
+    import flexmb as fm
+
+    model = guide()
+    names = model.q_labels
+
+    def lowest(parameters):
+        return fm.frequencies(fm.Model(model.topology, parameters, model.labels))[0]
+
+    def of_dimensions(dimensions):
+        return fm.frequencies(guide(*dimensions, dofs=names))[0]
+
+    batch = jax.jit(lambda d: jax.lax.map(of_dimensions, d, batch_size=50))
+    drawn = np.random.default_rng(1).uniform([4e-4, 0.015], [6e-4, 0.02], (DESIGNS, 2))
+    return model, jax.jit(lowest), jax.jit(jax.value_and_grad(lowest)), batch, jnp.asarray(drawn)
+
+
 def main() -> None:
     """Measure, check the answers, print and save."""
     import jax
@@ -62,24 +90,11 @@ def main() -> None:
         )
     show("Start to first frequencies, spatial guide of two beams a leaf spring", starts)
 
-    model = guide()
-    n_q = model.topology.n_q
-    names = model.q_labels
-
-    def lowest(parameters):
-        return fm.frequencies(fm.Model(model.topology, parameters, model.labels))[0]
-
-    def of_dimensions(dimensions):
-        return fm.frequencies(guide(*dimensions, dofs=names))[0]
-
-    lowest_and_gradient = jax.jit(jax.value_and_grad(lowest))
-    optimised = jax.jit(lowest)
-    batch = jax.jit(lambda d: jax.lax.map(of_dimensions, d, batch_size=50))
+    model, optimised, lowest_and_gradient, batch, dimensions = kernels()
+    n_q, names = model.topology.n_q, model.q_labels
     symmetric = np.random.default_rng(0).standard_normal((n_q, n_q))
     symmetric = jnp.asarray(symmetric + symmetric.T)
     eigh = jax.jit(jnp.linalg.eigh)
-    rng = np.random.default_rng(1)
-    dimensions = jnp.asarray(rng.uniform([4e-4, 0.015], [6e-4, 0.02], (DESIGNS, 2)))
 
     def thorough(yes):
         compile_thoroughly(yes)
@@ -104,17 +119,17 @@ def main() -> None:
     )
     show("Many designs, compiled", many)
 
-    lowered = {
-        "compiled as jax.jit does": (lowest, {}),
-        "compiled as the analyses are without a cache": (lowest, QUICK),
-        "compiled as the analyses are for a cache": (lowest, THOROUGH),
+    options = {
+        "compiled as jax.jit does": {},
+        "compiled as the analyses are without a cache": QUICK,
+        "compiled as the analyses are for a cache": THOROUGH,
     }
 
-    def compile_time(function, options):
+    def compile_time(own):
         jax.clear_caches()
-        return jax.jit(function, compiler_options=options).lower(model.parameters).compile()
+        return optimised.lower(model.parameters).compile(compiler_options=own)
 
-    compiling = interleaved({n: lambda a=a: compile_time(*a) for n, a in lowered.items()}, RUNS)
+    compiling = interleaved({n: lambda own=own: compile_time(own) for n, own in options.items()}, RUNS)
     show("Trace and compile", compiling)
 
     # The answers: a design of the batch as if alone, the gradient against a central difference.
@@ -122,8 +137,11 @@ def main() -> None:
     alone = [float(fm.frequencies(guide(*map(float, d), dofs=names))[0]) for d in dimensions[:3]]
     np.testing.assert_allclose(found[:3], alone, rtol=1e-9)
     t, step = 5e-4, 5e-9
-    slope = float(fm.jit(jax.grad(lambda t: of_dimensions((t, 0.018))))(t))
-    value = fm.jit(lambda t: of_dimensions((t, 0.018)))
+
+    def of_thickness(t):
+        return fm.frequencies(guide(t, 0.018, dofs=names))[0]
+
+    slope, value = float(fm.jit(jax.grad(of_thickness))(t)), fm.jit(of_thickness)
     np.testing.assert_allclose(slope, float(value(t + step) - value(t - step)) / (2 * step), rtol=1e-6)
     save(
         "first_impression",

@@ -124,7 +124,7 @@ def measured(question: str, beams: int, sparse: bool = True) -> dict:
     built = time.perf_counter() - begin
     rng, runs = np.random.default_rng(0), []
     # Each time with other numbers, so that no answer is at hand; the first compiles.
-    for _ in range(2 if question == "path" else 4):
+    for _ in range(2 if question == "path" else 3):
         thickness = 0.5e-3 * (1 + 0.01 * rng.uniform(-1, 1, beams))
         begin, processor = time.perf_counter(), time.process_time()
         answer = ask(thickness)

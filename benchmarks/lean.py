@@ -17,7 +17,7 @@ def main() -> None:
     """Compute, time, print and save."""
     import jax.numpy as jnp
     import numpy as np
-    from motion import STROKE, at_rest, guide
+    from motion import STROKE, at_rest, guide, tight
     from record import PACKAGES, interleaved, save, show
 
     import flexmb as fm
@@ -51,7 +51,7 @@ def main() -> None:
         bent = at_rest(whole)
         small = fm.lean(whole, bandwidth=100.0)
         place = int(whole.labels.known("right2")[0])
-        exact = np.asarray(fm.simulate(whole, times, initial=bent, rtol=1e-8, atol=1e-11).x[:, place])
+        exact = tight(plane)
         for name, model in (("full", whole), ("lean", small.model)):
             start = dataclasses.replace(bent, e=jnp.zeros(model.topology.n_e), labels=model.labels)
             call = functools.partial(fm.simulate, model, times, initial=start, rtol=1e-4, throw=False)

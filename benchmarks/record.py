@@ -12,45 +12,67 @@ from typing import Any
 
 RESULTS = Path(__file__).parent / "results"
 PACKAGES = ("jax", "jaxlib", "numpy", "scipy")
+# What takes longer is run once [s].
+SLOW = 1.5
 
 
-def interleaved(variants: dict[str, Callable[[], Any]], runs: int = 7, repeat: int = 1) -> dict[str, dict[str, float]]:
-    """Time variants in turn, so that a drift of the machine falls on all.
+def interleaved(
+    variants: dict[str, Callable[[], Any]],
+    runs: int = 7,
+    repeat: int = 1,
+    warm: bool = False,
+    clock: Callable[[], float] = time.perf_counter,
+) -> dict[str, dict[str, float]]:
+    """Time variants in turn, so that a drift of the machine falls on all; what takes long is run once.
 
     Args:
-        variants: Functions that return when their result is there; each is called once before, uncounted.
-        runs: Counted runs of each.
+        variants: Functions that return when their result is there.
+        runs: Counted runs of each; one of what takes more than ``SLOW``.
         repeat: Calls a run; the time is that of one call.
+        warm: Whether each has been called before; otherwise each is called once, uncounted.
+        clock: What is read before and after [s].
 
     Returns:
-        Median, minimum and maximum of each [s].
+        Median, minimum and maximum of each [s], and "runs" where that is one.
     """
     times: dict[str, list[float]] = {name: [] for name in variants}
-    for function in variants.values():
+    for function in () if warm else variants.values():
         function()
     for _ in range(runs):
         for name, function in variants.items():
-            start = time.perf_counter()
+            if times[name] and times[name][0] > SLOW:
+                continue
+            start = clock()
             for _ in range(repeat):
                 function()
-            times[name].append((time.perf_counter() - start) / repeat)
-    return {n: {"median": statistics.median(t), "min": min(t), "max": max(t)} for n, t in times.items()}
+            times[name].append((clock() - start) / repeat)
+    return {name: _of(t) for name, t in times.items()}
+
+
+def _of(times: list[float]) -> dict[str, float]:
+    own = {"median": statistics.median(times), "min": min(times), "max": max(times)}
+    return own | ({"runs": 1} if len(times) == 1 else {})
 
 
 def processor_times(calls: dict[str, Callable[[], Any]], runs: int = 7) -> dict[str, dict[str, float]]:
     """Time of the processor, of all threads, of interleaved runs: median, minimum and maximum of each [s].
 
     Args:
-        calls: What is timed, by name.
-        runs: Of each.
+        calls: What is timed, by name; each has been called before.
+        runs: Of each; one of what takes more than ``SLOW``.
     """
-    spent = {name: [] for name in calls}
-    for _ in range(runs):
-        for name, call in calls.items():
-            begin = time.process_time()
-            call()
-            spent[name].append(time.process_time() - begin)
-    return {name: {"min": min(t), "median": statistics.median(t), "max": max(t)} for name, t in spent.items()}
+    return interleaved(calls, runs, warm=True, clock=time.process_time)
+
+
+def once(call: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
+    """What a call that is not repeated gives, and its time of the processor, as from :func:`processor_times`.
+
+    Args:
+        call: Compiled.
+    """
+    begin = time.process_time()
+    found = call()
+    return found, _of([time.process_time() - begin])
 
 
 def processor() -> str:
@@ -92,7 +114,8 @@ def show(title: str, times: dict[str, dict[str, float]]) -> None:
     """
     print(title)
     for name, t in times.items():
-        print(f"  {name:<44}{1e3 * t['median']:10.3f} ms   ({1e3 * t['min']:.3f} to {1e3 * t['max']:.3f})")
+        spread = "one run" if "runs" in t else f"{1e3 * t['min']:.3f} to {1e3 * t['max']:.3f}"
+        print(f"  {name:<44}{1e3 * t['median']:10.3f} ms   ({spread})")
 
 
 def chart(

@@ -19,7 +19,7 @@ from scenes import guide
 import flexmb as fm
 
 FREQUENCIES = 2000
-RUNS = 9
+RUNS = 7
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 

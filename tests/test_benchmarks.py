@@ -1,18 +1,32 @@
-"""The table that watches itself: what got worse is named, and nothing else."""
+"""Tables that watch themselves: what got worse is named, and nothing else; what scripts compare with is there."""
 
 import copy
 import importlib.util
 import json
+import re
+import sys
 from pathlib import Path
 
 import pytest
 
-PLACE = Path(__file__).parents[1] / "benchmarks" / "quick.py"
-found = importlib.util.spec_from_file_location("quick", PLACE)
-assert found is not None
-assert found.loader is not None
-quick = importlib.util.module_from_spec(found)
-found.loader.exec_module(quick)
+PLACE = Path(__file__).parents[1] / "benchmarks"
+
+
+def script(name):
+    """A script of the benchmarks, which imports those beside it."""
+    sys.path.insert(0, str(PLACE))
+    try:
+        found = importlib.util.spec_from_file_location(f"benchmarks_{name}", PLACE / f"{name}.py")
+        assert found is not None
+        assert found.loader is not None
+        module = importlib.util.module_from_spec(found)
+        found.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(PLACE))
+    return module
+
+
+quick, against, solutions, whole = map(script, ("quick", "against", "solutions", "__main__"))
 
 
 @pytest.fixture
@@ -58,3 +72,67 @@ def test_rows_that_are_missing_or_new_are_named(rows):
     fewer = {name: row for name, row in rows.items() if name != "path"}
     assert "no longer measured" in quick.losses(fewer, rows)[0]
     assert "not in the committed table" in quick.losses(rows, fewer)[0]
+
+
+def pair(then, now, error=1e-9):
+    return {
+        "then": {"times": then, "first": 2.0, "error": error},
+        "now": {"times": now, "first": 1.0, "error": error},
+    }
+
+
+@pytest.mark.parametrize(
+    ("pairs", "told"),
+    [
+        # Each round's ratio counts: a machine that slows down in between is no loss.
+        ([pair([1.0, 2.0, 4.0], [1.0, 2.0, 4.0])], False),
+        ([pair([1.0, 2.0, 4.0], [1.1, 2.2, 4.4])] * 2, True),
+        # One process in bad luck is none either, nor a scatter that reaches below.
+        ([pair([1.0] * 5, [1.2] * 5), pair([1.0] * 2, [1.0] * 2)], False),
+        ([pair([1.0] * 4, [0.9, 0.95, 1.2, 1.3])] * 2, False),
+    ],
+)
+def test_what_is_slower_than_an_older_package_is_named(pairs, told):
+    row = against.summary(pairs)
+    assert against.slower({"row": row, "other": against.summary([pair([1.0, 1.0], [0.5, 0.5])])}) == ["row"] * told
+
+
+def test_a_summary_of_pairs_is_that_of_their_rounds():
+    row = against.summary([pair([1.0, 1.0, 1.0], [0.5, 0.6, 0.7]), pair([2.0, 2.0, 2.0], [1.2, 1.2, 1.2])])
+    assert row["ratio"] == pytest.approx(0.6)
+    assert row["of_pairs"] == pytest.approx([0.6, 0.6])
+    assert row["quartiles"] == pytest.approx([0.6, 0.6])
+    assert (row["then"]["time"], row["now"]["first"]) == (1.5, 1.0)
+    assert "0.60" in against.shown({"row": row})
+
+
+def test_rows_are_chosen_by_how_they_begin():
+    assert against.chosen(["motion", "path"]) == [
+        "motion_plane",
+        "motion_fixed",
+        "motion_space",
+        "motion_derivative",
+        "path",
+    ]
+    assert len(against.chosen([])) == len(quick.CASES) + len(against.KERNELS)
+    with pytest.raises(ValueError, match="no row 'motio'"):
+        against.chosen(["motio"])
+    with pytest.raises(ValueError, match="'no-such' is no commit"):
+        against.package_of("no-such", Path())
+
+
+def test_every_solution_that_a_script_compares_with_is_kept():
+    scripts = "".join(path.read_text() for path in PLACE.glob("*.py"))
+    for name in re.findall(r'kept\("([^"]+)"\)', scripts):
+        assert name in solutions.SOLUTIONS
+    kept = json.loads(solutions.KEPT.read_text())["solutions"]
+    assert {name: own["origin"] for name, own in kept.items()} == {
+        name: origin for name, (_, origin) in solutions.SOLUTIONS.items()
+    }
+
+
+def test_all_charts_take_at_most_twenty_minutes_of_the_processor():
+    known = json.loads((PLACE / "results" / "whole.json").read_text())["scripts"]
+    assert list(known) == [name for name in whole.SCRIPTS if name in known]
+    assert sum(own["processor"] for own in known.values()) <= 1200
+    assert "together" in whole.told(known)
