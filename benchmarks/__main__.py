@@ -7,7 +7,7 @@ slower.
 Each runs in a process of its own, one after the other, and writes its results, with versions and processor, to
 benchmarks/results. Exudyn and PyNite take part where they are installed (``pip install -e '.[peers]'``). What each took
 is printed in the end and written to results/whole.json: seconds, and those of the processor, which other work on the
-machine changes less. All together take at most twenty minutes on two cores that do nothing else.
+machine changes less.
 """
 
 import datetime
