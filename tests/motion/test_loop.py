@@ -8,8 +8,9 @@ import pytest
 from cases.motions import oscillation, sprung_mass
 
 import flexmb as fm
+from flexmb.motion.controlled_form import Feedback
 from flexmb.motion.coordinates_form import coordinates_form
-from flexmb.motion.loop import measuring
+from flexmb.motion.loop import controlled_form, measuring
 
 STIFFNESS, MASS = 90.0, 0.4
 TIMES = np.linspace(0, 0.5, 6)
@@ -135,6 +136,27 @@ def shaken():
     b.output("mass", "x", "acceleration")
     b.sensor("felt", {"reaction foot.x": 0.5, "stress s.1": -0.2, "mass.x": 3.0})
     return b.build()
+
+
+def test_tangent_of_accelerations_and_reactions_fed_back_at_once():
+    """Derivatives of the residual, in which the input solves an equation with itself in it."""
+    model = shaken()
+    form = coordinates_form(model.topology, model.parameters)
+    closed = controlled_form(model, form, Feedback(lambda t, z, y: 0.3 * y[:1] - 0.7 * y[1:]), None)
+    x = model.parameters.reference.at[2].add(0.1)
+    state = closed.state_of(x, 0.5 * x, None)
+    z = jnp.linspace(0.2, 0.9, closed.unknowns)
+
+    @jax.jit
+    def both(state, z):
+        def left(u, w, z):
+            return closed.residual(0.0, state._replace(u=u, w=w), z)
+
+        return closed.tangent(0.0, state, z)[:3], jax.jacfwd(left, (0, 1, 2))(state.u, state.w, z)
+
+    for found, expected in zip(*both(state, z), strict=True):
+        # Round-off of a stiffness of 90.
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
 def test_accelerations_and_reactions_fed_back_at_once():

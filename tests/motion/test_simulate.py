@@ -48,6 +48,16 @@ def test_pendulum_in_all_coordinates(swing):
     assert np.max(np.abs(seen.ed)) < 1e-13
 
 
+def test_a_motion_begins_with_the_velocity_of_its_configuration(pendulum, swing):
+    """On from the middle of another motion, told by degrees of freedom: it ends where that one does."""
+    middle = 300
+    phi, rate = swing.at("rod")[middle], swing.velocity("rod")[middle]
+    start = fm.configuration(pendulum, q=phi, qd=rate)
+    found = fm.simulate(pendulum, TIMES[: len(TIMES) - middle], initial=start, rtol=1e-9)
+    np.testing.assert_allclose(found.velocity("mass")[0], swing.velocity("mass")[middle], atol=1e-12)
+    np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
+
+
 def test_pendulum_by_an_explicit_solver(pendulum):
     found = fm.simulate(pendulum, TIMES, rtol=1e-9, atol=1e-9, solver=diffrax.Dopri8())
     np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
