@@ -1763,8 +1763,8 @@ FAULTS = [
     Fault("paths/sparse_critical.py", "negative - int(np.sum(values < -shift))", "0", "paths/test_sparse_critical.py"),
     Fault(
         "paths/sparse_critical.py",
-        "/ sizes, nothing]))[:n] / sizes",
-        "/ sizes, nothing]))[:n]",
+        "*force.shape[1:]))]))[:n] / own",
+        "*force.shape[1:]))]))[:n]",
         "paths/test_sparse_critical.py",
     ),
     Fault(
@@ -1843,6 +1843,15 @@ FAULTS = [
         "((0, rest), (0, 0))))",
         "linear/test_sparse_poles.py -k differences",
     ),
+    Fault("math/sparse.py", "return -1 if odd % 2 else 1", "return 1", "paths/test_sparse_critical.py -k sign"),
+    Fault(
+        "math/sparse.py",
+        "return n - int(connected",
+        "return n - 1 + 0 * int(connected",
+        "paths/test_sparse_critical.py -k sign",
+    ),
+    Fault("paths/sparse_critical.py", "(-1) ** rest * factored", "factored", "paths/test_sparse_critical.py -k sign"),
+    Fault("paths/sparse_path.py", "stable[i] = is_steady", "_ = is_steady", "paths/test_sparse_path.py -k flutter"),
     Fault("math/bordered.py", "self._corner * first", "0.0 * first", "math/test_bordered.py"),
     Fault("math/bordered.py", "entire[-1] *= self._by_column", "entire[-1] *= 1.0", "math/test_bordered.py"),
     Fault("math/sparse.py", "last[0].dtype != data.dtype or", "False or", "paths/test_sparse_states.py -k response"),

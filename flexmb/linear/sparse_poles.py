@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Complex
 
 from ..errors import AnalysisError, ModelError
-from ..math.element_matrices import Whole
+from ..math.element_matrices import ElementMatrices, Whole
 from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
-from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, slowest
+from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
 
 # What an iteration leaves of a pole's motion beside it; where it is more, another shift is tried.
 TRUE = 1e-9
@@ -22,6 +22,8 @@ TRUE = 1e-9
 MORE = 2
 # So many are looked for beside those that are known.
 BESIDE = 4
+# So many eigenvalues of stiffness and mass tell whether a state is steady.
+STEADY = 8
 # Turns of the power method for the unit of time; its size is all that matters.
 TURNS = 8
 
@@ -133,6 +135,17 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
             " of freedom.",
         )
     return in_order(slowest(found, count))
+
+
+def is_steady(elements: ElementMatrices) -> bool:
+    """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive."""
+    import jax
+
+    whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[])))
+    if not _Shifted(whole, 0.0).regular:
+        return False
+    values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
+    return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
 
 def _regular(whole: Whole) -> _Shifted:

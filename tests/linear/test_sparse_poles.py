@@ -79,11 +79,11 @@ def test_a_column_of_many_beams_flutters_at_the_load_of_beck():
 
 
 def test_every_copy_of_a_repeated_pole_is_found():
-    found = fm.poles(beck(10.0, beams=3, copies=30), count=60, sparse=True)
-    np.testing.assert_allclose(np.abs(found), np.abs(found[0]), rtol=1e-9)
-    assert len(found) == 60
-    more = fm.poles(beck(10.0, beams=3, copies=30), count=61, sparse=True)
-    assert np.sum(np.abs(np.abs(more) / np.abs(found[0]) - 1) < 1e-9) == 60
+    """Thirty columns alike; iterations see one pair of each, but for what round-off shows them."""
+    for count in (40, 61):
+        found = np.abs(fm.poles(beck(10.0, beams=3, copies=30), count=count, sparse=True))
+        assert len(found) >= count
+        assert np.sum(np.abs(found / np.min(found) - 1) < 1e-9) == min(count, 60)
 
 
 def test_free_motions_have_poles_at_zero():
