@@ -116,7 +116,7 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
     """
     at = _regular(whole)
     every = 2 * at.motions
-    if 3 * count >= 2 * every > 2 * MANY:
+    if 3 * count >= every > 2 * MANY:
         raise ModelError(
             f"Argument `count` = {count}: sparse matrices give few of the {every} poles, not all. Ask for fewer, or"
             " give sparse=False and a model with degrees of freedom."
