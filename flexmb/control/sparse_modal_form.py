@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_whole, check_number, check_whole, is_concrete, shown
+from ..linear.modes import refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved, spread
 from ..linear.spectrum import to_frequency
@@ -51,10 +52,12 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         ValueError: As :func:`flexmb.state_matrices`; neither ``modes`` nor ``bandwidth`` is given.
         ModelError: There are not so many modes, or an input moves nothing.
         AnalysisError: singular_stiffness, where a motion without stiffness is not kept.
+        NotImplementedError: The stiffness is unsymmetric, which gives no modes.
 
     Source:
         THEORY.md 7, eq. (7.14), with R B_u from (7.17).
     """
+    refuse_unsymmetric(lin.symmetric)
     whole = sparse_second_order(lin)
     kept, found = _chosen(lin, modes, bandwidth)
     elements, (n_x, h) = lin.elements, (lin.x.shape[0], lin.elements.unknowns[1])

@@ -46,7 +46,7 @@ def _transfer(elements: ElementMatrices, w, b, c) -> Complex[Array, "n_f n_y n_u
 
 
 def solutions(elements: ElementMatrices, w, b, c, *, only_responses: bool = False) -> Any:
-    """Z^-1 B and Z^-1 C^T at each frequency, of coordinates that move and multipliers, or responses alone.
+    """Z^-1 B and Z^-T C^T at each frequency, of coordinates that move and multipliers, or responses alone.
 
     Args:
         elements: Element matrices.
@@ -72,10 +72,13 @@ def solutions(elements: ElementMatrices, w, b, c, *, only_responses: bool = Fals
             if not factors.regular:
                 answer[i] = np.inf if only_responses else 0.0
                 continue
-            forces = np.zeros((rows, columns), complex)
-            forces[: whole.n] = right if only_responses else np.concatenate([right, left.T], axis=1)
-            moved = factors.solve(forces)
-            answer[i] = left @ moved[: whole.n] if only_responses else moved
+            rest = rows - whole.n
+            moved = factors.solve(np.pad(right, ((0, rest), (0, 0))))
+            if only_responses:
+                answer[i] = left @ moved[: whole.n]
+                continue
+            sensed = factors.solve(np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
+            answer[i] = np.concatenate([moved, sensed], axis=1)
         return answer
 
     return on_host(found, jax.ShapeDtypeStruct(shape, complex), elements, w, b, c)
@@ -118,7 +121,7 @@ def _by_solutions(elements: ElementMatrices, w, b, c, moved) -> Complex[Array, "
 
 @_transfer.defjvp
 def _transfer_jvp(primals, tangents):
-    """As (14.32): with X = Z^-1 B and Y = Z^-1 C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
+    """As (14.32): with X = Z^-1 B and Y = Z^-T C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
     moved = solutions(*primals)
     found, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)
     regular = jnp.any(moved != 0, axis=(1, 2))[:, None, None] | ~jnp.any(primals[2])

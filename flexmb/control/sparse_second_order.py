@@ -10,7 +10,7 @@ from ..arguments import is_concrete
 from ..errors import AnalysisError, ModelError
 from ..linear.sparse_linearize import SparseLinearization, by_coordinates
 from ..linear.sparse_solve import solved, spread
-from ..math.element_matrices import ElementMatrices, between, times, times_transposed
+from ..math.element_matrices import ElementMatrices, between, times, times_transposed, transposed
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Signal
 from .held import Held, about_axes, held_by, held_of, seeds
@@ -78,7 +78,9 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
     causes, sensed = terms_of(inputs), terms_of(outputs)
     held = held_by((*causes, *sensed))
-    carried = _carried(lin, held)
+    carried = _carried(lin, elements, held)
+    # What holds it is measured along the motions that meet no force of the transposed stiffness.
+    along = carried if lin.symmetric else _carried(lin, transposed(elements), held)
     own = elements if lossy is None else lossy
     n_x = lin.x.shape[0]
     forces = _columns([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x)
@@ -91,7 +93,9 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     parts += [times(pieces, carried, size=n_x) for pieces in (own.damping, own.mass)]
     by_p = [-part @ motions for part in parts]
     by_p[0] = by_p[0] + forces
-    between_held = [between(pieces, carried, carried) for pieces in (own.stiffness, own.damping, own.mass)]
+    holding = [still if lossy is None else times_transposed(own.stiffness, along, size=n_x)]
+    holding += [times_transposed(pieces, along, size=n_x) for pieces in (own.damping, own.mass)]
+    between_held = [between(pieces, along, carried) for pieces in (own.stiffness, own.damping, own.mass)]
     if lossy is None:
         between_held[0] = between_held[0] + about_axes(lin, held, 0)
     rows: list[list[Any]] = [[], [], []]
@@ -100,9 +104,9 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
         if s.held and s.quantity in ("reaction", "stress"):
             # What is put on a deformation from outside is less its stress resultant.
             i, sign = held.index(held_of(s)), -1.0 if s.of_element else 1.0
-            by_x = [sign * part[:, i] for part in parts]
+            by_x = [sign * part[:, i] for part in holding]
             at_once = [sign * part[i] @ motions for part in between_held]
-            at_once[0] = at_once[0] - sign * (carried[:, i] @ forces)
+            at_once[0] = at_once[0] - sign * (along[:, i] @ forces)
         else:
             by_x = _measured(s, lin, own, lossy is not None)
             at_once = [row @ carried @ motions for row in by_x]
@@ -173,11 +177,11 @@ def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_st
     return found
 
 
-def _carried(lin: SparseLinearization, held: tuple[Held, ...]) -> Float[Array, "n_x k"]:
+def _carried(lin: SparseLinearization, elements: ElementMatrices, held: tuple[Held, ...]) -> Float[Array, "n_x k"]:
     """Motions at rest of all coordinates by a unit of each of what is held."""
     if not held:
         return jnp.zeros((lin.x.shape[0], 0))
-    elements, (n_x, n_e) = lin.elements, (lin.x.shape[0], lin.e.shape[0])
+    n_x, n_e = lin.x.shape[0], lin.e.shape[0]
     by_x, by_e = seeds(lin.model.topology, lin.x, held)
     forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
     excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]

@@ -10,10 +10,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
+from ..mechanics.loads import lacks_potential
 from ..model.by_name import TURNS
 from ..results import RESULTS
 from .compliance import compliance_of, compliance_of_large
 from .linearize import ManyStates, Matrices
+from .modes import refuse_unsymmetric
 from .sparse_solve import lowest_values
 from .spectrum import general_spectrum, is_real, to_frequency
 from .stress import stress
@@ -177,6 +179,7 @@ def _numbered(values: np.ndarray, word: str, text: str, unit: str) -> Series:
 def _frequency(result: Any, text: str) -> Series:
     path = result.states().kind == "path"
     if result.by_sparse and text.isdigit():
+        refuse_unsymmetric(not lacks_potential(result.model.topology))
         each = [lowest_values(lin.elements, int(text)) for lin in _each_linearization(result)]
         return _numbered(np.asarray(to_frequency(jnp.stack(each))), "frequency", text, "Hz")
     found = np.asarray(result.frequencies) if path else frequencies_along(result.linearizations().matrices)

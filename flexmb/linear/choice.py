@@ -13,7 +13,7 @@ from .sparse_spectrum import asks_for_all
 
 
 def is_large(model: Model) -> bool:
-    """Whether a mechanism is large enough for sparse matrices to be quicker, and is one that they can describe."""
+    """Whether a mechanism is large enough for sparse matrices to be quicker, and has a potential."""
     return by_sparse(model, None) and not lacks_potential(model.topology)
 
 
@@ -40,7 +40,6 @@ def sparsely(
 
     Raises:
         ValueError: ``sparse`` does not go with what is given, or ``at`` is of another model.
-        ModelError: A load or a law has no potential.
         AnalysisError: The equilibrium was not found.
     """
     if sparse is not None:
@@ -65,7 +64,7 @@ def sparsely(
             )
         return None
     model = as_model(given, function)
-    if not (few and throw and is_large(model) if sparse is None else sparse):
+    if not (few and throw and by_sparse(model, None) if sparse is None else sparse):
         return None
     if not throw:
         raise ValueError(

@@ -171,7 +171,7 @@ class AllowedMotions:
             numpy.linalg.LinAlgError: K is not positive definite.
         """
         rest = tangent.shape[0] - n
-        self.basis = _orthonormal_allowed(tangent, n) if rest else np.eye(n)
+        self.basis = orthonormal_allowed(tangent, n) if rest else np.eye(n)
         moved = factored.solve(np.vstack([self.basis, np.zeros((rest, n - rest))]))[:n]
         flexible = self.basis.T @ moved
         self.flexibility = np.linalg.cholesky((flexible + flexible.T) / 2)
@@ -189,7 +189,7 @@ class AllowedMotions:
         return values[chosen], self.basis @ (self.flexibility @ vectors[:, chosen])
 
 
-def _orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
+def orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
     """Any motions, projected onto those that the constraints leave, (n, n - h)."""
     import scipy.sparse
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
@@ -12,7 +13,7 @@ from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, modal_summary
-from ..math.element_matrices import times
+from ..math.element_matrices import Whole, times
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
@@ -32,8 +33,10 @@ from .loose import (
 )
 from .shapes import Shapes
 from .sparse_linearize import SparseLinearization
+from .sparse_poles import poles_of_sparse
 from .sparse_solve import lowest, lowest_values
-from .spectrum import general_spectrum, is_real, poles_of, spectrum, to_frequency
+from .sparse_spectrum import refuse_negative_masses
+from .spectrum import general_spectrum, is_real, poles_of, slowest, spectrum, to_frequency
 
 
 class Modes(Shapes, Result, Record):
@@ -155,6 +158,7 @@ def frequencies(
     if large is not None:
         if count is None:
             raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
+        refuse_unsymmetric(large.symmetric)
         with naming_stiffest(large.model):
             return to_frequency(lowest_values(large.elements, count))
     if isinstance(model, Linearization) or at is not None:
@@ -264,6 +268,7 @@ def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
     """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
     if count is None:
         raise ValueError("With sparse matrices give `count`, the number of modes wanted.")
+    refuse_unsymmetric(lin.symmetric)
     with naming_stiffest(lin.model):
         found: Any = lowest(lin.elements, count)
     roles = lin.model.topology
@@ -281,9 +286,11 @@ def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
 
 @one_thread()
 def poles(
-    model: Model | Linearization,
+    model: Model | Linearization | SparseLinearization,
     *,
-    at: Linearization | ManyStates | None = None,
+    count: int | None = None,
+    sparse: bool | None = None,
+    at: Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -292,6 +299,10 @@ def poles(
 
     Args:
         model: Mechanism, or its linearisation.
+        count: How many of those nearest to zero, and one more where the last is one of a complex pair; all unless given
+            or where there are fewer.
+        sparse: ``count`` poles by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count`` is.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
@@ -301,12 +312,31 @@ def poles(
         (n,) [rad/s]; those at infinity, of motions without mass, are left out.
 
     Raises:
-        AnalysisError: The equilibrium was not found, or a motion has a negative mass.
+        AnalysisError: The equilibrium was not found, or a motion has a negative mass; by sparse matrices also
+            singular_stiffness, where a motion has neither mass nor stiffness, and not_converged.
+        ValueError: ``count`` is not positive, or missing with sparse matrices.
 
     Source:
-        THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method.
+        THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
+        (7.19).
     """
-    lin = linearized(model, "poles", where=Where(at, step, time, increment))
+    count = None if count is None else check_whole("count", count, 1)
+    where = Where(at, step, time, increment)
+    large = sparsely(model, "poles", where, sparse, few=few_of(model, count))
+    if large is not None:
+        if count is None:
+            raise ValueError("With sparse matrices give `count`, the number of poles wanted.")
+        return _poles_of_large(large, count)
+    lin = linearized(model, "poles", where=where)
     refuse_negative_mass(lin)
     found = lin.matrices
-    return poles_of(*(np.asarray(part) for part in (found.K, found.C0 + found.D0, found.M0)))
+    every = poles_of(*(np.asarray(part) for part in (found.K, found.C0 + found.D0, found.M0)))
+    return slowest(every, count)
+
+
+def _poles_of_large(lin: SparseLinearization, count: int) -> Complex[np.ndarray, "n"]:
+    """A few poles by sparse matrices."""
+    elements = jax.tree.map(np.asarray, lin.elements)
+    whole = Whole(elements)
+    refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
+    return poles_of_sparse(whole, count)

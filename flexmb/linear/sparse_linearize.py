@@ -11,14 +11,13 @@ from ..arguments import is_concrete
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, short
-from ..errors import ModelError
 from ..math.element_matrices import Assembled, ElementMatrices, Pieces, Whole
 from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
-from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
+from ..mechanics.loads import LoadFactors, lacks_potential, load_pieces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_tangent_pieces, stiffness_pieces, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
@@ -82,6 +81,11 @@ class SparseLinearization(ByName, Result, Record):
     def labels(self) -> Labels:
         """Names."""
         return self.model.labels
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the stiffness is symmetric by the nature of the loads and laws."""
+        return not lacks_potential(self.model.topology)
 
     def sparse(self) -> Assembled:
         """Matrices M v'' + C v' + K v + D^T m = f, D v = 0 of the coordinates v that move, as SciPy's sparse ones.
@@ -178,9 +182,9 @@ def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFa
             by_coordinates(jacobians, elastic, topology.n_e), curvature, strict=True
         )
     ]
-    if loads.gravity is not None:
-        falling = weight_pieces(topology, parameters, x, loads.gravity)
-        stiffness += [(rows, columns, -own) for rows, columns, own in falling]
+    pulling = [] if loads.gravity is None else weight_pieces(topology, parameters, x, loads.gravity)
+    pulling = [*pulling, *load_pieces(topology, parameters, factors, x)]
+    stiffness += [(rows, columns, -own) for rows, columns, own in pulling]
     return ElementMatrices(
         stiffness,
         by_coordinates(jacobians, viscous, topology.n_e),
@@ -206,16 +210,9 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
         throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
 
     Raises:
-        ModelError: A load or a law has no potential.
         AnalysisError: singular_configuration, singular_stiffness or not_converged.
     """
-    topology, parameters = model.topology, model.parameters
-    if lacks_potential(topology):
-        raise ModelError(
-            "What is linearised by sparse matrices needs a potential: loads that follow a body, moments about fixed"
-            " axes in space and laws of several deformations have none. Give sparse=False, which takes them."
-        )
-    found = sparse_equilibrium(topology, parameters, target)
+    found = sparse_equilibrium(model.topology, model.parameters, target)
     check(found[-1], throw)
     return about_state(model, target, *found)
 

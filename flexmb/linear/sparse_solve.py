@@ -111,12 +111,12 @@ def _energies(elements: ElementMatrices, motions: np.ndarray) -> np.ndarray:
     return found
 
 
-def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray) -> np.ndarray:
+def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray, transposed: bool = False) -> np.ndarray:
     whole = Whole(elements)
     factored = SparseFactors(whole.bordered(whole.at(), border)) if border.size else whole.factors(whole.at())
     if not factored.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-    found, n = factored.solve(right), elements.unknowns[0]
+    found, n = factored.solve(right, transposed), elements.unknowns[0]
     forces = np.asarray(right)[:n] * elements.sizes[elements.free, None]
     work = np.abs(np.sum(found[:n] * right[:n], axis=0))
     _refuse_lost(bool(np.any(_false_stiffness(elements) * work > LOST * np.sum(forces**2, axis=0))))
@@ -159,9 +159,9 @@ def _solved_jvp(primals, tangents):
 
     _, change = jax.jvp(balance, (elements, border), (tangents[0], tangents[2]))
 
-    def solve(_, right):
-        return jax.pure_callback(
-            lambda *given: _solved(*jax.tree.map(np.asarray, given)),
+    def solve(transposed: bool):
+        return lambda _, right: jax.pure_callback(
+            lambda *given: _solved(*jax.tree.map(np.asarray, given), transposed=transposed),
             jax.ShapeDtypeStruct(right.shape, float),
             elements,
             right,
@@ -172,7 +172,7 @@ def _solved_jvp(primals, tangents):
     def matvec(z):
         return bordered(elements, z, border)
 
-    return z, lax.custom_linear_solve(matvec, tangents[1] - change, solve, symmetric=True)
+    return z, lax.custom_linear_solve(matvec, tangents[1] - change, solve(False), transpose_solve=solve(True))
 
 
 def lowest(elements: ElementMatrices, count: int) -> Lowest:

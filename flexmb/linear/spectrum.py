@@ -290,8 +290,22 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     right = np.block([[eye, zero], [zero, m / heavy]])
     top, bottom = np.asarray(scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True))
     finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
-    found: Any = _with_slow(w * top[finite] / bottom[finite], k, c, m)
-    return found[np.lexsort((found.imag, np.round(np.abs(found.imag), 9)))]
+    return in_order(_with_slow(w * top[finite] / bottom[finite], k, c, m))
+
+
+def in_order(poles: Any) -> Complex[np.ndarray, "n"]:
+    """Poles ordered by |Im|."""
+    return poles[np.lexsort((poles.imag, np.round(np.abs(poles.imag), 9)))]
+
+
+def slowest(poles: Any, count: int | None) -> Complex[np.ndarray, "n"]:
+    """Poles nearest to zero, in their order: ``count``, or one more where the last is one of a complex pair."""
+    if count is None or count >= len(poles):
+        return poles
+    near = np.argsort(np.abs(poles), kind="stable")
+    last, after = poles[near[count - 1]], poles[near[count]]
+    pair = last.imag != 0 and abs(after - np.conj(last)) <= REAL * abs(last)
+    return poles[np.sort(near[: count + int(pair)])]
 
 
 def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) -> np.ndarray:

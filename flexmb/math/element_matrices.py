@@ -75,6 +75,16 @@ def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int)
     return times([(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces], vectors, size=size)
 
 
+def transposed(elements: ElementMatrices) -> ElementMatrices:
+    """The same with stiffness, damping and loss transposed; what has no potential leaves them unsymmetric."""
+
+    def turned(pieces):
+        return [(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces]
+
+    own = elements
+    return own._replace(stiffness=turned(own.stiffness), damping=turned(own.damping), loss=turned(own.loss))
+
+
 @jit
 def between(pieces: Pieces, left: Float[Array, "n a"], right: Float[Array, "m b"]) -> Float[Array, "a b"]:
     """What a matrix in pieces is between vectors: left^T A right."""
@@ -129,9 +139,9 @@ class Whole:
 
         return scipy.sparse.csc_array((data, self._pattern.rows, self._pattern.columns), shape=(self._size,) * 2)
 
-    def at(self, mass: float = 0.0) -> Any:
-        """Matrix [[K + c M, D^T], [D, 0]]."""
-        return self._matrix(self._k + mass * self._m + self._d)
+    def at(self, mass: float = 0.0, damping: float = 0.0) -> Any:
+        """Matrix [[K + a M + b C, D^T], [D, 0]]."""
+        return self._matrix(self._k + mass * self._m + damping * self._c + self._d)
 
     def at_frequency(self, s: complex) -> Any:
         """Matrix [[K + s C + s^2 M + i L, D^T], [D, 0]] at one s = i w."""
@@ -158,6 +168,11 @@ class Whole:
     def mass(self) -> Any:
         """M of the coordinates that move, (n, n)."""
         return self._matrix(self._m)[: self.n, : self.n]
+
+    @property
+    def damping(self) -> Any:
+        """C of the coordinates that move, (n, n)."""
+        return self._matrix(self._c)[: self.n, : self.n]
 
     def apart(self) -> Assembled:
         """The matrices one by one."""

@@ -134,6 +134,14 @@ class SparseFactors:
         if np.array_equal(self._factors.perm_r, self._factors.perm_c):
             self.negative = int(np.sum(self._factors.U.diagonal() < 0))
 
+    @property
+    def sign(self) -> int:
+        """Sign of the determinant of a regular matrix, symmetric or not: that of its pivots, and of all exchanges."""
+        odd = int(np.sum(self._factors.U.diagonal() < 0)) + sum(
+            _exchanges(order) for order in (self._factors.perm_r, self._factors.perm_c)
+        )
+        return -1 if odd % 2 else 1
+
     def _with_good_pivots(self) -> bool:
         sizes = np.abs(self._factors.U.diagonal())
         return bool(np.all(np.isfinite(sizes)) and np.min(sizes, initial=1.0) > SINGULAR * np.max(sizes, initial=0.0))
@@ -185,6 +193,16 @@ class SparseFactors:
         whole = np.empty_like(z)
         whole[self._order] = z
         return whole
+
+
+def _exchanges(order: np.ndarray) -> int:
+    """Number of exchanges of two that make a permutation: of each cycle one less than are in it."""
+    import scipy.sparse
+    from scipy.sparse.csgraph import connected_components
+
+    n = len(order)
+    moves = scipy.sparse.csr_array((np.ones(n), (np.arange(n), order)), shape=(n, n))
+    return n - int(connected_components(moves, directed=False, return_labels=False))
 
 
 def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | None:

@@ -16,7 +16,6 @@ from ..display import Result, short
 from ..errors import AnalysisError, heard, warn
 from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.choice import is_large
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
@@ -30,7 +29,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS, check
-from ..statics.sparse import refuse_what_is_not_sparse
+from ..statics.sparse_structure import by_sparse
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of
@@ -258,7 +257,7 @@ def path(
         check_flag("sparse", sparse)
     if sparse and imperfection is not None:
         raise ValueError("Argument `imperfection` takes dense matrices: leave `sparse` or it out.")
-    large = bool(sparse) if sparse is not None else imperfection is None and is_large(model)
+    large = bool(sparse) if sparse is not None else imperfection is None and by_sparse(model, None)
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
@@ -266,7 +265,6 @@ def path(
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     if large:
-        refuse_what_is_not_sparse(model.topology)
         with one_thread():
             found = _sparse_path(model, step, max_steps, stop, left, progress, hanging=sparse is None)
         if found is not None:

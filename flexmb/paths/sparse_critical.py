@@ -1,5 +1,6 @@
-"""Critical values of large mechanisms: how many are negative by the factors' pivots, the nearest to zero by Lanczos."""
+"""Critical values of large mechanisms: how many are negative by the factors' pivots, the nearest to zero iterated."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ SHIFT = 1e-13
 
 
 class CriticalValues(NamedTuple):
-    """Critical values at a state.
+    """Critical values at a state; of a stiffness that is not symmetric one that stands for all.
 
     Attributes:
         values: Those nearest to zero, ascending, (n,) [N m].
@@ -63,6 +64,30 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
     return _told(*_all_of(tangent, sizes), 0)
 
 
+def value_of_determinant(tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray) -> CriticalValues:
+    """Smallest modulus of the eigenvalues where the stiffness is not symmetric, with the sign of the determinant.
+
+    Arguments as of :func:`critical_values_of`.
+
+    Source:
+        det K as the product of its eigenvalues; with h constraints that of [[K, D^T], [D, 0]] has the sign of that of K
+        where they hold, times (-1)^h. Arnoldi method of ARPACK.
+    """
+    rest = tangent.shape[0] - len(sizes)
+    if not factored.regular:
+        return CriticalValues(np.zeros(1), 0, start)
+    moved = _flexibility(factored, rest, sizes)
+    if len(sizes) - rest <= 2 * BASIS:
+        motions = _allowed(tangent, sizes)
+        soft = np.linalg.eigvals(motions.T @ moved(motions))
+    else:
+        soft, shapes = _softest(moved, sizes, start)
+        start = np.sum(shapes.real, axis=1)
+    largest = np.max(np.abs(soft), initial=0.0)
+    value = (-1) ** rest * factored.sign / largest if largest > 0 else np.inf
+    return CriticalValues(np.array([value]), 0, start)
+
+
 def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:
     """Factors of a tangent whose critical values are all increased."""
     import scipy.sparse
@@ -83,26 +108,50 @@ def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.nd
     import scipy.sparse.linalg
 
     n, linalg = len(sizes), scipy.sparse.linalg
-    nothing = np.zeros(rest)
-
-    def moved(force):
-        return factored.solve(np.concatenate([np.ravel(force) / sizes, nothing]))[:n] / sizes
-
-    flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
-    # No symmetric mechanism has a mode orthogonal to these uneven entries.
-    begin = start / max(np.linalg.norm(start), 1e-300) + np.cos(np.arange(1.0, n + 1) ** 2) / np.sqrt(n)
-    soft, motions = linalg.eigsh(flexibility, k=count, ncv=max(BASIS, 2 * count + 1), v0=begin, tol=RESIDUAL)
+    flexibility = linalg.LinearOperator((n, n), matvec=_flexibility(factored, rest, sizes), dtype=float)
+    how = {"ncv": max(BASIS, 2 * count + 1), "v0": _near(start), "tol": RESIDUAL}
+    soft, motions = linalg.eigsh(flexibility, k=count, **how)
     values = 1 / soft - shift
     order = np.argsort(values)
     return values[order], np.sum(motions, axis=1)
 
 
-def _all_of(tangent: Any, sizes: np.ndarray):
-    """All of them, ascending, by dense matrices: Lanczos iterations find a few of many."""
+def _softest(moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, start: np.ndarray) -> tuple[Any, Any]:
+    """Largest eigenvalues of a flexibility that is not symmetric, a pair of them being complex perhaps, and motions."""
+    import scipy.sparse.linalg
+
+    n, linalg = len(sizes), scipy.sparse.linalg
+    flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
+    return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=RESIDUAL**2)
+
+
+def _flexibility(factored: SparseFactors, rest: int, sizes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Motions under forces, (n,) or (n, k), in extents and radians, with ``rest`` constraints."""
+    n = len(sizes)
+
+    def moved(force):
+        own = sizes if force.ndim == 1 else sizes[:, None]
+        return factored.solve(np.concatenate([force / own, np.zeros((rest, *force.shape[1:]))]))[:n] / own
+
+    return moved
+
+
+def _near(start: np.ndarray) -> np.ndarray:
+    """What iterations begin with; no symmetric mechanism has a mode orthogonal to its uneven entries."""
+    n = len(start)
+    return start / max(np.linalg.norm(start), 1e-300) + np.cos(np.arange(1.0, n + 1) ** 2) / np.sqrt(n)
+
+
+def _allowed(tangent: Any, sizes: np.ndarray) -> np.ndarray:
+    """Motions in extents and radians that constraints leave, orthonormal, by dense matrices."""
     import scipy.linalg
 
     n = len(sizes)
-    whole = tangent.toarray()
-    motions = scipy.linalg.null_space(whole[n:, :n] * sizes)
-    stiffness = sizes[:, None] * whole[:n, :n] * sizes
+    return scipy.linalg.null_space(tangent[n:, :n].toarray() * sizes) if tangent.shape[0] > n else np.eye(n)
+
+
+def _all_of(tangent: Any, sizes: np.ndarray):
+    """All of them, ascending, by dense matrices: Lanczos iterations find a few of many."""
+    n, motions = len(sizes), _allowed(tangent, sizes)
+    stiffness = sizes[:, None] * tangent[:n, :n].toarray() * sizes
     return np.linalg.eigvalsh(motions.T @ stiffness @ motions), np.zeros(n)

@@ -10,7 +10,8 @@ from ..compilation.record import Record, static
 from ..display import Result
 from ..linear.along import Along
 from ..linear.linearize import Stressed
-from ..linear.sparse_linearize import DENSE, SparseLinearization, about_state
+from ..linear.sparse_linearize import DENSE, SparseLinearization, about_state, element_matrices
+from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
@@ -57,9 +58,12 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         reactions: Forces of the supports, (steps, n_x) [N, N m].
         external: Forces from outside, loads but weight and the supports' together, (steps, n_x) [N, N m].
         critical_values: Those eigenvalues of the stiffness, in extents and radians, that are nearest to zero, four of
-            them or all, ascending, (steps, n) [N m].
-        negative: How many eigenvalues of the stiffness are negative, those that are not told too, (steps,).
-        stable: Whether all eigenvalues are positive, (steps,).
+            them or all, ascending, (steps, n) [N m]. Without a potential their smallest modulus, with the sign of the
+            determinant, (steps, 1).
+        negative: How many eigenvalues of the stiffness are negative, those that are not told too, (steps,); without a
+            potential whether the determinant is, 1 or 0.
+        stable: Whether all eigenvalues are positive, (steps,). Without a potential whether the determinant is, and the
+            eight eigenvalues of stiffness and mass that are nearest to zero are real and positive: flutter of these.
         critical_points: Limit and bifurcation points in the order of the path.
         critical_states: The states there, in the same order; None where there are none.
         result: Code of RESULTS.
@@ -171,6 +175,11 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step]) -> Spar
     )
     gravity = None if felt[0].gravity is None else jnp.asarray(np.stack([own.gravity for own in felt]))
     values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
+    stable = np.all(values > 0, axis=1) & (below == 0)
+    if equations.unsymmetric:
+        for i in np.flatnonzero(stable):
+            own = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
+            stable[i] = is_steady(element_matrices(topology, parameters, *own))
     return SparseStates(
         load_factor=jnp.asarray([s.load for s in steps]),
         x=jnp.asarray(x),
@@ -181,7 +190,7 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step]) -> Spar
         external=jnp.asarray(np.stack(external)),
         critical_values=values,
         negative=below + np.sum(values < 0, axis=1),
-        stable=np.all(values > 0, axis=1) & (below == 0),
+        stable=stable,
     )
 
 

@@ -13,7 +13,7 @@ from ..math.bordered import Bordered
 from ..math.sparse import SparseFactors
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
-from ..mechanics.loads import LoadFactors, nodal_forces
+from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -22,7 +22,7 @@ from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE
 from ..statics.solve import held_values
 from ..statics.sparse import balanced
 from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
-from .sparse_critical import critical_values_of, shifted
+from .sparse_critical import critical_values_of, shifted, value_of_determinant
 from .stepper import Direction, Plane, Point, Ramp, Scale, length_of, product, ramp_of, scale_of, unit
 from .walk import Step
 
@@ -87,10 +87,20 @@ class SparseEquations:
     """Equations in all coordinates, for a walk as :class:`flexmb.paths.walk.Equations`.
 
     Of the held deformations ``strained`` of a point holds the multipliers: they have no stress of their own.
+
+    Attributes:
+        model: Mechanism.
+        parts: Its topology and its parameters.
+        free: Coordinates that move.
+        fast: Coordinates that do not.
+        held: Deformations that are held.
+        sizes: What coordinates are measured against.
+        unsymmetric: Whether the tangent is not symmetric, of loads or laws without a potential.
     """
 
     def __init__(self, model: Model):
         self.model, self.parts = model, (model.topology, model.parameters)
+        self.unsymmetric = lacks_potential(model.topology)
         self.free, self.fast, self.held = (np.asarray(i) for i in unknowns(model.topology))
         self.sizes = np.asarray(sizes_of(*self.parts))
         # Near to the motions of the critical values that were found last.
@@ -192,11 +202,15 @@ class SparseEquations:
             return v / motion[int(np.argmax(np.abs(motion) > (1 - 1e-6) * largest))]
 
         phi, m = np.cos(np.arange(1.0, n + 1) ** 2) * sizes, rest
+        psi = phi
         for _ in range(5):
             solved = factors.solve(np.concatenate([weight * phi, rest]))
             phi, m = normalised(solved[:n]), solved[n:]
-        border = np.concatenate([weight * phi, rest])
-        bordered = Bordered(tangent.at.tangent, tangent.at.factors(), border, border, 0.0)
+            if self.unsymmetric:
+                psi = normalised(factors.solve(np.concatenate([weight * psi, rest]), transposed=True)[:n])
+        # Regular with both, however nearly right and left null vector are normal to each other.
+        row, column = (np.concatenate([weight * v, rest]) for v in (phi, psi if self.unsymmetric else phi))
+        bordered = Bordered(tangent.at.tangent, tangent.at.factors(), column, row, 0.0)
         along, _ = bordered.solve(-tangent.by_load, 0.0)
         still = self._change(np.zeros(len(self.fast)), phi)
         loaded = self._change(tangent.following, along)
@@ -259,7 +273,8 @@ class SparseEquations:
 
     def _critical(self, at: Assembled, factored: SparseFactors) -> tuple[np.ndarray, int]:
         """Critical values nearest to zero, ascending, and how many more are negative."""
-        found = critical_values_of(at.tangent, factored, self.sizes[self.free], self._soft)
+        find = value_of_determinant if self.unsymmetric else critical_values_of
+        found = find(at.tangent, factored, self.sizes[self.free], self._soft)
         self._soft = found.start
         return found.values, found.below
 

@@ -204,16 +204,16 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
 
 
 def refuse_what_is_not_sparse(topology: Topology) -> None:
-    """Raise where analyses of buckling and paths by sparse factors have no equations.
+    """Raise where load multipliers by sparse factors have no equations.
 
     Raises:
         ModelError: Loads that follow a body, moments about fixed axes, or laws of several deformations.
     """
     if lacks_potential(topology):
         raise ModelError(
-            "By sparse factors critical states are found of what has a potential: loads that follow a body, moments"
+            "By sparse factors load multipliers are found of what has a potential: loads that follow a body, moments"
             " about fixed axes in space and laws of several deformations have none. Give sparse=False, which takes"
-            " them, and a model with degrees of freedom."
+            " them, and a model with degrees of freedom; fm.path finds its critical points by sparse factors too."
         )
 
 

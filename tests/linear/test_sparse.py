@@ -137,20 +137,10 @@ def test_what_is_chosen_and_refused():
         fm.modes(fm.linearize(bent(check=True)), count=2, sparse=True)
     # All that there are.
     assert fm.modes(large, count=100).eigenvalues.shape == fm.modes(bent(check=True)).eigenvalues.shape
-    with pytest.raises(TypeError, match="takes no sparse linearisation"):
-        fm.poles(large)  # type: ignore
     with pytest.raises(AttributeError, match="no K0, a matrix in the degrees of freedom"):
         large.K0  # noqa: B018
     with pytest.raises(ValueError, match="does not go with at="):
         fm.stress(bent(), at=large, sparse=True)
-    b = fm.Builder()
-    b.node("a", (0, 0))
-    b.node("b", (1, 0))
-    b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 0.001, STEEL))
-    b.fix("a")
-    b.force("b", (0, 1.0), follower=True)
-    with pytest.raises(fm.ModelError, match="needs a potential"):
-        fm.modes(b.build(check=False), count=1, sparse=True)
     b = fm.Builder()
     b.node("a", (0, 0))
     b.node("b", (1, 0))

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import planar, spatial
 
 
-def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, **options):
+def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, follower=False, **options):
     """A shallow sine arch between hinges, pressed in its middle: it bends aside before it snaps through."""
     b = fm.Builder()
     for i in range(beams + 1):
@@ -17,17 +17,22 @@ def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, **op
         b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, **options)
     b.fix("n0", "position")
     b.fix(f"n{beams}", "position")
-    b.force(f"n{beams // 2}", load, increment=preload is not None)
+    b.force(f"n{beams // 2}", load, increment=preload is not None, follower=follower)
     if preload is not None:
         b.force(f"n{beams // 2}", preload)
     return b.build(check=not sparse)
 
 
+# A force that turns with the middle of the arch has no potential: its tangent is not symmetric.
+FOLLOWING = {"follower": True, "load": (4.0, -160.0)}
+ASIDE = {"follower": True}
 # An element's stiffness couples what is released with what is held: half a beam's bending.
 HALF = {"beams": 4, "released": (1, 2)}
 
 
-@pytest.mark.parametrize("case", [{}, {"released": (2, 3), "rise": 0.05}, {"preload": (0.5, -1.0)}, HALF])
+@pytest.mark.parametrize(
+    "case", [{}, {"released": (2, 3), "rise": 0.05}, {"preload": (0.5, -1.0)}, HALF, ASIDE, FOLLOWING]
+)
 def test_a_path_by_sparse_factors_is_that_of_dense_matrices(case):
     # Both are Newton's method to round-off; a state between two others is known to half the digits at bifurcations.
     dense, sparse = fm.path(arch(**case)), fm.path(arch(**case, sparse=True), sparse=True)
@@ -125,3 +130,36 @@ def test_what_a_sparse_path_refuses():
     # Without stress it has no stiffness across.
     with pytest.raises(fm.AnalysisError, match="meets no stiffness"):
         fm.path(b.build(check=False), sparse=True)
+
+
+def strut(load, moment, sparse, beams=4):
+    """A column with a moment about a fixed axis at its end."""
+    section = fm.Rigidity(EA=1e6, EIy=1.0, EIz=100.0, GIt=1.0, mass=1.0, Jx=0.1)
+    b = fm.Builder()
+    for i in range(beams + 1):
+        b.node(f"n{i}", (i / beams, 0, 0))
+    for i in range(beams):
+        b.add(spatial.beam, f"n{i}", f"n{i + 1}", section=section, y=(0, 1, 0))
+    b.fix("n0")
+    b.force(f"n{beams}", (-load, 0, 0))
+    b.moment(f"n{beams}", (0, 0, moment))
+    return b.build(check=not sparse)
+
+
+@pytest.mark.parametrize(("load", "moment"), [(0.3 * np.pi**2, 0.0), (0.0, 4.0)])
+def test_divergence_and_flutter_are_those_of_dense_matrices(load, moment):
+    """Weak axis at pi^2 EI/4 by the sign of the determinant; a pair that turns complex, which that does not tell."""
+    dense = fm.path(strut(load, moment, False), sparse=False)
+    found = fm.path(strut(load, moment, True), sparse=True)
+    np.testing.assert_allclose(found.x, dense.x, atol=1e-9)
+    np.testing.assert_array_equal(found.stable, dense.stable)
+    assert found.stable[0]
+    assert not found.stable[-1]
+    assert [p.kind for p in found.critical_points] == [p.kind for p in dense.critical_points]
+    for one, other in zip(found.critical_points, dense.critical_points, strict=True):
+        assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
+    if load:
+        (critical,) = found.critical_points
+        assert 1.2 * critical.load_factor == pytest.approx(1, rel=1e-4)
+    else:
+        assert set(found.negative.tolist()) == {0}

@@ -1,0 +1,247 @@
+"""Slowest poles of large mechanisms, by sparse factors and Arnoldi iterations.
+
+With p = lambda M v beside v, the inverse of a shifted pencil takes (v, p) to (v, p)/(lambda - s): the poles nearest to
+s have its largest values. Motions without mass have no p, so that their poles at infinity are zeros of it and no more.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Complex
+
+from ..errors import AnalysisError, ModelError
+from ..math.element_matrices import ElementMatrices, Whole
+from ..results import RESULTS
+from .lanczos import FEW, SEARCHES, orthonormal_allowed
+from .sparse_spectrum import GROWTH, MANY
+from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
+
+# What an iteration leaves of a pole's motion beside it; where it is more, another shift is tried.
+TRUE = 1e-9
+# So many more than are asked for are looked for at first: a shift favours what is near to it.
+MORE = 2
+# So many are looked for beside those that are known.
+BESIDE = 4
+# So many eigenvalues of stiffness and mass tell whether a state is steady.
+STEADY = 8
+# Turns of the power method for the unit of time; its size is all that matters.
+TURNS = 8
+
+
+class _Shifted:
+    """(v, p) to (v, p)/(lambda - s), in units in which masses and rates are about one.
+
+    Attributes:
+        shift: s [1/s].
+        n: Coordinates that move.
+        motions: How many of them constraints leave.
+        regular: Whether it exists.
+    """
+
+    def __init__(self, whole: Whole, shift: float):
+        self.shift, self.n = shift, whole.n
+        self._damping, self._mass = whole.damping, whole.mass
+        tangent = whole.at(shift**2, shift)
+        self._rest = tangent.shape[0] - whole.n
+        self.motions, self._tangent = whole.n - self._rest, tangent
+        self._factors = whole.factors(tangent)
+        self.regular = self._factors.regular
+        if not self.regular:
+            return
+        own, stiff = self._mass.diagonal(), np.abs(tangent.diagonal()[: self.n])
+        fastest = np.max(stiff[own > 0] / own[own > 0], initial=0.0) or 1.0
+        # A force that no motion with mass makes is no p, and would not be a zero at once.
+        self._heavy = own != 0
+        size = own + stiff / fastest
+        self._scale = 1 / np.sqrt(np.where(size > 0, size, np.max(size, initial=0.0) or 1.0))
+        self._unit = 1.0
+        self._unit = 1 / (np.sqrt(self._slowness(self._mass)) + self._slowness(self._damping) or 1.0)
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """Of vectors (2 n,) or (2 n, k)."""
+        scale = self._scale if z.ndim == 1 else self._scale[:, None]
+        heavy = self._heavy if z.ndim == 1 else self._heavy[:, None]
+        v, p = scale * z[: self.n], self._unit * heavy * z[self.n :] / scale
+        moved = -self._moved(p + self._damping @ v + self.shift * (self._mass @ v))
+        return np.concatenate([moved / scale, scale * (self._mass @ (v + self.shift * moved)) / self._unit])
+
+    def start(self, number: int) -> np.ndarray:
+        """A vector that the iterations can begin with; no mechanism has a mode orthogonal to its uneven entries."""
+        z = np.cos((number + 1) * np.arange(2 * self.n) ** 2 + number)
+        return self(self(z))
+
+    def allowed(self) -> np.ndarray:
+        """All that constraints leave of (v, p), orthonormal, one a column."""
+        import scipy.sparse
+
+        scale = scipy.sparse.diags_array(np.concatenate([self._scale, np.ones(self._rest)]))
+        basis = orthonormal_allowed(scale @ self._tangent @ scale, self.n) if self._rest else np.eye(self.n)
+        across = self._scale[:, None]
+        p, sizes, _ = np.linalg.svd(across * (self._mass @ (across * basis)), full_matrices=False)
+        p = p[:, sizes > MASSLESS * self.n * np.max(sizes, initial=0.0)]
+        return np.block([[basis, np.zeros((self.n, p.shape[1]))], [np.zeros_like(basis), p]])
+
+    def _moved(self, forces: np.ndarray) -> np.ndarray:
+        rest = np.zeros((self._rest, *forces.shape[1:]))
+        return self._factors.solve(np.concatenate([forces, rest]))[: self.n]
+
+    def _slowness(self, matrix: Any) -> float:
+        """Size of what the shifted stiffness makes of forces of a matrix."""
+        found, v = 0.0, np.cos(np.arange(self.n) ** 2)
+        for _ in range(TURNS):
+            v = self._moved(matrix @ (self._scale * v)) / self._scale
+            found = float(np.linalg.norm(v))
+            if not found > 0:
+                return 0.0
+            v = v / found
+        return found
+
+
+def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
+    """Solutions of lambda^2 M v + lambda C v + K v + D^T m = 0, D v = 0 that are nearest to zero.
+
+    Args:
+        whole: The matrices, of which K and C may be unsymmetric.
+        count: How many; one more where the last is one of a complex pair.
+
+    Returns:
+        Ordered by |Im|, fewer where there are not so many, (n,) [rad/s].
+
+    Raises:
+        ModelError: ``count`` is so large a part of very many.
+        AnalysisError: singular_stiffness or not_converged.
+
+    Source:
+        THEORY.md 7, eq. (7.3) and (7.19); implicitly restarted Arnoldi method of ARPACK (Lehoucq, Sorensen, Yang 1998).
+    """
+    at = _regular(whole)
+    every = 2 * at.motions
+    if 3 * count >= every > 2 * MANY:
+        raise ModelError(
+            f"Argument `count` = {count}: sparse matrices give few of the {every} poles, not all. Ask for fewer, or"
+            " give sparse=False and a model with degrees of freedom."
+        )
+    if at.shift > 0 and whole.mass.count_nonzero() + whole.damping.count_nonzero():
+        # As small a shift leaves few digits to what is far above it.
+        at = _better(at, whole, _nearest(at, count)[0])
+    found, wrong = _complete(at, count)
+    if wrong > TRUE:
+        at = _better(at, whole, found)
+        found, wrong = _complete(at, count)
+    if not wrong <= TRUE:
+        raise AnalysisError(
+            RESULTS.not_converged.name,
+            "The poles were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
+            " of freedom.",
+        )
+    return in_order(slowest(found, count))
+
+
+def is_steady(elements: ElementMatrices) -> bool:
+    """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive."""
+    import jax
+
+    whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[])))
+    if not _Shifted(whole, 0.0).regular:
+        return False
+    values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
+    return bool(np.all(is_real(values) & (np.real(values) > 0)))
+
+
+def _regular(whole: Whole) -> _Shifted:
+    """Shifted by as little as makes it regular: by nothing, but where a motion meets no stiffness."""
+    at = _Shifted(whole, 0.0)
+    if at.regular:
+        return at
+    stiff = np.max(np.abs(whole.at().diagonal()[: whole.n]), initial=0.0) or 1.0
+    heavy, viscous = (np.max(np.abs(of.diagonal()), initial=0.0) for of in (whole.mass, whole.damping))
+    first = np.sqrt(FIRST_SHIFT * stiff / heavy) if heavy > 0 else FIRST_SHIFT * stiff / viscous if viscous > 0 else 0.0
+    for i in range(MAX_SHIFTS if first > 0 else 0):
+        at = _Shifted(whole, float(first * GROWTH**i))
+        if at.regular:
+            return at
+    raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+
+
+def _better(at: _Shifted, whole: Whole, found: np.ndarray) -> _Shifted:
+    """Shifted by as much as the slowest pole that is no zero beside the shift before."""
+    sizes = np.abs(found)
+    sizes = sizes[sizes > at.shift]
+    better = _Shifted(whole, float(np.min(sizes))) if len(sizes) else at
+    return better if better.regular else at
+
+
+def _complete(at: _Shifted, count: int) -> tuple[np.ndarray, float]:
+    """Poles of which the nearest to zero are known one and all, ``count`` if there are, and how far these are off."""
+    every, wanted = 2 * at.motions, min(count + MORE, 2 * at.motions)
+    while True:
+        found, wrong, rest = _nearest(at, wanted)
+        # What is nearer to zero than this is nearer to the shift than what was not found.
+        radius = np.inf if rest == 0 or wanted == every else 1 / rest - at.shift
+        sure = np.abs(found) <= radius * (1 + TRUE)
+        if np.sum(sure) >= count or wanted == every:
+            return found[sure], float(np.max(wrong[sure], initial=0.0))
+        wanted = min(2 * wanted, every)
+
+
+def _nearest(at: _Shifted, count: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Poles nearest to the shift, how far their motions are from such, and the least of their inverse distances."""
+    every = at.motions <= FEW or 3 * count >= 2 * at.motions
+    basis = at.allowed() if every else _all_copies(at, count)
+    taken = at(basis)
+    small = basis.T @ taken
+    inverse, shares = np.linalg.eig(small)
+    order = np.argsort(-np.abs(inverse), kind="stable")
+    inverse, shares = inverse[order], shares[:, order]
+    finite = np.abs(inverse) > MASSLESS * len(basis) * np.max(np.abs(inverse), initial=0.0)
+    rest = 0.0 if np.sum(finite) < count else float(np.abs(inverse[count - 1]))
+    finite &= np.abs(inverse) >= rest
+    inverse, shares = inverse[finite], shares[:, finite]
+    # Of all that constraints leave nothing is beyond the basis but forces that move nothing.
+    left = 0 * basis if every else taken - basis @ small
+    wrong = np.linalg.norm(left @ shares, axis=0) / np.abs(inverse)
+    return at.shift + 1 / inverse, wrong, rest
+
+
+def _all_copies(at: _Shifted, count: int) -> np.ndarray:
+    """Orthonormal basis of the motions of the ``count`` largest values, as many of each as there are.
+
+    From one start iterations see one motion of each value: others are looked for beside those that are known.
+    """
+    basis, least = np.zeros((2 * at.n, 0)), 0.0
+    for i in range(SEARCHES):
+        values, vectors = _searched(at, basis, count if i == 0 else BESIDE, i)
+        if i > 0 and np.max(np.abs(values), initial=0.0) <= least * (1 + TRUE):
+            return basis
+        more = np.concatenate([vectors.real, vectors.imag], axis=1)
+        for _ in range(2):
+            more = more - basis @ (basis.T @ more)
+        left, sizes, _ = np.linalg.svd(more, full_matrices=False)
+        basis = np.concatenate([basis, left[:, sizes > TRUE * np.max(sizes, initial=0.0)]], axis=1)
+        own = np.sort(np.abs(np.linalg.eigvals(basis.T @ at(basis))))[::-1]
+        least = max(own[min(count, len(own)) - 1], MASSLESS * len(basis) * own[0])
+    raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
+
+
+def _searched(at: _Shifted, basis: np.ndarray, count: int, number: int) -> tuple[Any, Any]:
+    """Largest values and vectors where a basis of known ones is taken out."""
+    import scipy.sparse.linalg
+
+    linalg: Any = scipy.sparse.linalg
+
+    def beside(z):
+        z = np.ravel(z)
+        z = at(z - basis @ (basis.T @ z))
+        return z - basis @ (basis.T @ z)
+
+    operator = linalg.LinearOperator((2 * at.n, 2 * at.n), matvec=beside, dtype=float)
+    start = beside(at.start(number))
+    if not np.linalg.norm(start) > 0:
+        return np.zeros(0), np.zeros((2 * at.n, 0))
+    try:
+        return linalg.eigs(operator, k=count, v0=start / np.linalg.norm(start), tol=TRUE * 1e-4)
+    except linalg.ArpackError as fault:
+        raise AnalysisError(
+            RESULTS.not_converged.name,
+            f"{fault} Ask for fewer, or give sparse=False and a model with degrees of freedom.",
+        ) from None
