@@ -2,6 +2,7 @@
 
 import hashlib
 from collections import deque
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -19,6 +20,8 @@ from .turning import Turning, turning_of
 
 # Factors of so many matrices are kept: two of a step, and those that bring back onto the constraints.
 MOST = 4
+# SciPy's SuperLU gives memory back in the thread alone that took it, and compiled code calls the host in any thread.
+_host = ThreadPoolExecutor(1)
 # What a solution is found from: factors, or what the host factors.
 Factors = BlockFactors | Inexact[Array, "entries"]
 
@@ -50,7 +53,9 @@ class Places:
             entries: Of the element matrices, one after the other, then those of the diagonal.
             right: Right-hand side, (unknowns,).
         """
-        entries, right = np.asarray(entries), np.asarray(right)
+        return _host.submit(self._solution, np.asarray(entries), np.asarray(right)).result()
+
+    def _solution(self, entries: np.ndarray, right: np.ndarray) -> np.ndarray:
         factors = self._factors(entries)
         return factors.solve(right) if factors.regular else np.full_like(right, np.nan)
 

@@ -38,9 +38,9 @@ from .parts import integrate_in_parts, sampled_intervals
 if TYPE_CHECKING:
     import diffrax
 
-# From so many coordinates on mechanisms that are no chains are solved on the host by themselves: what is compiled for
-# that is not kept on disk.
-NET = 600
+# From so many coordinates on mechanisms that are no chains are solved on the host by themselves. A net of 480 takes 0.6
+# of the time of dense matrices so, but compiles for 5 s in every process (benchmarks/nets.py).
+NET = 800
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
 
