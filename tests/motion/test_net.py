@@ -13,7 +13,7 @@ TIMES = np.linspace(0.0, 0.1, 3)
 
 @functools.cache
 def net(n: int = 3, m: int = 4):
-    """A lattice of n by m meshes hung at its upper corners, one beam keeping its length; a spectral beam hangs below."""
+    """A lattice hung at its upper corners, one of its beams keeping its length; a spectral beam hangs below."""
     section = fm.Rigidity(EA=1e4, EIy=0.1, mass=0.1)
     b = fm.Builder()
     for i in range(n + 1):
