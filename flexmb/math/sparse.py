@@ -61,7 +61,7 @@ class SparsePattern:
             pieces: Matrices (elements, r, c), as the pattern was told of.
         """
         flat = [np.asarray(matrices).ravel() for matrices in pieces]
-        given = np.concatenate(flat) if flat else np.zeros(0)
+        given: Any = np.concatenate(flat) if flat else np.zeros(0)
         parts = (given.real, given.imag) if np.iscomplexobj(given) else (given,)
         real, *imag = (np.bincount(self.slots, part, len(self.rows) + 1)[: len(self.rows)] for part in parts)
         return real + 1j * imag[0] if imag else real

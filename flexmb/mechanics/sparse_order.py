@@ -12,7 +12,6 @@ import numpy as np
 from jaxtyping import Array, Float, Inexact, Int
 
 from ..compilation.record import Record, static
-from ..math.block_tridiagonal import BlockFactors
 from ..math.sparse import SparseFactors, SparsePattern
 from ..model.topology import Topology
 from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
@@ -22,8 +21,8 @@ from .turning import Turning, turning_of
 MOST = 4
 # SciPy's SuperLU gives memory back in the thread alone that took it, and compiled code calls the host in any thread.
 _host = ThreadPoolExecutor(1)
-# What a solution is found from: factors, or what the host factors.
-Factors = BlockFactors | Inexact[Array, "entries"]
+# What a solution is found from: BlockFactors of levels, or the entries that the host factors.
+Factors = Any
 
 
 class Places:
