@@ -188,11 +188,12 @@ class ChainForm(Record):
             THEORY.md 9 (b), eq. (9.2).
         """
         z = jnp.zeros(self.size + self.form.held.shape[0])
-        factors = self.order.factors(self.pieces(t, state, z).by_z)
+        order: Any = self.order
+        factors = order.factors(self.pieces(t, state, z).by_z)
 
         def corrected(z, _):
             left = self.residual(t, state, z)
-            return z - self.order.solved(factors, left), jnp.max(jnp.abs(left))
+            return z - order.solved(factors, left), jnp.max(jnp.abs(left))
 
         # The second time removes what keeps redundant constraints solvable; what a singular system leaves is more.
         z, left = jax.lax.scan(corrected, z, None, length=3)
@@ -234,9 +235,10 @@ class ChainForm(Record):
                 pieces.append(square)
             e = strained(form.elements, at.x, form.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
-            factors = self.order.factors(tuple(pieces), masses)
+            order: Any = self.order
+            factors = order.factors(tuple(pieces), masses)
             back = [
-                self.order.solved(factors, jnp.append(jnp.zeros(n), excess))[:n]
+                order.solved(factors, jnp.append(jnp.zeros(n), excess))[:n]
                 for excess in (e[form.held] - at.e, ed[form.held] - at.ed)
             ]
             return tuple(of - more for of, more in zip(moving, back, strict=True))

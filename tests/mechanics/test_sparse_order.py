@@ -1,5 +1,7 @@
 """Equations solved by factors on the host, against NumPy's dense solution."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -30,7 +32,7 @@ def wheel(spokes: int, held=False):
 def test_the_host_is_asked_where_there_is_no_chain_or_where_rows_may_change_places():
     assert isinstance(order_of(wheel(1).topology), Levels)
     assert isinstance(order_of(wheel(1, held=True).topology), SparseOrder)
-    order = order_of(wheel(20).topology)
+    order: Any = order_of(wheel(20).topology)
     assert isinstance(order, SparseOrder)
     # What is compiled for one serves the next.
     assert order_of(wheel(20).topology).places is order.places
@@ -38,7 +40,8 @@ def test_the_host_is_asked_where_there_is_no_chain_or_where_rows_may_change_plac
 
 @pytest.mark.parametrize("kind", [float, complex])
 def test_it_is_solved(kind):
-    order, draw = order_of(wheel(20).topology), np.random.default_rng(0)
+    order: Any = order_of(wheel(20).topology)
+    draw = np.random.default_rng(0)
     count = order.places.count
 
     def drawn(*shape):
