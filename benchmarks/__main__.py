@@ -40,6 +40,7 @@ SCRIPTS = (
     "along",
     "swing",
     "chains",
+    "nets",
     "motion",
     "stability",
 )

@@ -412,3 +412,71 @@ def spaghetti(elements: int, end: float, load: float, steps: int) -> Callable[[]
         return np.concatenate([start + axes.T @ system.GetNodeOutput(node, place) for node in (nodes[0], nodes[-1])])
 
     return _motion((container, system), end, steps, ends_in_space)
+
+
+def net(length, mass, bending, stretching, gravity, cells: int, end: float, steps: int, **newton) -> Callable[[], Any]:
+    """A function that lets a square net fall that hangs at its upper corners, and gives where its lower edge is.
+
+    Cables along and across are hinged to each other where they cross.
+
+    Args:
+        length: Of a cable from edge to edge [m].
+        mass: Per length [kg/m].
+        bending: Rigidity [N m^2].
+        stretching: Rigidity [N].
+        gravity: [m/s^2].
+        cells: Meshes along an edge; each side of one is an ANCF cable.
+        end: Time [s].
+        steps: Number of time steps.
+        newton: Settings of Newton's method: relativeTolerance, useModifiedNewton.
+    """
+    import numpy as np
+    from exudyn import itemInterface as item
+
+    exudyn = _exudyn()
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    ground = system.AddNode(item.NodePointGround())
+    fixed = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+    own, every = length / cells, range(cells + 1)
+
+    def node(i, j, *slope):
+        return system.AddNode(item.NodePoint2DSlope1(referenceCoordinates=[own * i, -own * j, *slope]))
+
+    along, across = ({(i, j): node(i, j, *slope) for i in every for j in every} for slope in ((1.0, 0.0), (0.0, -1.0)))
+    sides = [(along[i, j], along[i + 1, j]) for i in every[:-1] for j in every]
+    sides += [(across[i, j], across[i, j + 1]) for i in every for j in every[:-1]]
+    for ends in sides:
+        cable = item.ObjectANCFCable2D(
+            physicsLength=own,
+            physicsMassPerLength=mass,
+            physicsBendingStiffness=bending,
+            physicsAxialStiffness=stretching,
+            nodeNumbers=list(ends),
+        )
+        marker = system.AddMarker(item.MarkerBodyMass(bodyNumber=system.AddObject(cable)))
+        system.AddLoad(item.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
+
+    def marked(node, coordinate):
+        return system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+    for at, coordinate in itertools.product(along, (0, 1)):
+        pair = [marked(along[at], coordinate), marked(across[at], coordinate)]
+        system.AddObject(item.CoordinateConstraint(markerNumbers=pair))
+        if at in ((0, 0), (cells, 0)):
+            system.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, pair[0]]))
+    system.Assemble()
+    place = exudyn.OutputVariableType.Position
+    chosen = in_time(end, steps)
+    for name, value in newton.items():
+        setattr(chosen.timeIntegration.newton, name, value)
+
+    def run():
+        if not system.SolveDynamic(chosen, solverType=exudyn.DynamicSolverType.GeneralizedAlpha):
+            raise RuntimeError("not converged")
+        return np.concatenate(
+            [system.GetNodeOutput(along[at], place)[:2] for at in ((cells, cells), (cells // 2, cells))]
+        )
+
+    run.built = container, system  # type: ignore[attr-defined]
+    return run

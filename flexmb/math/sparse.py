@@ -61,8 +61,10 @@ class SparsePattern:
             pieces: Matrices (elements, r, c), as the pattern was told of.
         """
         flat = [np.asarray(matrices).ravel() for matrices in pieces]
-        given = np.concatenate(flat) if flat else np.zeros(0)
-        return np.bincount(self.slots, given, len(self.rows) + 1)[: len(self.rows)]
+        given: Any = np.concatenate(flat) if flat else np.zeros(0)
+        parts = (given.real, given.imag) if np.iscomplexobj(given) else (given,)
+        real, *imag = (np.bincount(self.slots, part, len(self.rows) + 1)[: len(self.rows)] for part in parts)
+        return real + 1j * imag[0] if imag else real
 
     def matrix(self, pieces: Sequence[Any]) -> Any:
         """Sum of element matrices, sparse by columns; arguments as for :meth:`entries`."""
@@ -127,10 +129,8 @@ class SparseFactors:
             return
         if ordering is None:
             self.ordering = np.argsort(self._factors.perm_c)
-        if not self._with_good_pivots():
-            # Small pivots on the diagonal make others large.
-            self._change_rows()
-        self.regular = self._with_good_pivots()
+        # Small pivots on the diagonal make others large.
+        self.regular = self._with_good_pivots() or (self._change_rows() and self._with_good_pivots())
         if np.array_equal(self._factors.perm_r, self._factors.perm_c):
             self.negative = int(np.sum(self._factors.U.diagonal() < 0))
 

@@ -63,10 +63,23 @@ class Levels(Record):
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
         """Product of the sum of element matrices with a change of the unknowns."""
-        whole = jnp.append(change, 0.0)
-        every = zip(self.unknowns, pieces, strict=True)
-        found = [(unknowns, jnp.sum(own * whole[unknowns][:, None, :], axis=2)) for unknowns, own in every]
-        return scatter_vector(whole.shape[0], found)[:-1]
+        return product_of(self.unknowns, pieces, change)
+
+
+def product_of(
+    unknowns: tuple[Int[Array, "elements k"], ...], pieces: tuple[Array, ...], change: Float[Array, "unknowns"]
+) -> Float[Array, "unknowns"]:
+    """Product of the sum of element matrices with a change of the unknowns.
+
+    Args:
+        unknowns: Of each element of each block, one past the last for none.
+        pieces: Of each block, (elements, k, k).
+        change: Of the unknowns, (unknowns,).
+    """
+    whole = jnp.append(change, 0.0)
+    every = zip(unknowns, pieces, strict=True)
+    found = [(places, jnp.sum(own * whole[places][:, None, :], axis=2)) for places, own in every]
+    return scatter_vector(whole.shape[0], found)[:-1]
 
 
 def bordered(
@@ -109,31 +122,41 @@ def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
         Levels, or None where one has more unknowns.
     """
     moving = moving_blocks(topology)
-    blocks = [
-        (np.asarray(block.x), np.asarray(block.e) if "deformation" in block.companions else np.asarray(block.e)[:, :0])
-        for block in moving
-    ]
-    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
-    arrays = [free, held, *(array for pair in blocks for array in pair)]
-    key = tuple((array.shape, array.astype(np.int64).tobytes()) for array in arrays)
-    found = _levels(key, topology.n_x, topology.n_e, widest)
+    unknowns, holds, count = unknowns_of(topology, moving)
+    key = tuple((own.shape, own.tobytes()) for own in unknowns)
+    found = _levels(key, topology.x.free.shape[0], count, widest)
     if found is None:
         return None
-    place, back, table, empty, unknowns, holds = found
+    place, back, table, empty, unknowns = found
     return Levels(place, back, table, empty, unknowns, turning_of(topology, moving), holds)
 
 
-@functools.lru_cache(8)
-def _levels(key, n_x: int, n_e: int, widest: int | None) -> Any:
-    free, held, *rest = (np.frombuffer(data, np.int64).reshape(shape) for shape, data in key)
+def unknowns_of(topology: Topology, moving: list[Block]) -> tuple[list[np.ndarray], tuple[bool, ...], int]:
+    """Unknowns of the elements of each block, whether some of its deformations are held, and how many there are.
+
+    Args:
+        moving: Blocks that move.
+
+    Returns:
+        Of each block, (elements, k): coordinates that move, then multipliers where some are held; one past the last
+        for none.
+    """
+    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
     n, count = len(free), len(free) + len(held)
-    of_x, of_e = np.full(n_x, count), np.full(n_e, count)
+    of_x, of_e = np.full(topology.n_x, count), np.full(topology.n_e, count)
     of_x[free], of_e[held] = np.arange(n), n + np.arange(len(held))
     unknowns, holds = [], []
-    for x, e in zip(rest[::2], rest[1::2], strict=True):
-        own = of_e[e]
+    for block in moving:
+        x, e = np.asarray(block.x), np.asarray(block.e)
+        own = of_e[e if "deformation" in block.companions else e[:, :0]]
         holds.append(bool(np.any(own < count)))
         unknowns.append(np.concatenate([of_x[x], own], axis=1) if holds[-1] else of_x[x])
+    return unknowns, tuple(holds), count
+
+
+@functools.lru_cache(8)
+def _levels(key, n: int, count: int, widest: int | None) -> Any:
+    unknowns = [np.frombuffer(data, np.int64).reshape(shape) for shape, data in key]
     elements = [row[row < count] for rows in unknowns for row in rows]
     level = _level_of_each(elements, n, count)
     order = np.argsort(level, kind="stable")
@@ -149,7 +172,7 @@ def _levels(key, n_x: int, n_e: int, widest: int | None) -> Any:
     empty = np.eye(wide)[:, :, None] * (place == count)
     back = within * many + level
     arrays = (jnp.asarray(of) for of in (place, back, table, empty))
-    return *arrays, tuple(jnp.asarray(u) for u in unknowns), tuple(holds)
+    return *arrays, tuple(jnp.asarray(u) for u in unknowns)
 
 
 def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:

@@ -1,7 +1,7 @@
-"""Motion of long chains: all nodal coordinates and multipliers, with matrices that are block tridiagonal.
+"""Motion of long chains and of nets: all nodal coordinates and multipliers, with matrices element by element.
 
-Nothing here is of the size of the mechanism squared: elements are computed and kept element by element, and their
-matrices are added up into the blocks of :mod:`flexmb.mechanics.levels`.
+Nothing here is of the size of the mechanism squared: what element matrices are added up to, and how it is factored, is
+left to :mod:`flexmb.mechanics.levels` for chains and to :mod:`flexmb.mechanics.sparse_order` for everything else.
 """
 
 from typing import Any, NamedTuple
@@ -12,10 +12,10 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
-from ..math.block_tridiagonal import BlockFactors
 from ..math.indices import put
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.levels import Levels, bordered, moving_blocks
+from ..mechanics.sparse_order import Factors, SparseOrder
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
@@ -60,13 +60,13 @@ class ChainForm(Record):
 
     Attributes:
         form: The same equations; of it nothing is used that is of the size of the mechanism squared.
-        levels: Order of the unknowns.
+        order: Of the unknowns.
         stiffness: Of each block of elements that deforms, (elements, d, d), or None.
         damping: The same for the rates.
     """
 
     form: CoordinatesForm
-    levels: Levels
+    order: Levels | SparseOrder
     stiffness: tuple[Float[Array, "elements d d"] | None, ...]
     damping: tuple[Float[Array, "elements d d"] | None, ...]
 
@@ -151,7 +151,7 @@ class ChainForm(Record):
         found = derivatives_of_elements(form.elements, moving, form.falling, stress, *tangents)
         sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
         every = []
-        for block, holds, own in zip(form.elements, self.levels.holds, found, strict=True):
+        for block, holds, own in zip(form.elements, self.order.holds, found, strict=True):
             size = sizes[block.x]
             both = size[:, :, None] * size[:, None, :]
             by_z, by_w, by_u = (both * of for of in (own.mass, own.by_v, own.by_x))
@@ -168,17 +168,17 @@ class ChainForm(Record):
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
         return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
 
-    def factors_of_step(self, pieces: Pieces, step) -> BlockFactors:
+    def factors_of_step(self, pieces: Pieces, step) -> Factors:
         """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
 
         def of_step(z, w, u):
             return z.astype(step.dtype) + step * (w.astype(step.dtype) + step * u.astype(step.dtype))
 
-        return self.levels.factors(tuple(map(of_step, *pieces)))
+        return self.order.factors(tuple(map(of_step, *pieces)))
 
     def product(self, pieces: tuple[Array, ...], moved):
         """Product of the sum of element matrices with a change of the coordinates that move, (unknowns,)."""
-        return self.levels.product(pieces, jnp.append(moved, jnp.zeros(self.form.held.shape[0])))
+        return self.order.product(pieces, jnp.append(moved, jnp.zeros(self.form.held.shape[0])))
 
     @jit_beside_options
     def acceleration(self, t, state: MotionState):
@@ -188,13 +188,16 @@ class ChainForm(Record):
             THEORY.md 9 (b), eq. (9.2).
         """
         z = jnp.zeros(self.size + self.form.held.shape[0])
-        factors = self.levels.factors(self.pieces(t, state, z).by_z)
-        before = self.residual(t, state, z)
-        z = z - self.levels.solved(factors, before)
-        after = self.residual(t, state, z)
-        # What is left of a singular system is no round-off.
-        regular = jnp.all(jnp.isfinite(z)) & (jnp.max(jnp.abs(after)) <= 1e-6 * jnp.max(jnp.abs(before)))
-        return z - self.levels.solved(factors, after), regular
+        order: Any = self.order
+        factors = order.factors(self.pieces(t, state, z).by_z)
+
+        def corrected(z, _):
+            left = self.residual(t, state, z)
+            return z - order.solved(factors, left), jnp.max(jnp.abs(left))
+
+        # The second time removes what keeps redundant constraints solvable; what a singular system leaves is more.
+        z, left = jax.lax.scan(corrected, z, None, length=3)
+        return z, jnp.all(jnp.isfinite(z)) & (left[2] <= 1e-6 * left[0])
 
     def rate_of_memory(self, t, state: MotionState, z):
         """How the memory changes: no turns are counted."""
@@ -221,7 +224,7 @@ class ChainForm(Record):
             at = form.whole(t, moving[0], moving[1], jnp.zeros(n))
             found = deformed_elements(form.elements, at.x, form.near(state.memory))
             pieces, rates = [], []
-            for block, holds, own in zip(form.elements, self.levels.holds, found, strict=True):
+            for block, holds, own in zip(form.elements, self.order.holds, found, strict=True):
                 k = block.x.shape[1]
                 square = jnp.zeros((block.x.shape[0], k, k))
                 if own is not None:
@@ -232,9 +235,10 @@ class ChainForm(Record):
                 pieces.append(square)
             e = strained(form.elements, at.x, form.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
-            factors = self.levels.factors(tuple(pieces), masses)
+            order: Any = self.order
+            factors = order.factors(tuple(pieces), masses)
             back = [
-                self.levels.solved(factors, jnp.append(jnp.zeros(n), excess))[:n]
+                order.solved(factors, jnp.append(jnp.zeros(n), excess))[:n]
                 for excess in (e[form.held] - at.e, ed[form.held] - at.ed)
             ]
             return tuple(of - more for of, more in zip(moving, back, strict=True))
@@ -244,11 +248,11 @@ class ChainForm(Record):
         return MotionState(u, w, state.memory)
 
 
-def chain_form(model: Model, driven: tuple[Driven, ...], levels: Levels) -> ChainForm:
+def chain_form(model: Model, driven: tuple[Driven, ...], order: Levels | SparseOrder) -> ChainForm:
     """Equations of motion of a chain.
 
     Args:
-        levels: Order of its unknowns.
+        order: Of its unknowns.
 
     Returns:
         ChainForm.
@@ -262,4 +266,4 @@ def chain_form(model: Model, driven: tuple[Driven, ...], levels: Levels) -> Chai
         found = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
         return tuple(own for own, block in zip(found, topology.blocks, strict=True) if id(block) in moving)
 
-    return ChainForm(form, levels, of_blocks("stiffness"), of_blocks("damping"))
+    return ChainForm(form, order, of_blocks("stiffness"), of_blocks("damping"))

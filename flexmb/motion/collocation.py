@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..math.block_tridiagonal import BlockFactors
+from ..mechanics.sparse_order import Factors
 from .chain_form import ChainForm, Pieces
 from .protocol import MotionState
 from .step_size import LARGE
@@ -60,8 +60,8 @@ class StepMatrices(NamedTuple):
     """
 
     pieces: Pieces
-    real: BlockFactors
-    other: BlockFactors
+    real: Factors
+    other: Factors
     at: Float[Array, "n_x"]
 
 
@@ -141,7 +141,7 @@ def collocated(
     n = state.u.shape[0]
     rtol, atol = allowed
     nodes, twice, weights = (jnp.asarray(of) for of in (NODES, TWICE, ERROR))
-    levels, turning = equations.levels, equations.levels.turning
+    order, turning = equations.order, equations.order.turning
 
     def since(t, u):
         return turning.since(equations.form.whole(t, u, u, u).x, matrices.at)
@@ -159,8 +159,8 @@ def collocated(
         reached = states_at(state, h, z)
         residuals = jax.vmap(equations.residual)(t + nodes * h, reached, z)
         right = jnp.asarray(TO_PARTS) @ turned_back(turns, residuals).astype(complex)
-        first = levels.solved(matrices.real, right[0].real)
-        second = levels.solved(matrices.other, right[1])
+        first = order.solved(matrices.real, right[0].real)
+        second = order.solved(matrices.other, right[1])
         change = jnp.asarray(FROM_PARTS[:, 0].real)[:, None] * first
         change = change + 2 * (jnp.asarray(FROM_PARTS[:, 1])[:, None] * second).real
         # It is displacements that turn, not accelerations.
@@ -191,7 +191,7 @@ def collocated(
     own_u, own_w = (turning.turned_back(turn, of) for of in (error_u, error_w))
     moved = equations.product(matrices.pieces.by_w, own_w)
     moved = moved + equations.product(matrices.pieces.by_u, own_u + STEP * h * own_w)
-    error_w = error_w - STEP * h * turning.turned(turn, levels.solved(matrices.real, moved)[:n])
+    error_w = error_w - STEP * h * turning.turned(turn, order.solved(matrices.real, moved)[:n])
     error_u = error_u + STEP * h * error_w
     error = MotionState(_unless(solved, error_u), _unless(solved, error_w), jnp.zeros_like(state.memory))
     end = equations.settle(t + h, MotionState(reached.u[2], reached.w[2], state.memory))

@@ -13,6 +13,7 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.derivative import with_derivative
 from ..mechanics.levels import Levels
+from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
@@ -43,7 +44,7 @@ class Problem(Record):
         feedback: Controller, or None.
         jumps: Times to be stepped onto, ascending, (k,) [s], or None.
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
-        levels: Order of the unknowns of a chain, or None.
+        order: Of the unknowns of a chain or a net, or None.
         tree: Beams whose last ends are computed, for the form "tree".
     """
 
@@ -52,7 +53,7 @@ class Problem(Record):
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
-    levels: Levels | None = None
+    order: Levels | SparseOrder | None = None
     tree: Tree | None = None
 
 
@@ -107,7 +108,7 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     given = equations, integrator, problem.jumps, t0, t1, times, start, moved
     if any(one is not None for one in own):
         return _by_diffrax(parts, *given)
-    if problem.levels is not None:
+    if problem.order is not None:
         # Its numbers are concrete: there are no derivatives.
         return _marched(parts, *given)
     return with_derivative(functools.partial(_marched, parts), functools.partial(_by_diffrax, parts), *given)
@@ -213,9 +214,9 @@ def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
 
 
 def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm | TreeForm:
-    if problem.levels is not None:
+    if problem.order is not None:
         # Its solver asks for element matrices in place of a dense tangent.
-        chain: Any = chain_form(problem.model, problem.driven, problem.levels)
+        chain: Any = chain_form(problem.model, problem.driven, problem.order)
         return chain
     mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if form == "reduced":

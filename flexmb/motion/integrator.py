@@ -27,8 +27,8 @@ class Integrator(Record):
             constraints after every step; no choice of degrees of freedom can fail on the way. "tree": the same, but
             that the last ends of spectral beams are computed from their first ends and strains wherever they close no
             loop. "reduced": the degrees of freedom, from which the rest follows in every evaluation; fewer unknowns,
-            but it fails at a dead point. "chain": all coordinates of a mechanism whose elements follow on one another,
-            by Radau's method and without matrices of its size squared; it takes concrete numbers, not those of
+            but it fails at a dead point. "chain": all coordinates of many elements, chains and nets alike, by
+            Radau's method and without matrices of the size squared; it takes concrete numbers, not those of
             ``jax.jit`` or ``jax.grad``. None: "chain" where there are many beams and it applies; "tree" where there are
             such beams and no controller, event or ``EnergyKeeping()``, which need all coordinates; or "coordinates".
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the

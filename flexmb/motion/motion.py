@@ -17,7 +17,7 @@ from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
-from ..mechanics.levels import levels_of
+from ..mechanics.sparse_order import order_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
@@ -117,9 +117,9 @@ class Motion(ByName, Along, Result, Record):
             Observed.
         """
         model = self.model
-        levels = levels_of(model.topology) if self.form == "chain" else None
+        order = order_of(model.topology) if self.form == "chain" else None
         rows = (self.t, self.x, self.xd, self.near, self.u)
-        found = _observe(model.without_names(), self.driven, *rows, levels)
+        found = _observe(model.without_names(), self.driven, *rows, order)
         return dataclasses.replace(found, labels=model.labels)
 
     def linearizations(self) -> Linearization:
@@ -270,10 +270,10 @@ def _along(model, driven, t, x, xd, near, u):
 
 
 @jit_beside_options
-def _observe(model, driven, t, x, xd, near, u, levels):
+def _observe(model, driven, t, x, xd, near, u, order):
     topology, parameters = model.topology, model.parameters
     undriven = coordinates_form(topology, parameters, driven)
-    chain = None if levels is None else chain_form(model, driven, levels)
+    chain = None if order is None else chain_form(model, driven, order)
     gravity = parameters.loads.gravity
 
     def one(at):

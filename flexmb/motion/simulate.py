@@ -18,8 +18,9 @@ from ..compilation.record import Record
 from ..errors import AnalysisError, ModelError
 from ..linear.loose import without_mass
 from ..math.sparse import LARGE
-from ..mechanics.levels import WIDE, Levels, is_elastic, levels_of
+from ..mechanics.levels import Levels
 from ..mechanics.signals import terms_of
+from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check
@@ -37,6 +38,9 @@ from .parts import integrate_in_parts, sampled_intervals
 if TYPE_CHECKING:
     import diffrax
 
+# From so many coordinates on mechanisms that are no chains are solved on the host by themselves. A net of 480 takes 0.6
+# of the time of dense matrices so, but compiles for 5 s in every process (benchmarks/nets.py).
+NET = 800
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
 
@@ -150,15 +154,15 @@ def simulate(
     feedback = as_feedback(model, loop)
     # No number of the program where no rotation in space is measured.
     rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
-    chosen, levels = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
+    chosen, order = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
     tree = None
-    if levels is None and integrator.form in (None, "tree"):
+    if order is None and integrator.form in (None, "tree"):
         tree = tree_of(top, acted_on(model, driven))
         chosen = integrator.on(tree, controlled=loop.control is not None)
     # Where none of these serves.
     integrator = chosen if chosen.form is not None else dataclasses.replace(chosen, form="coordinates")
     whence = start.x if rotations else None
-    problem = Problem(model.without_names(), driven, feedback, jumps, whence, levels)
+    problem = Problem(model.without_names(), driven, feedback, jumps, whence, order)
     if integrator.form == "tree":
         problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:
@@ -185,20 +189,17 @@ def simulate(
     elif progress:
         left = ((0, len(times) - reached), (0, 0))
         x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
-    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if levels is None else "Radau"
-    found = Motion(times, x, xd, near, u, run.steps, run.result, driven, model, str(integrator.form), name)
+    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
+    result = run.result
+    if isinstance(order, SparseOrder) and order.places.too_large:
+        result = jnp.full_like(result, RESULTS.out_of_memory)
+    found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
     about = ""
     if throw and not stopped and is_concrete(found.result) and int(found.result) != RESULTS.successful:
         if is_concrete((model, driven, times)):
             _refuse_not_finite(model, drives, driven, np.asarray(times))
         if int(found.result) == RESULTS.singular_mass:
             about = without_mass(model)
-            if levels is not None and not about:
-                raise ModelError(
-                    'form="chain" does not apply: it eliminates one part of the chain after the other, and the'
-                    " equations of a part alone are singular here, as those of spectral beams are, whose coefficients"
-                    " no node holds. Leave `form` out."
-                )
     check(found.result, throw and not stopped, about)
     return found
 
@@ -225,8 +226,10 @@ def _refuse_not_finite(model: Model, drives: Drives, driven, times: np.ndarray) 
                 )
 
 
-def _in_its_form(integrator: Integrator, model: Model, driven, feedback, numbers) -> tuple[Integrator, Levels | None]:
-    """The integrator with the form that is taken, and the order of the unknowns where it is that of chains."""
+def _in_its_form(
+    integrator: Integrator, model: Model, driven, feedback, numbers
+) -> tuple[Integrator, Levels | SparseOrder | None]:
+    """The integrator with the form that is taken, and the order of the unknowns where it is that of chains and nets."""
     if integrator.form not in (None, "chain"):
         return integrator, None
     asked, top = integrator.form == "chain", model.topology
@@ -235,12 +238,13 @@ def _in_its_form(integrator: Integrator, model: Model, driven, feedback, numbers
         why = "its numbers are traced (jax.jit, jax.grad, jax.vmap)"
     if asked and why is not None:
         raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
-    if why is None and not asked:
-        own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)
-        if top.x.free.shape[0] < LARGE or not is_elastic(top) or any(one is not None for one in own):
-            why = "another form serves"
-    levels = levels_of(top, None if asked else WIDE) if why is None else None
-    return dataclasses.replace(integrator, form="coordinates" if levels is None else "chain"), levels
+    own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)
+    size, order = top.x.free.shape[0], None
+    if asked or (why is None and size >= LARGE and all(one is None for one in own)):
+        order = order_of(top)
+    if not asked and isinstance(order, SparseOrder) and size < NET:
+        order = None
+    return dataclasses.replace(integrator, form="coordinates" if order is None else "chain"), order
 
 
 def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str, Any]) -> Group:

@@ -1,0 +1,136 @@
+"""Error against time of the motion of nets, beside Exudyn: hung at their upper corners, let go, of 40 to 1012 beams.
+
+Cables along and across are hinged to each other where they cross; each side of a mesh is one beam of ours, or one ANCF
+cable of Exudyn's, whose generalised-alpha method takes the quicker of its two Newton methods. Errors are those of time
+steps and beams together, beside two beams a side at a small tolerance; for the largest net, where that takes a minute,
+beside one. Times are those of the processor, of all threads.
+
+    python -m benchmarks nets
+"""
+
+import functools
+import sys
+
+# Edge [m], mass per length [kg/m], EI [N m^2], EA [N], gravity [m/s^2], time [s].
+LENGTH, MASS, BENDING, STRETCHING, GRAVITY = 1.0, 0.1, 0.01, 1e4, 9.81
+END = 0.25
+SIZES = (4, 10, 22)
+TOLERANCES = (1e-2, 1e-3, 1e-4)
+STEPS = (100, 200, 400)
+# Sizes whose dense form is timed too, and whose reference has two beams a side.
+SMALL, REFERENCE = 10, 1e-5
+# What is farther from the reference is wrong [m].
+WRONG = 2e-2
+
+
+def net(cells: int, parts: int = 1):
+    """The net of flexmb.
+
+    Args:
+        cells: Meshes along an edge.
+        parts: Beams a side of a mesh.
+    """
+    import flexmb as fm
+    from flexmb import planar
+
+    section = fm.Rigidity(EA=STRETCHING, EIy=BENDING, mass=MASS)
+    b = fm.Builder()
+    count = cells * parts
+    for i in range(count + 1):
+        for j in range(count + 1):
+            if i % parts == 0 or j % parts == 0:
+                b.node(f"{i},{j}", (LENGTH * i / count, -LENGTH * j / count))
+    for i in range(0, count + 1, parts):
+        for j in range(count + 1):
+            b.rotation(f"turn {i},{j}")
+    for i in range(count + 1):
+        for j in range(count + 1):
+            if i and j % parts == 0:
+                b.add(planar.beam, f"{i - 1},{j}", f"{i},{j}", section=section)
+            if j and i % parts == 0:
+                b.add(planar.beam, f"{i},{j - 1}", f"turn {i},{j - 1}", f"{i},{j}", f"turn {i},{j}", section=section)
+    for i in (0, count):
+        b.fix(f"{i},0", "position")
+    b.gravity((0.0, -GRAVITY))
+    return b.build(check=False)
+
+
+def lower_edge(model, cells: int, rtol: float, form: str = "chain"):
+    """Lower right corner and the middle of the lower edge at the end [m].
+
+    Args:
+        model: Net.
+        cells: Meshes, times beams a side of one.
+        rtol: Of the steps.
+        form: Of the equations.
+    """
+    import numpy as np
+
+    import flexmb as fm
+
+    motion = fm.simulate(model, [0.0, END], rtol=rtol, form=form)
+    return np.concatenate([np.asarray(motion.at(f"{i},{cells}"))[-1] for i in (cells, cells // 2)])
+
+
+def of_exudyn(cells: int, steps: int, modified: bool):
+    """A function that gives the same of Exudyn's net."""
+    import peer_exudyn
+
+    # Its Newton method needs a wide tolerance from some hundred cables on.
+    tolerance = 1e-8 if cells <= 4 else 1e-4
+    sizes = (LENGTH, MASS, BENDING, STRETCHING, GRAVITY)
+    newton = {"relativeTolerance": tolerance, "useModifiedNewton": modified}
+    return peer_exudyn.net(*sizes, cells, END, steps, **newton)
+
+
+def quicker() -> bool:
+    """Whether Exudyn's modified Newton method is quicker here."""
+    from record import processor_times
+
+    spent = processor_times({str(how): of_exudyn(SIZES[1], STEPS[0], how) for how in (False, True)}, 1)
+    return spent["True"]["min"] < spent["False"]["min"]
+
+
+def main() -> int:
+    """Compute, time, print, save and draw; how many answers are wrong."""
+    import numpy as np
+    import peer_exudyn
+    from record import PACKAGES, chart, processor_times, save
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    fm.enable_cache()
+    with_peer = peer_exudyn.installed()
+    modified = with_peer and quicker()
+    found, timed, wrong = {}, {}, 0
+    for cells in SIZES:
+        parts = 2 if cells <= SMALL else 1
+        exact = lower_edge(net(cells, parts), parts * cells, REFERENCE)
+        model, beams = net(cells), 2 * cells * (cells + 1)
+        calls = {
+            f"flexmb, {beams} beams: {rtol:g}": functools.partial(lower_edge, model, cells, rtol) for rtol in TOLERANCES
+        }
+        if cells <= SMALL:
+            dense = functools.partial(lower_edge, model, cells, TOLERANCES[1], "coordinates")
+            calls[f"dense, {beams} beams: {TOLERANCES[1]:g}"] = dense
+        if with_peer:
+            calls |= {f"Exudyn, {beams} cables: {steps}": of_exudyn(cells, steps, modified) for steps in STEPS}
+        for name, call in calls.items():
+            try:
+                error = float(np.max(np.abs(call() - exact)) / LENGTH)
+            except Exception as fault:  # Its own error class, and others.
+                print(f"{name}: {str(fault).splitlines()[0]}")
+                continue
+            wrong += not error < WRONG
+            found[name], timed[name] = {"error": error}, processor_times({name: call}, 1)[name]
+            print(f"{name:<40} error {error:.1e}, {timed[name]['min']:7.3f} s", flush=True)
+    packages = (*PACKAGES, "diffrax", *(("exudyn",) if with_peer else ()))
+    save("nets", {"modified Newton method of Exudyn": modified, "found": found, "times": timed}, packages)
+    title = f"Nets of 40 to 1012 beams let go, {END} s"
+    chart("nets", found, timed, title, "time of the processor", "error of the lower edge at the end, over the length")
+    return wrong
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,137 @@
+"""Equations of any large mechanism inside compiled code: element matrices go to the host, whose factors answer."""
+
+import hashlib
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+from weakref import WeakValueDictionary
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Inexact, Int
+
+from ..compilation.record import Record, static
+from ..math.sparse import SparseFactors, SparsePattern
+from ..model.topology import Topology
+from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
+from .turning import Turning, turning_of
+
+# Factors of so many matrices are kept: two of a step, and those that bring back onto the constraints.
+MOST = 4
+# SciPy's SuperLU gives memory back in the thread alone that took it, and compiled code calls the host in any thread.
+_host = ThreadPoolExecutor(1)
+# What a solution is found from: BlockFactors of levels, or the entries that the host factors.
+Factors = Any
+
+
+class Places:
+    """Where the entries of element matrices lie in those of the whole, on the host, with the last factors.
+
+    Attributes:
+        count: Number of unknowns.
+        too_large: Whether the memory did not suffice for factors.
+    """
+
+    def __init__(self, unknowns: list[np.ndarray], count: int):
+        """Find them.
+
+        Args:
+            unknowns: Of each block, those of its elements, (elements, k); ``count`` for none.
+            count: Number of unknowns.
+        """
+        every = [np.where(own < count, own, -1) for own in (*unknowns, np.arange(count)[:, None])]
+        self._pattern = SparsePattern((count, count), [(own, own) for own in every])
+        self._kept: deque[tuple[np.ndarray, SparseFactors]] = deque(maxlen=MOST)
+        self.count, self.too_large = count, False
+
+    def solution(self, entries: Any, right: Any) -> np.ndarray:
+        """Solution of the equations, not finite where they are singular.
+
+        Args:
+            entries: Of the element matrices, one after the other, then those of the diagonal.
+            right: Right-hand side, (unknowns,).
+        """
+        return _host.submit(self._solution, np.asarray(entries), np.asarray(right)).result()
+
+    def _solution(self, entries: np.ndarray, right: np.ndarray) -> np.ndarray:
+        factors = self._factors(entries)
+        return factors.solve(right) if factors.regular else np.full_like(right, np.nan)
+
+    def _factors(self, entries: np.ndarray) -> SparseFactors:
+        for known, factors in self._kept:
+            if known.dtype == entries.dtype and np.array_equal(known, entries):
+                return factors
+        factors = SparseFactors(self._pattern.matrix([entries]), self._pattern.ordering)
+        self._pattern.ordering = factors.ordering
+        self.too_large = factors.too_large
+        self._kept.appendleft((entries.copy(), factors))
+        return factors
+
+
+class SparseOrder(Record):
+    """Unknowns, of coordinates and multipliers, of a mechanism whose elements may join any of them.
+
+    Attributes:
+        unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
+        turning: Which of them turn with which rotations.
+        holds: Whether deformations of each such block are held.
+        places: Where the entries of the element matrices lie.
+    """
+
+    unknowns: tuple[Int[Array, "elements k"], ...]
+    turning: Turning
+    holds: tuple[bool, ...] = static()
+    places: Places = static()
+
+    def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> Inexact[Array, "entries"]:
+        """What the sum of element matrices is factored from, once a solution is asked for.
+
+        Args:
+            pieces: Of each block that moves, (elements, k, k), by ``unknowns``.
+            diagonal: Added at the unknowns, (unknowns,).
+        """
+        if diagonal is None:
+            diagonal = jnp.zeros(self.places.count, pieces[0].dtype)
+        return jnp.concatenate([*(of.reshape(-1) for of in pieces), diagonal])
+
+    def solved(self, factors: Inexact[Array, "entries"], right: Inexact[Array, "unknowns"]):
+        """Solution, in the order of the unknowns."""
+        like = jax.ShapeDtypeStruct(right.shape, right.dtype)
+        return jax.pure_callback(self.places.solution, like, factors, right, vmap_method="sequential")
+
+    def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
+        """Product of the sum of element matrices with a change of the unknowns."""
+        return product_of(self.unknowns, pieces, change)
+
+
+def order_of(topology: Topology) -> "Levels | SparseOrder":
+    """Order in which the equations of a large mechanism are solved: along a chain, or as the host finds it.
+
+    In levels rows cannot change places, as they must where there are multipliers.
+    """
+    levels = levels_of(topology, WIDE) if is_elastic(topology) else None
+    return sparse_order_of(topology) if levels is None else levels
+
+
+def sparse_order_of(topology: Topology) -> SparseOrder:
+    """Unknowns of a mechanism and where its matrices have entries, on the host; found once for equal structures."""
+    moving = moving_blocks(topology)
+    unknowns, holds, count = unknowns_of(topology, moving)
+    return SparseOrder(
+        tuple(jnp.asarray(u) for u in unknowns), turning_of(topology, moving), holds, _places(unknowns, count)
+    )
+
+
+# As long as one of them is in use, equal structures share it and the code that was compiled with it.
+_known: WeakValueDictionary[bytes, Places] = WeakValueDictionary()
+
+
+def _places(unknowns: list[np.ndarray], count: int) -> Places:
+    told = hashlib.blake2b(repr((count, [own.shape for own in unknowns])).encode(), digest_size=16)
+    for own in unknowns:
+        told.update(own.astype(np.int64).tobytes())
+    found = _known.get(told.digest())
+    if found is None:
+        found = _known[told.digest()] = Places(unknowns, count)
+    return found

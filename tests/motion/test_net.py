@@ -1,0 +1,66 @@
+"""Motion of nets, whose equations the host solves, against the dense form, whose answers other tests compare."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+
+TIMES = np.linspace(0.0, 0.1, 3)
+
+
+@functools.cache
+def net(n: int = 3, m: int = 4):
+    """A lattice hung at its upper corners, one of its beams keeping its length; a spectral beam hangs below."""
+    section = fm.Rigidity(EA=1e4, EIy=0.1, mass=0.1)
+    b = fm.Builder()
+    for i in range(n + 1):
+        for j in range(m + 1):
+            b.node(f"{i},{j}", (i / n, -j / n))
+            if i:
+                own = {"released": [2, 3]} if (i, j) == (2, 2) else {}
+                b.add(planar.beam, f"{i - 1},{j}", f"{i},{j}", name=f"along {i},{j}", section=section, **own)
+            if j:
+                b.add(planar.beam, f"{i},{j - 1}", f"{i},{j}", name=f"down {i},{j}", section=section)
+    b.node("tip", (1.0, -2.0))
+    b.add(planar.spectral_beam(2), f"{n},{m}", "tip", name="tail", section=section)
+    b.fix("0,0", "position")
+    b.fix(f"{n},0", "position")
+    b.gravity((0.0, -9.81))
+    return b.build(check=False)
+
+
+def large(monkeypatch):
+    """Thirty beams count as many."""
+    monkeypatch.setattr("flexmb.motion.simulate.LARGE", 10)
+    monkeypatch.setattr("flexmb.motion.simulate.NET", 10)
+
+
+def test_a_net_moves_as_the_dense_form_has_it(monkeypatch):
+    dense = fm.simulate(net(), TIMES, rtol=1e-8)
+    assert dense.form != "chain"
+    large(monkeypatch)
+    found = fm.simulate(net(), TIMES, rtol=1e-7)
+    assert (found.form, found.solver) == ("chain", "Radau")
+    # Ten times the tolerance of a step; stiff beams make velocities some hundred times as large.
+    np.testing.assert_allclose(found.x, dense.x, atol=1e-6)
+    np.testing.assert_allclose(found.xd, dense.xd, atol=1e-4)
+    assert np.max(np.ptp(found.x, axis=0)) > 0.02
+    seen = found.observe()
+    # Round-off of the constraints; a thousand tolerances of a step, as strains are small beside displacements.
+    np.testing.assert_allclose(seen.e[:, np.asarray(net().topology.e.held)], 0.0, atol=1e-12)
+    np.testing.assert_allclose(seen.energy, seen.energy[0], atol=1e-4 * np.max(seen.kinetic))
+
+
+def test_too_little_memory_is_named(monkeypatch):
+    large(monkeypatch)
+
+    def full(factors, by):
+        factors.too_large = True
+        return False
+
+    monkeypatch.setattr("flexmb.math.sparse.SparseFactors._factor", full)
+    with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
+        fm.simulate(net(), TIMES, rtol=1e-7)
