@@ -749,4 +749,8 @@ def edit(
 
 def main() -> None:
     """Run the command line."""
-    app()
+    try:
+        app()
+    finally:
+        # To look for garbage among all modules and traces once more would take as long as half of JAX's import.
+        gc.freeze()

@@ -12,8 +12,9 @@ import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import Jaxpr, Literal, Var
 from jaxtyping import Array
+
+from .program import Jaxpr, Literal, Var
 
 # Operations that are linear in all their operands together, those that are in one while the others are constant, and
 # programs within programs.

@@ -2,15 +2,21 @@
 
 import hashlib
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, Var
 
+from .alone import alone
 from .record import Record, static
+
+if TYPE_CHECKING:
+    from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, Var
+else:
+    _core = alone("jax.extend.core")
+    ClosedJaxpr, Jaxpr, Literal, Var = _core.ClosedJaxpr, _core.Jaxpr, _core.Literal, _core.Var
 
 
 class Code:

@@ -2,7 +2,6 @@
 
 import contextlib
 import functools
-import importlib
 import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 import jax
 
 from ..lazy import no_garbage_looked_for
+from .alone import find_lapack
 
 _lock = threading.Lock()
 _inside = 0
@@ -22,9 +22,9 @@ _limit: Any = None
 def _controller() -> Any:
     from threadpoolctl import ThreadpoolController
 
-    # What it finds are the libraries that are loaded; jax loads SciPy's LAPACK with its first use.
+    # What it finds are the libraries that are loaded; SciPy's LAPACK is that of jax.
     with no_garbage_looked_for():
-        importlib.import_module("scipy.linalg")
+        find_lapack()
 
     return ThreadpoolController()
 

@@ -97,7 +97,7 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
         first = moved.setdefault((quantity, place), name)
         if first != name:
             raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
-        found.append(Driven(quantity, jnp.array([place]), value))
+        found.append(Driven(quantity, jax.device_put(np.array([place])), value))
     _check_inputs(model, inputs)
     weights, count = model.parameters.weights, 0
     for signal in model.labels.inputs:

@@ -312,5 +312,5 @@ def _initial(model: Model, initial):
         return Start(initial.x[-1], initial.xd[-1], initial.near[-1])
     if is_concrete(initial.result):
         check(initial.result, True)
-    rest = jnp.asarray(np.zeros(model.topology.n_x))
+    rest = as_floats(np.zeros(model.topology.n_x))
     return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest)

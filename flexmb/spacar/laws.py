@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 
 from ..build.builder import Builder
@@ -89,7 +89,8 @@ def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
         breaks += [*np.asarray(own.breaks)[1:-1].tolist(), leg.end]
     widest = max(piece.shape[1] for piece in pieces)
     padded = [np.pad(piece, ((0, 0), (0, widest - piece.shape[1]))) for piece in pieces]
-    return Law(jnp.asarray(np.array(breaks)), jnp.asarray(np.concatenate(padded)))
+    # jnp.asarray compiles a program for each shape.
+    return Law(jax.device_put(np.array(breaks)), jax.device_put(np.concatenate(padded)))
 
 
 def laws_of(builder: Builder, labels: Labels, settings: dict[str, Any], only: Role | None = None) -> dict[str, Law]:

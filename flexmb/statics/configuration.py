@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_numbers
+from ..arguments import as_floats, check_numbers
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_rate
@@ -180,12 +181,12 @@ def configuration(
         THEORY.md 4, eq. (4.2): Newton's method on D(x) = e, in steps.
     """
     start = as_determined(model, "configuration").parameters.start
-    zero = jnp.zeros(model.topology.n_q)
+    zero = np.zeros(model.topology.n_q)
     given = (zero, zero) if start is None else start
     for name, value in (("q", q), ("qd", qd)):
         if value is not None:
             check_numbers(f"Argument `{name}`", value)
-    values = [g if v is None else jnp.asarray(v, float) for v, g in zip((q, qd), given, strict=True)]
+    values = [g if v is None else as_floats(v) for v, g in zip((q, qd), given, strict=True)]
     for name, value in zip(("q", "qd"), values, strict=True):
         if value.shape != zero.shape:
             raise ValueError(

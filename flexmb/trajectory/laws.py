@@ -446,7 +446,9 @@ def _rise(degree: int, start, end, duration, limits, begin) -> Law:
         duration = xp.max(xp.stack(needed))
     coefficients = [start, *(way * rise / duration**k for k, rise in enumerate(RISES[degree]) if k)]
     breaks = begin + xp.stack([xp.zeros(()), duration])
-    return Law(jnp.asarray(breaks), jnp.asarray(xp.stack(coefficients)[None]))
+    # jnp.asarray compiles a program for each shape.
+    as_array = jax.device_put if xp is np else jnp.asarray
+    return Law(as_array(breaks), as_array(xp.stack(coefficients)[None]))
 
 
 def _through(times, values, degree: int, ends) -> Law:
