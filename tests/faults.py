@@ -1184,6 +1184,12 @@ FAULTS = [
     ),
     Fault(
         "paths/imperfection.py",
+        "[nothing, -found.e[held]]",
+        "[nothing, 0 * found.e[held]]",
+        "paths/test_sparse_path.py -k begins_bent",
+    ),
+    Fault(
+        "paths/imperfection.py",
         "loads=Loads(), increment=own.loads",
         "loads=own.loads",
         "paths/test_stops.py -k limit_point",
@@ -1826,7 +1832,9 @@ FAULTS = [
         "",
         "paths/test_sparse_states.py -k space",
     ),
-    Fault("linear/sparse_buckling.py", "(put(first, held, 0.0),)", "(first,)", "paths/test_sparse_states.py -k coupled"),
+    Fault(
+        "linear/sparse_buckling.py", "(put(first, held, 0.0),)", "(first,)", "paths/test_sparse_states.py -k coupled"
+    ),
     # Questions about a stated state.
     Fault(
         "linear/modes.py",
