@@ -1,6 +1,8 @@
 """Linear buckling: load multipliers about the loaded state, sign kept."""
 
 import dataclasses
+from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -30,8 +32,9 @@ from ..statics.solve import held_values, solve_state
 from .choice import few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
 from .shapes import Shapes
-from .sparse_buckling import ROUND_OFF, UNBOUNDED, sparse_multipliers
-from .sparse_linearize import SparseLinearization
+from .sparse_buckling import ROUND_OFF, sparse_modes, sparse_multipliers
+from .sparse_linearize import SparseLinearization, sparse_linearization
+from .sparse_multipliers import UNBOUNDED
 from .spectrum import is_real
 
 
@@ -222,14 +225,14 @@ def _buckling_about(topology: Topology, parameters: Parameters, at: State, near,
     return multiplier, dfx @ vectors, result
 
 
-def _asked(model: Model, function: str, throw: bool, at: ManyStates | None, step: int | None, increment: float | None):
+def _asked(model: Model, function: str, throw: bool, where: Where):
     """Multipliers and modes of what a public function is asked about, and the linearisation of a path's state."""
     as_determined(model, function)
-    where = Where(at, step, None, increment)
     where.refuse(function)
     lin = None
-    if at is None:
-        target = load_factors_of(model, 1.0, 0.0 if increment is None else increment, function)
+    if where.at is None:
+        increment = 0.0 if where.increment is None else where.increment
+        target = load_factors_of(model, 1.0, increment, function)
         multiplier, shapes, result = _buckling(model.topology, model.parameters, target)
     else:
         lin, factors = _on_path(model, where, function)
@@ -264,8 +267,8 @@ def buckling_loads(
             and the others are a constant preload; otherwise all loads are scaled.
         count: How many of the smallest size; all unless given or where there are fewer.
         sparse: ``count`` multipliers by sparse factors, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. Chosen by size unless given, where ``count`` is, numbers are known and no
-            stiffness is negative. Those of incremental loads have no derivative.
+            :func:`flexmb.equilibrium`. Chosen by size unless given, where ``count`` is and no stiffness is negative.
+            They can be differentiated once.
         throw: Raise where the equilibrium fails or is unstable; by sparse factors it is raised in any case.
         at: Path of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
@@ -278,41 +281,70 @@ def buckling_loads(
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
+        NotImplementedError: A second derivative is asked of sparse factors.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
-    count = None if count is None else check_whole("count", count, 1)
-    model = as_model(model, "buckling_loads")
-    where = Where(at, step, None, increment)
+    how = throw, Where(at, step, None, increment)
+    found = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, sparse)
+    if found is not None:
+        return found
+    return _asked(model, "buckling_loads", *how)[0][:count]
+
+
+def _by_sparse(
+    model: Model,
+    function: str,
+    found: Callable[..., Any],
+    throw: bool,
+    where: Where,
+    count: int | None,
+    sparse: bool | None,
+) -> Any:
+    """What a public function is asked by sparse factors; None where dense matrices are to answer.
+
+    Args:
+        function: Its name.
+        found: Gives the answer of model, load factors and count, and a state of a path.
+    """
+    if count is not None:
+        check_whole("count", count, 1)
+    model = as_model(model, function)
     if sparse is not None:
         check_flag("sparse", sparse)
     if sparse and count is None:
         raise ValueError("With `sparse` give a Model and `count`, the number of load multipliers wanted.")
-    large = is_large(model) or (isinstance(at, ManyStates) and at.by_sparse)
-    chosen = sparse is None and throw and is_concrete(model) and large and few_of(model, count)
-    if count is not None and (sparse or chosen):
-        try:
-            return _by_sparse(model, where, count)
-        except ModelError:
-            if sparse:
-                raise
-    return _asked(model, "buckling_loads", throw, at, step, increment)[0][:count]
-
-
-def _by_sparse(model: Model, where: Where, count: int) -> Float[Array, "k"]:
-    """Load multipliers by sparse factors."""
-    where.refuse("buckling_loads")
-    if where.at is None:
+    large = is_large(model) or (isinstance(where.at, ManyStates) and where.at.by_sparse)
+    chosen = sparse is None and throw and large and few_of(model, count)
+    if count is None or not (sparse or chosen):
+        return None
+    where.refuse(function)
+    try:
+        if where.at is not None:
+            about, factors = _on_path(model, where, function)
+            return found(model, factors, int(count), about)
         increment = 0.0 if where.increment is None else where.increment
-        return sparse_multipliers(model, load_factors_of(model, 1.0, increment, "buckling_loads"), count)
-    about, factors = _on_path(model, where, "buckling_loads")
-    return sparse_multipliers(model, factors, count, about)
+        return found(model, load_factors_of(model, 1.0, increment, function), int(count))
+    except ModelError:
+        if sparse:
+            raise
+    return None
+
+
+def _sparse_buckling(
+    model: Model, factors: LoadFactors, count: int, about: Linearization | SparseLinearization | None = None
+) -> tuple[Any, Any, Linearization | SparseLinearization]:
+    """Multipliers, modes, and the state that they are about."""
+    lin = sparse_linearization(model, factors) if about is None else about
+    return *sparse_modes(model, factors, count, lin), lin
 
 
 def buckling(
     model: Model,
     *,
+    count: int | None = None,
+    sparse: bool | None = None,
     throw: bool = True,
     at: ManyStates | None = None,
     step: int | None = None,
@@ -322,6 +354,9 @@ def buckling(
 
     Args:
         model: Mechanism with loads; see :func:`buckling_loads`.
+        count: How many of the smallest size; all unless given or where there are fewer.
+        sparse: ``count`` modes by sparse factors, of a model that needs no degrees of freedom, as for
+            :func:`buckling_loads`.
         throw: Raise where the equilibrium fails or is unstable.
         at: Path of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
@@ -332,12 +367,20 @@ def buckling(
 
     Raises:
         AnalysisError: See :func:`buckling_loads`.
+        TypeError: Called under a trace; :func:`buckling_loads` can be.
 
     Source:
         See :func:`buckling_loads`.
     """
-    multiplier, shapes, lin = _asked(model, "buckling", throw, at, step, increment)
-    bounded = int(np.sum(np.isfinite(multiplier)))
+    if not is_concrete(model):
+        raise TypeError(
+            "How many load multipliers are bounded depends on numbers: ask for fm.buckling_loads under jax.grad and"
+            " jax.jit."
+        )
+    where = Where(at, step, None, increment)
+    found = _by_sparse(model, "buckling", _sparse_buckling, throw, where, count, sparse)
+    multiplier, shapes, lin = _asked(model, "buckling", throw, where) if found is None else found
+    bounded = int(np.sum(np.isfinite(multiplier)[:count]))
     multiplier, shapes = np.asarray(multiplier), np.asarray(shapes)[:, :bounded]
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
     lin = lin or linearize(model, increment=increment or 0.0, throw=throw)

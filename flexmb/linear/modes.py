@@ -318,7 +318,7 @@ def poles(
 
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
-        (7.19).
+        (7.20).
     """
     count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)

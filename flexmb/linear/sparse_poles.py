@@ -112,7 +112,7 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
         AnalysisError: singular_stiffness or not_converged.
 
     Source:
-        THEORY.md 7, eq. (7.3) and (7.19); implicitly restarted Arnoldi method of ARPACK (Lehoucq, Sorensen, Yang 1998).
+        THEORY.md 7, eq. (7.3) and (7.20); implicitly restarted Arnoldi method of ARPACK (Lehoucq, Sorensen, Yang 1998).
     """
     at = _regular(whole)
     every = 2 * at.motions

@@ -10,20 +10,27 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_whole, shown
 from ..compilation.compile import jit
+from ..errors import AnalysisError
 from ..linear.buckling import Buckling, buckling
+from ..math.sparse import SparseFactors
 from ..mechanics.centreline import curves_of
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
+from ..mechanics.loads import LoadFactors
 from ..model.model import Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
-from ..results import check
+from ..results import RESULTS, check
 from ..statics.configuration import configure
+from ..statics.tangent import assemble, unknowns
 
 # Displacements of points are measured by a motion of this share of the extent, forth and back.
 SMALL = 1e-4
 # Along an element; quarters and halves are among them.
 PLACES = np.linspace(0.0, 1.0, 33)
+# Newton's method for the state next to one that constraints do not allow.
+CORRECTIONS = 20
+TOLERANCE = 1e-13
 
 
 @jit
@@ -58,7 +65,40 @@ def largest_displacement(model: Model, x: Float[Array, "n_x"], motion: Float[Arr
     return largest * size / SMALL
 
 
-def bent_by_modes(model: Model, imperfection: Mapping[int, float]) -> Model:
+def _allowed_deformations(model: Model, x: np.ndarray) -> np.ndarray:
+    """Deformations at the allowed state next to one given, distances in extents and radians, by sparse factors.
+
+    Args:
+        x: State in which constraints need not hold, (n_x,) [m, rad, -].
+
+    Raises:
+        AnalysisError: out_of_reach, or singular_configuration.
+
+    Source:
+        Newton's method on dx / sizes^2 + D^T m = 0, D(x + dx) = 0.
+    """
+    import scipy.sparse
+
+    topology, parameters = model.topology, model.parameters
+    free, _, held = (np.asarray(i) for i in unknowns(topology))
+    sizes, x, zero = np.asarray(sizes_of(topology, parameters)), np.array(x), np.zeros(topology.n_e)
+    metric, nothing = scipy.sparse.diags_array(1 / sizes[free] ** 2), np.zeros(len(free))
+    for _ in range(CORRECTIONS):
+        found = assemble(topology, parameters, LoadFactors(0.0, 0.0), x, zero, zero)
+        if len(held) == 0:
+            return found.e
+        rows = found.jacobian[held][:, free]
+        factors = SparseFactors(scipy.sparse.block_array([[metric, rows.T], [rows, None]]))
+        if not factors.regular:
+            raise AnalysisError(RESULTS.singular_configuration.name, RESULTS.singular_configuration.message)
+        change = factors.solve(np.concatenate([nothing, -found.e[held]]))[: len(free)]
+        x[free] += change
+        if np.max(np.abs(change) / sizes[free]) < TOLERANCE:
+            return np.where(np.isin(np.arange(topology.n_e), held), 0.0, found.e)
+    raise AnalysisError(RESULTS.out_of_reach.name, RESULTS.out_of_reach.message)
+
+
+def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool = False) -> Model:
     """The mechanism bent by its buckling modes, free of stress.
 
     The modes are those of linear buckling about the state at which a path begins, under the loads that grow along it.
@@ -68,6 +108,7 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float]) -> Model:
     Args:
         imperfection: Largest displacement of each mode, by its number from 1 [m]; where it is positive, the position
             that changes most in the mode grows.
+        sparse: Whether by sparse factors, of a mechanism that needs no degrees of freedom.
 
     Raises:
         TypeError: It is no mapping of numbers to lengths.
@@ -83,11 +124,15 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float]) -> Model:
         check_number(f"imperfection[{number}]", length)
     if not imperfection:
         return model
-    found = buckling(_growing_from_zero(model))
+    growing = _growing_from_zero(model)
+    found = buckling(growing, count=max(map(int, imperfection)), sparse=sparse)
     motion = sum(length * _unit_motion(found, int(number)) for number, length in imperfection.items())
-    unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
-    bent, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
-    check(result, True)
+    if sparse:
+        bent = jnp.asarray(_allowed_deformations(model, np.asarray(model.parameters.reference + motion)))
+    else:
+        unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
+        bent, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
+        check(result, True)
     before: Any = model.parameters.strain
     strain = bent if before is None else bent + before
     return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain))

@@ -16,6 +16,7 @@ from ..display import Result, short
 from ..errors import AnalysisError, heard, warn
 from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
+from ..linear.choice import is_large
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
@@ -181,7 +182,7 @@ def path(
 def path(
     model: Model,
     *,
-    sparse: Literal[False] | None = None,
+    sparse: Literal[False],
     max_steps: int = 200,
     step: float = 0.1,
     stop: Mapping[str, float] | None = None,
@@ -190,6 +191,19 @@ def path(
     progress: Callable[[int, float], None] | bool = False,
     throw: bool = True,
 ) -> Path: ...
+@overload
+def path(
+    model: Model,
+    *,
+    sparse: bool | None = None,
+    max_steps: int = 200,
+    step: float = 0.1,
+    stop: Mapping[str, float] | None = None,
+    switch: bool | int | Mapping[int, int] = False,
+    imperfection: Mapping[int, float] | None = None,
+    progress: Callable[[int, float], None] | bool = False,
+    throw: bool = True,
+) -> Path | SparsePath: ...
 def path(
     model: Model,
     *,
@@ -224,9 +238,8 @@ def path(
         progress: True for a bar, or a function called with the number of states and the load factor before each step.
             An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
         sparse: By sparse factors in all coordinates, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. Chosen by size unless given, where there is no imperfection, which takes dense
-            matrices. The result is a SparsePath, which has no matrices and of the eigenvalues those nearest to zero;
-            about its states questions are asked as about those of a Path.
+            :func:`flexmb.equilibrium`. Chosen by size unless given. The result is a SparsePath, which has no matrices
+            and of the eigenvalues those nearest to zero; about its states questions are asked as about those of a Path.
         throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:
@@ -255,9 +268,11 @@ def path(
     model = as_model(model, "path")
     if sparse is not None:
         check_flag("sparse", sparse)
-    if sparse and imperfection is not None:
-        raise ValueError("Argument `imperfection` takes dense matrices: leave `sparse` or it out.")
-    large = bool(sparse) if sparse is not None else imperfection is None and by_sparse(model, None)
+    if sparse is None:
+        # What an imperfection is made of, buckling modes, needs a potential.
+        large = by_sparse(model, None) if imperfection is None else is_large(model)
+    else:
+        large = bool(sparse)
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
@@ -266,7 +281,8 @@ def path(
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     if large:
         with one_thread():
-            found = _sparse_path(model, step, max_steps, stop, left, progress, hanging=sparse is None)
+            bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
+            found = _sparse_path(bent, step, max_steps, stop, left, progress, hanging=sparse is None)
         if found is not None:
             return _checked(*found, stop, left, throw)
     model = as_determined(model, "path")

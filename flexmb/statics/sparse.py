@@ -20,7 +20,7 @@ from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
-from ..mechanics.inertia import Felt, weight, work_of_weight
+from ..mechanics.inertia import Felt, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
@@ -113,7 +113,7 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
 
 
 @kernel
-def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
+def lacking_at(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
     """Forces out of balance at the coordinates that move, and excess of the held deformations."""
     free, fast, held = unknowns(topology)
     wanted_x, wanted_e = held_values(topology, parameters, factors)
@@ -132,21 +132,21 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
     return found.stiff, found.rows, of_stiff, of_rows
 
 
-@_differentiable.defjvp
-def _balance_jvp(primals, tangents):
-    topology, parameters, factors = primals
-    # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
-    solved = _differentiable(topology, parameters, factors)
-    near = deformations(topology, parameters, solved.x, solved.near)
-    free, fast, held = unknowns(topology)
+def solution_at(topology, parameters, factors, near, at: Balanced, right) -> tuple[Array, Array]:
+    """Solution of the equations linearised about a state, with one right-hand side, and a code of RESULTS.
 
-    def equations(parameters, factors):
-        return _residual(topology, parameters, factors, near, solved)
-
-    _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
-    _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    stiff, rows, of_stiff, of_rows = _tangent(topology, parameters, factors, near, solved)
+    Args:
+        near: Deformations there, (n_e,) [m, rad].
+        at: The state, known.
+        right: Forces and deformations, in which alone it is differentiable, (n + h,).
+    """
+    free, _, held = unknowns(topology)
+    stiff, rows, of_stiff, of_rows = _tangent(topology, parameters, factors, near, at)
     n = free.shape[0]
+    if is_concrete((stiff, rows, right)):
+        on_host = jax.tree.map(np.asarray, (topology, stiff, rows, right))
+        found, code = _answer(*on_host, falls=falls(parameters))
+        return jnp.asarray(found), jnp.asarray(code)
 
     def matvec(z):
         # As products of element matrices: JAX traces and transposes them for each derivative.
@@ -157,39 +157,28 @@ def _balance_jvp(primals, tangents):
 
     def solve(transposed: bool):
         how = functools.partial(_traced_answer, falls=falls(parameters), transposed=transposed)
-        return lambda _, right: how(topology, *jax.lax.stop_gradient((stiff, rows)), right)[0]
+        return lambda _, right: how(topology, *jax.lax.stop_gradient((stiff, rows)), right)
 
-    z = jax.lax.custom_linear_solve(matvec, -change, solve(False), solve(True))
+    return jax.lax.custom_linear_solve(matvec, right, solve(False), solve(True), has_aux=True)
+
+
+@_differentiable.defjvp
+def _balance_jvp(primals, tangents):
+    topology, parameters, factors = primals
+    # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
+    solved = _differentiable(topology, parameters, factors)
+    near = deformations(topology, parameters, solved.x, solved.near)
+    free, fast, _ = unknowns(topology)
+
+    def equations(parameters, factors):
+        return lacking_at(topology, parameters, factors, near, solved)
+
+    _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
+    _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
+    z = solution_at(topology, parameters, factors, near, solved, -change)[0]
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)
-
-
-def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
-    """How the energy changes to second order along a motion of the coordinates that move.
-
-    Returns:
-        Its elastic part and that of stress resultants and weight, () [N m]; rates of the held deformations, (h,).
-    """
-    free, _, held = unknowns(topology)
-    phi = put(jnp.zeros(topology.n_x), free, motion)
-
-    def rates(x):
-        return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
-
-    (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
-    own = jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (e,), (put(first, held, 0.0),))[1]
-    stress = put(own, held, 0.0)
-    geometric = sigma @ second
-    gravity = scaled_loads(parameters, factors).gravity
-    if gravity is not None:
-
-        def slope(x):
-            return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
-
-        geometric = geometric - jax.jvp(slope, (at.x,), (phi,))[1]
-    return first @ stress, geometric, first[held]
 
 
 def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
@@ -215,12 +204,6 @@ def refuse_what_is_not_sparse(topology: Topology) -> None:
             " about fixed axes in space and laws of several deformations have none. Give sparse=False, which takes"
             " them, and a model with degrees of freedom; fm.path finds its critical points by sparse factors too."
         )
-
-
-def refuse_traced(*trees) -> None:
-    """Raise where a number is traced."""
-    if not is_concrete(trees):
-        raise TypeError("The sparse path runs on the host: call it outside jax.jit and jax.vmap; jax.grad applies.")
 
 
 @one_thread()

@@ -189,7 +189,6 @@ def test_sparse_factors_are_chosen_by_size_and_left_where_they_do_not_serve():
     np.testing.assert_allclose(found.x[-1], wanted.x[-1], atol=1e-10)
     multipliers = fm.buckling_loads(large, count=2)
     np.testing.assert_allclose(multipliers, fm.buckling_loads(large, count=2, sparse=False), rtol=1e-7)
-    assert type(fm.path(large, stop={"load_factor": 0.01}, imperfection={1: 1e-6})).__name__ == "Path"
 
 
 def test_a_hanging_body_is_left_to_dense_matrices(monkeypatch):

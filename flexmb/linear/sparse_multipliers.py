@@ -1,0 +1,176 @@
+"""Load multipliers of smallest size from the matrices of elements, by sparse factors and Lanczos iterations."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import AnalysisError, ModelError
+from ..math.sparse import SparseFactors
+from ..model.topology import Topology
+from ..results import RESULTS
+from ..statics.sparse_structure import structure_of
+from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
+
+# Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
+UNBOUNDED = 1e9
+# Stiffness of an element below zero by more than this share is negative.
+NEGATIVE = 1e-9
+
+
+class Matrices(NamedTuple):
+    """Matrices of elements, in the order in which :class:`.Structure` places them.
+
+    Attributes:
+        rows: D of each block that deforms, (elements, k, c).
+        elastic: D^T S D of each, (elements, c, c).
+        preload: Stiffness of stress resultants and loads that stay, those of the blocks first, then of weight; None
+            where all are scaled.
+        scaled: The same of what is scaled.
+        noise: The same of the round-off of its stress resultants.
+        own: S of each block, (elements, k, k).
+    """
+
+    rows: list[Any]
+    elastic: list[Any]
+    preload: list[Any] | None
+    scaled: list[Any]
+    noise: list[Any]
+    own: list[Any]
+
+
+class Buckled(NamedTuple):
+    """Load multipliers of a constrained mechanism in all its coordinates.
+
+    Attributes:
+        values: By magnitude, infinite where unbounded, (count,) [-].
+        motions: Of the coordinates that move, one a column, (n, count).
+        multipliers: Those of the constraints in these motions, (h, count).
+        geometric: v^T G v of each, (count,).
+    """
+
+    values: Any
+    motions: Any
+    multipliers: Any
+    geometric: Any
+
+
+def smallest_of_sparse(topology: Topology, given: Matrices, *, falls: bool, count: int) -> Buckled:
+    """Multipliers of smallest size, and their motions.
+
+    Args:
+        topology: Structure, its arrays those of NumPy.
+        given: Matrices of its elements.
+        falls: Whether there is gravity.
+        count: How many.
+
+    Raises:
+        ModelError: An element has a negative stiffness.
+        AnalysisError: singular_stiffness, unstable or not_converged.
+    """
+    if not all(np.all(np.isfinite(own)) for pieces in given if pieces is not None for own in pieces):
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    _refuse_negative(given.own)
+    structure = structure_of(topology, falls)
+    none = [np.zeros_like(own) for own in given.scaled[len(given.elastic) :]]
+    structural = structure.bordered([*given.elastic, *none], given.rows)
+    scaled, noise = (structure.stiff.matrix(pieces) for pieces in (given.scaled, given.noise))
+    stays = structural
+    if given.preload is not None:
+        preload = structure.stiff.matrix(given.preload)
+        if abs(preload).max() > 0:
+            _refuse_unstable(structural, preload)
+        parts = zip([*given.elastic, *none], given.preload, strict=True)
+        stays = structure.bordered([elastic + own for elastic, own in parts], given.rows)
+    return _smallest(stays, scaled, noise, count)
+
+
+def _refuse_negative(own: list[np.ndarray]) -> None:
+    """Raise where an element's stiffness is negative: the method's inner product relies on it."""
+    for matrices in own:
+        values = np.linalg.eigvalsh(matrices)
+        if np.any(values[:, 0] < -NEGATIVE * np.abs(values[:, -1])):
+            raise ModelError(
+                "An element has a negative stiffness, which load multipliers by sparse factors cannot take: give"
+                " sparse=False and a model with degrees of freedom."
+            )
+
+
+def _operator(stays: Any, n: int) -> tuple[Any, Any]:
+    """Factors of the stiffness that stays, and motions under forces as ARPACK asks for them."""
+    import scipy.sparse.linalg
+
+    factored = SparseFactors(stays)
+    if not factored.regular:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+
+    def moved(force):
+        return factored.solve(np.concatenate([np.ravel(force), np.zeros(stays.shape[0] - n)]))[:n]
+
+    linalg: Any = scipy.sparse.linalg
+    return factored, linalg.LinearOperator((n, n), matvec=moved, dtype=float)
+
+
+def _refuse_unstable(structural: Any, geometric: Any) -> None:
+    """Raise where the preload is beyond a buckling load of its own: K0 + G0 is not positive definite."""
+    import scipy.sparse.linalg
+
+    n, linalg = geometric.shape[0], scipy.sparse.linalg
+    factored, moved = _operator(structural, n)
+    left = 2 * n - structural.shape[0]
+    if left <= FEW:
+        most = AllowedMotions(structural, factored, n).largest(-geometric, left)[0]
+    else:
+        start = moved.matvec(np.cos(np.arange(n) ** 2))
+        most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
+    if np.max(most, initial=0.0) >= 1:
+        raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
+
+
+def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> Buckled:
+    """Multipliers of smallest size: -G v = (1/lambda) K v in the motions that the constraints leave.
+
+    Source:
+        THEORY.md 7, eq. (7.4), by the Lanczos method of ARPACK in the inner product of the stiffness that stays.
+    """
+    import scipy.sparse
+    import scipy.sparse.linalg
+
+    n = scaled.shape[0]
+    factored, moved = _operator(stays, n)
+    stiffness, rest = stays[:n, :n], stays.shape[0] - n
+    if abs(scaled).max() == 0:
+        return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
+    if n - rest <= max(FEW, 3 * count):
+        try:
+            inverse, motions = AllowedMotions(stays, factored, n).largest(-scaled, count)
+        except np.linalg.LinAlgError:
+            raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
+    else:
+
+        def search(values, known, start):
+            how = {"which": "LM", "tol": 1e-13}
+            return eigenvalues_beside(
+                -scaled, stiffness, moved.matvec, (values, known), count, moved.matvec(start), **how
+            )
+
+        def passed_over(inverse):
+            if abs(inverse[-1]) <= abs(inverse[0]) / UNBOUNDED:
+                return False
+            limit = (1 - BEFORE) / abs(inverse[-1])
+            wide = scipy.sparse.block_diag([limit * scaled, scipy.sparse.csr_array((rest, rest))])
+            sides = [(stays + side * wide).tocsc() for side in (1.0, -1.0)]
+            found = [int(np.sum(side * inverse > 1 / limit)) for side in (1.0, -1.0)]
+            return any(more_below(matrix, n, own) for matrix, own in zip(sides, found, strict=True))
+
+        inverse, motions = with_all_copies(search, passed_over, lambda inverse: -np.abs(inverse), (n, count))
+    order = np.argsort(-np.abs(inverse))
+    inverse, motions = inverse[order], motions[:, order]
+    size = np.einsum("ij,ij->j", motions, stiffness @ motions)
+    false = np.abs(np.einsum("ij,ij->j", motions, noise @ motions)) / size
+    bounded = np.abs(inverse) > np.maximum(np.max(np.abs(inverse)) / UNBOUNDED, false)
+    values = np.where(bounded, 1 / np.where(bounded, inverse, 1.0), np.inf)
+    # Once more, for the multipliers too: K v + D^T m = -lambda G v.
+    forces = np.vstack([-(scaled @ motions) / np.where(bounded, inverse, 1.0), np.zeros((rest, count))])
+    full = np.stack([factored.solve(force) for force in forces.T], axis=1)
+    check_modes(changed((full[:n] - motions)[:, bounded], motions[:, bounded], stiffness), "load multipliers")
+    return Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))
