@@ -124,7 +124,7 @@ def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
 
 
 @functools.lru_cache(8)
-def _levels(key, n_x: int, n_e: int, widest: int | None) -> Any:
+def _levels(key: tuple[tuple[tuple[int, ...], bytes], ...], n_x: int, n_e: int, widest: int | None) -> Any:
     free, held, *rest = (np.frombuffer(data, np.int64).reshape(shape) for shape, data in key)
     n, count = len(free), len(free) + len(held)
     of_x, of_e = np.full(n_x, count), np.full(n_e, count)
@@ -204,7 +204,7 @@ def _steps(near: list[set[int]], start: int) -> dict[int, int]:
     return reached
 
 
-def _table(unknowns, level, within, wide: int, many: int, count: int):
+def _table(unknowns: list[np.ndarray], level: np.ndarray, within: np.ndarray, wide: int, many: int, count: int):
     """Entries of the element matrices that belong to each entry of the blocks."""
     rows = np.concatenate([np.repeat(u, u.shape[1], axis=1).ravel() for u in unknowns])
     columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknowns])

@@ -151,7 +151,7 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
     )
 
 
-def _read(topology: Topology, rows) -> set[int]:
+def _read(topology: Topology, rows: tuple[tuple[np.ndarray, np.ndarray], ...]) -> set[int]:
     """Coordinates that elements depend on; beams whose last end is computed do not depend on that."""
     found: set[int] = set()
     for block, (short, whole) in zip(topology.blocks, rows, strict=True):
@@ -299,7 +299,13 @@ def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[
         first = block.splits[-1]
         ref = parameters.reference[block.x]
 
-        def function(c, ref, own, passage=passage, first=first):
+        def function(
+            c: Float[Array, "coefficients"],
+            ref: Float[Array, "x"],
+            own: dict[str, Any],
+            passage: Callable[..., Any] = passage,
+            first: int = first,
+        ):
             return passage(jnp.concatenate([ref[:first], c]), ref, own)
 
         like = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), (ref, own))
@@ -343,10 +349,10 @@ def linked(poses: Poses, passed: Float[Array, "beams d+r"], x: Float[Array, "n_x
     return put(x, poses.ends, x[poses.whence] + poses.along @ turned(x[poses.base], ways))
 
 
-def _turned(turns, vectors):
+def _turned(turns: Float[Array, "n 4"], vectors: Float[Array, "n 3"]):
     return jnp.einsum("nij,nj->ni", jax.vmap(rotation_matrix)(turns), vectors)
 
 
-def _turned_in_plane(turns, vectors):
+def _turned_in_plane(turns: Float[Array, "n 1"], vectors: Float[Array, "n 2"]):
     c, s = cosine_and_sine(turns[:, 0])
     return jnp.stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1)
