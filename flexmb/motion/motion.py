@@ -17,7 +17,7 @@ from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
-from ..mechanics.levels import levels_of
+from ..mechanics.levels import Levels, levels_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
@@ -254,11 +254,19 @@ class Observed(ByName, Result, Record):
 
 
 @jit_beside_options
-def _along(model, driven, t, x, xd, near, u):
+def _along(
+    model: Model,
+    driven: tuple[Driven, ...],
+    t: Float[Array, "n_t"],
+    x: Float[Array, "n_t n_x"],
+    xd: Float[Array, "n_t n_x"],
+    near: Float[Array, "n_t n_e"],
+    u: Float[Array, "n_t n_u"],
+):
     """Linearised equations at every time, under the inputs as they were then."""
     without_inputs = coordinates_form(model.topology, model.parameters, driven)
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         form = under_inputs(model, without_inputs, u)
         state = form.state_of(x, xd, near)
@@ -270,13 +278,22 @@ def _along(model, driven, t, x, xd, near, u):
 
 
 @jit_beside_options
-def _observe(model, driven, t, x, xd, near, u, levels):
+def _observe(
+    model: Model,
+    driven: tuple[Driven, ...],
+    t: Float[Array, "n_t"],
+    x: Float[Array, "n_t n_x"],
+    xd: Float[Array, "n_t n_x"],
+    near: Float[Array, "n_t n_e"],
+    u: Float[Array, "n_t n_u"],
+    levels: Levels | None,
+):
     topology, parameters = model.topology, model.parameters
     undriven = coordinates_form(topology, parameters, driven)
     chain = None if levels is None else chain_form(model, driven, levels)
     gravity = parameters.loads.gravity
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         form = under_inputs(model, undriven, u)
         state = form.state_of(x, xd, near)
@@ -306,7 +323,7 @@ def _observe(model, driven, t, x, xd, near, u, levels):
         power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
         if drive.loads.temperature is not None:
             # What is warmed or cooled gives or takes the work of its stress.
-            def free(t):
+            def free(t: Float[Array, ""]):
                 return free_deformations(topology, parameters, form.drive(t).loads)
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
