@@ -64,7 +64,15 @@ def _answer(topology: Topology, stiff: Any, rows: Any, right: Any, *, falls: boo
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
 
 
-def _traced_answer(topology: Topology, stiff, rows, right, *, falls: bool, transposed: bool = False):
+def _traced_answer(
+    topology: Topology,
+    stiff: list[Array],
+    rows: list[Array],
+    right: Float[Array, "r *k"],
+    *,
+    falls: bool,
+    transposed: bool = False,
+):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
     call = functools.partial(_answer, falls=falls, transposed=transposed)
@@ -113,7 +121,9 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
 
 
 @kernel
-def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
+def _residual(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
+):
     """Forces out of balance at the coordinates that move, and excess of the held deformations."""
     free, fast, held = unknowns(topology)
     wanted_x, wanted_e = held_values(topology, parameters, factors)
@@ -125,7 +135,7 @@ def _residual(topology: Topology, parameters: Parameters, factors: LoadFactors, 
 
 
 @kernel
-def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
+def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced):
     """Element matrices of the tangent at a state, and where they stand in x."""
     sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
     found, of_rows, of_stiff, _ = pieces_at(topology, parameters, factors, at.x, near, sigma, near)
@@ -133,14 +143,14 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
 
 
 @_differentiable.defjvp
-def _balance_jvp(primals, tangents):
+def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors = primals
     # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
     solved = _differentiable(topology, parameters, factors)
     near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, held = unknowns(topology)
 
-    def equations(parameters, factors):
+    def equations(parameters: Parameters, factors: LoadFactors):
         return _residual(topology, parameters, factors, near, solved)
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
@@ -148,7 +158,7 @@ def _balance_jvp(primals, tangents):
     stiff, rows, of_stiff, of_rows = _tangent(topology, parameters, factors, near, solved)
     n = free.shape[0]
 
-    def matvec(z):
+    def matvec(z: Float[Array, "r"]):
         # As products of element matrices: JAX traces and transposes them for each derivative.
         motion, multipliers = put(jnp.zeros(topology.n_x), free, z[:n]), put(jnp.zeros(topology.n_e), held, z[n:])
         transposed = [(c, r) for r, c in of_rows], [jnp.swapaxes(d, 1, 2) for d in rows]
@@ -165,7 +175,14 @@ def _balance_jvp(primals, tangents):
     return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)
 
 
-def second_variation(topology, parameters, factors, at: Balanced, near, motion) -> tuple[Array, Array, Array]:
+def second_variation(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    at: Balanced,
+    near: Float[Array, "n_e"],
+    motion: Float[Array, "n"],
+) -> tuple[Array, Array, Array]:
     """How the energy changes to second order along a motion of the coordinates that move.
 
     Returns:
@@ -174,7 +191,7 @@ def second_variation(topology, parameters, factors, at: Balanced, near, motion) 
     free, _, held = unknowns(topology)
     phi = put(jnp.zeros(topology.n_x), free, motion)
 
-    def rates(x):
+    def rates(x: Float[Array, "n_x"]):
         return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
 
     (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
@@ -185,7 +202,7 @@ def second_variation(topology, parameters, factors, at: Balanced, near, motion) 
     gravity = scaled_loads(parameters, factors).gravity
     if gravity is not None:
 
-        def slope(x):
+        def slope(x: Float[Array, "n_x"]):
             return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
 
         geometric = geometric - jax.jvp(slope, (at.x,), (phi,))[1]
@@ -217,7 +234,7 @@ def refuse_what_is_not_sparse(topology: Topology) -> None:
         )
 
 
-def refuse_traced(*trees) -> None:
+def refuse_traced(*trees: Any) -> None:
     """Raise where a number is traced."""
     if not is_concrete(trees):
         raise TypeError("The sparse path runs on the host: call it outside jax.jit and jax.vmap; jax.grad applies.")
@@ -248,7 +265,14 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
 
 
 @kernel
-def acting(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma):
+def acting(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+):
     """What mass feels, reactions and external forces at a state."""
     fast = unknowns(topology)[1]
     _, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
