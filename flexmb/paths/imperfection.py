@@ -27,7 +27,13 @@ PLACES = np.linspace(0.0, 1.0, 33)
 
 
 @jit
-def _deformations(topology: Topology, parameters: Parameters, x, e, motion):
+def _deformations(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    motion: Float[Array, "n_x"],
+):
     """Deformations where the undeformed mechanism is moved along a motion of the state x, and a code of RESULTS."""
     _, jacobian = deformation_jacobian(topology, parameters, x, e)
     q = jnp.concatenate([motion[topology.x.dof], (jacobian @ motion)[topology.e.dof]])

@@ -85,7 +85,7 @@ def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.nd
     n, linalg = len(sizes), scipy.sparse.linalg
     nothing = np.zeros(rest)
 
-    def moved(force):
+    def moved(force: np.ndarray):
         return factored.solve(np.concatenate([np.ravel(force) / sizes, nothing]))[:n] / sizes
 
     flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
