@@ -101,7 +101,14 @@ def _stiffness(topology: Topology, parameters: Parameters, factors: LoadFactors,
     return stiffness_rows(topology, parameters, strain)
 
 
-def _of_increment(topology, parameters, factors, x, e, found: Assembled) -> tuple[np.ndarray, np.ndarray]:
+def _of_increment(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    found: Assembled,
+) -> tuple[np.ndarray, np.ndarray]:
     """Stresses that the incremental loads add to first order, (n_e,), and the displacements, (n_x,).
 
     About this state itself: under the same loads there may be others.
@@ -126,10 +133,10 @@ def _of_increment(topology, parameters, factors, x, e, found: Assembled) -> tupl
 
 
 @kernel
-def _by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, x):
+def _by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]):
     """Changes of what is held, x and e, and of nodal forces with the factor of the incremental loads."""
 
-    def at(increment):
+    def at(increment: Float[Array, ""]):
         own = LoadFactors(factors.initial, increment)
         return *held_values(topology, parameters, own), nodal_forces(topology, parameters, own, x)
 
@@ -137,16 +144,24 @@ def _by_increment(topology: Topology, parameters: Parameters, factors: LoadFacto
 
 
 @kernel
-def _stress_by_increment(topology: Topology, parameters: Parameters, factors: LoadFactors, e, change):
+def _stress_by_increment(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    e: Float[Array, "n_e"],
+    change: Float[Array, "n_e"],
+):
     """Change of the elements' stress with that factor where deformations change too."""
 
-    def at(increment, e):
+    def at(increment: Float[Array, ""], e: Float[Array, "n_e"]):
         return elastic_stress(topology, parameters, LoadFactors(factors.initial, increment), e)
 
     return jax.jvp(at, (jnp.asarray(factors.increment, float), e), (jnp.ones(()), change))[1]
 
 
-def _round_off(topology, parameters, found: Assembled, stiffness, sigma, moved) -> np.ndarray:
+def _round_off(
+    topology: Topology, parameters: Parameters, found: Assembled, stiffness: Any, sigma: np.ndarray, moved: np.ndarray
+) -> np.ndarray:
     """What stress resultants are wrong by, as :func:`.buckling.scaled_stiffness` has it, (n_e,) [N, N m]."""
     rows, sizes = abs(found.jacobian), np.asarray(sizes_of(topology, parameters))
     largest = np.max(sizes * (rows.T @ np.abs(sigma)), initial=0.0)
@@ -165,7 +180,7 @@ def _operator(stays: Any, n: int) -> tuple[Any, Any]:
     if not factored.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
-    def moved(force):
+    def moved(force: np.ndarray):
         return factored.solve(np.concatenate([np.ravel(force), np.zeros(stays.shape[0] - n)]))[:n]
 
     linalg: Any = scipy.sparse.linalg
@@ -209,13 +224,13 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
             raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
     else:
 
-        def search(values, known, start):
+        def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
             how = {"which": "LM", "tol": 1e-13}
             return eigenvalues_beside(
                 -scaled, stiffness, moved.matvec, (values, known), count, moved.matvec(start), **how
             )
 
-        def passed_over(inverse):
+        def passed_over(inverse: np.ndarray):
             if abs(inverse[-1]) <= abs(inverse[0]) / UNBOUNDED:
                 return False
             limit = (1 - BEFORE) / abs(inverse[-1])
@@ -239,14 +254,23 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> _Buckled:
 
 
 @jit
-def _quotient(topology, parameters, factors, at: Balanced, near, motion, multipliers, value) -> Float[Array, ""]:
+def _quotient(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    at: Balanced,
+    near: Float[Array, "n_e"],
+    motion: Float[Array, "n"],
+    multipliers: Float[Array, "h"],
+    value: Float[Array, ""],
+) -> Float[Array, ""]:
     """Second variation of the Lagrangian along a mode, its stresses scaled, whose derivative gives the multiplier's."""
     elastic, geometric, rates = second_variation(topology, parameters, factors, at, near, motion)
     return elastic + value * geometric + 2 * multipliers @ rates
 
 
 @_load_multipliers.defjvp
-def _load_multipliers_jvp(primals, tangents):
+def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors, at, count = primals
     if parameters.increment is not None:
         raise NotImplementedError(
@@ -258,7 +282,7 @@ def _load_multipliers_jvp(primals, tangents):
     bounded = np.isfinite(found.values)
     values = np.where(bounded, found.values, 0.0)
 
-    def all_modes(parameters, factors, at):
+    def all_modes(parameters: Parameters, factors: LoadFactors, at: Balanced):
         return jnp.stack(
             [
                 _quotient(topology, parameters, factors, at, near, *(jnp.asarray(v) for v in mode))
