@@ -254,7 +254,7 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
 def second_rate(function: Callable[..., Any], x: Any, v: Any, a: Any):
     """Value of a function of coordinates and its first and second rate of change along a motion."""
 
-    def first(x: Float[Array, "c"], v: Float[Array, "c"]):
+    def first(x: Any, v: Any):
         return jax.jvp(function, (x,), (v,))
 
     (value, rate), (_, second) = jax.jvp(first, (x, v), (v, a))
