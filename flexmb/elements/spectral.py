@@ -63,7 +63,7 @@ class Pieces(NamedTuple):
         """Places of nodes on [0, 1] in each piece, (m, n)."""
         return self.starts[:, None] + self.sizes[:, None] * nodes
 
-    def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "m*n m*n"]:
+    def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "places places"]:
         """Integrals from 0 to each node of what is known at the nodes of all pieces, (m n, m n).
 
         Args:

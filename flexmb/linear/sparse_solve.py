@@ -56,7 +56,7 @@ def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Arra
 
 
 @jit
-def product(elements: ElementMatrices, z: Float[Array, "n+h k"], values: Any = None) -> Float[Array, "n+h k"]:
+def product(elements: ElementMatrices, z: Float[Array, "r k"], values: Any = None) -> Float[Array, "r k"]:
     """Product of [[K - mu M, D^T], [D, 0]] and vectors.
 
     Args:
@@ -126,8 +126,8 @@ def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray) ->
 
 
 def solved(
-    elements: ElementMatrices, right: Float[Array, "n+h k"], border: Float[Array, "n b"] | None = None
-) -> Float[Array, "n+h k"]:
+    elements: ElementMatrices, right: Float[Array, "r k"], border: Float[Array, "n b"] | None = None
+) -> Float[Array, "r k"]:
     """Motions and multipliers under forces, [[K, D^T], [D, 0]] z = right; differentiable in all arguments.
 
     Args:

@@ -282,7 +282,7 @@ class Passages(Record):
     c: Int[Array, "beams coefficients"]
     kept: tuple[Array, ...]
 
-    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "d+r"]:
+    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "way_and_turn"]:
         """Way and turn of one beam, side by side."""
         return jnp.concatenate(self.function(c, *kept))
 
@@ -314,7 +314,7 @@ def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[
     return tuple(found)
 
 
-def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams d+r"]:
+def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
     """Way and turn from the first to the last end of each beam, side by side.
 
     Args:
@@ -324,7 +324,7 @@ def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, 
     return jnp.concatenate([jax.vmap(one.along)(x[one.c], *one.kept) for one in found])
 
 
-def linked(poses: Poses, passed: Float[Array, "beams d+r"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
+def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
     """Nodal coordinates with those computed that beams give.
 
     Args:

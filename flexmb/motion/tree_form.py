@@ -51,7 +51,7 @@ class _Carried(NamedTuple):
     x: Float[Array, "n_x n"]
     v: Float[Array, "n_x n"] | None
     a: Float[Array, "n_x n"] | None
-    passed: Float[Array, "beams d+r n"] | None
+    passed: Float[Array, "beams way_and_turn n"] | None
 
 
 class TreeForm(Record):
