@@ -679,7 +679,7 @@ def sweep(
     if checkpoint is not None and os.path.realpath(checkpoint) in others:
         _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{clean(checkpoint)}'.")
 
-    def work(read):
+    def work(read: Any):
         from . import __version__
         from .design.study import sweep_answer, sweep_table
 
@@ -704,7 +704,7 @@ def tune(
 ) -> None:
     """Find parameters within bounds that meet targets and keep limits."""
 
-    def work(read):
+    def work(read: Any):
         from . import __version__
         from .design.study import tune_answer
         from .files import save_arrays
@@ -716,7 +716,7 @@ def tune(
         found = read.tune(throw=False, progress=sys.stderr.isatty())
         data = tune_answer(read, found, __version__)
 
-        def saved(path):
+        def saved(path: Path):
             about = {name: data[name] for name in ("study", "status", "reason", "active")}
             histories = dict(zip(_named("history_", found.history), found.history.values(), strict=True))
             save_arrays(path, {**found.dimensions, **found.answers, **histories}, about)

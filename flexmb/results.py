@@ -177,7 +177,7 @@ def collected() -> Iterator[list[Any]]:
         _CODES.reset(token)
 
 
-def check(result, throw: bool, about: str = "") -> None:
+def check(result: Any, throw: bool, about: str = "") -> None:
     """Raise the text of a result that is a failure; under a trace it is collected; nothing with ``throw=False``.
 
     A critical state is a success with a warning for whom differentiates.
@@ -207,7 +207,7 @@ def check(result, throw: bool, about: str = "") -> None:
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))
 
 
-def _collect(result) -> None:
+def _collect(result: Any) -> None:
     import jax.extend.core
 
     collector = _CODES.get()

@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import importlib
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from ..build.builder import Builder
 from ..build.dofs import complete_series
 from ..errors import AnalysisError, MechanismError, ModelError, heard
 from ..linear.linearize import Linearization
-from ..model.model import Model
+from ..model.model import Entry, Model
 from ..model.topology import RoleIndices
 from ..results import RESULTS
 from .mode import Found, Mode, Question
@@ -75,7 +75,7 @@ class Answer:
 
 
 def _dofs(model: Model) -> list[dict[str, Any]]:
-    def named(kind: str, indices: RoleIndices, entries):
+    def named(kind: str, indices: RoleIndices, entries: Sequence[Entry]):
         for i in np.asarray(indices.dof).tolist():
             yield {"kind": kind, "of": number(entries[i].of), "component": entries[i].component}
 

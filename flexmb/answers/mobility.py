@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from ..checks.mobility import Mobility, mobility
+from ..checks.mobility import Mobility, Share, mobility
 from .mode import Found, Mode, Question
 from .parts import number
 
 
 def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
-    def listed(shares, key):
+    def listed(shares: list[Share], key: str):
         return [{key: number(s.of), "component": s.component, "share": s.share} for s in shares]
 
     over = [

@@ -1,12 +1,14 @@
 """Modes 1 and 4: motion in time, and the linearised equations along it."""
 
 import functools
+from collections.abc import Sequence
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import Partial
+from jaxtyping import Array, ArrayLike, Float
 
 from ..control.state_space import state_matrices
 from ..errors import SpacarError, heard
@@ -14,7 +16,7 @@ from ..linear.linearize import Linearization
 from ..linear.loose import without_mass
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..mechanics.extent import extent_of
-from ..model.model import Model
+from ..model.model import Entry, Model
 from ..model.roles import Role
 from ..motion.linearized import linearize_motion
 from ..motion.motion import Motion
@@ -34,7 +36,9 @@ BYTES_A_NUMBER = 300
 BESIDE_MATRICES = 80
 
 
-def _uniformly_accelerated(t, value, velocity, acceleration):
+def _uniformly_accelerated(
+    t: Float[Array, ""], value: Float[Array, ""], velocity: Float[Array, ""], acceleration: Float[Array, ""]
+):
     """Prescribed value with constant acceleration."""
     return value + velocity * t + 0.5 * acceleration * t**2
 
@@ -102,7 +106,7 @@ def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str 
     return np.linspace(0.0, given["end"], steps + 1)
 
 
-def over_time(values, entries) -> dict[str, list]:
+def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
     """Columns of a history by the node or element they belong to, one row a time.
 
     Args:

@@ -1,8 +1,10 @@
 """What the answers of several modes have in common: numbers by node and element, matrices, rows of a table."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import ArrayLike
 
 from ..compilation.compile import jit
 from ..linear.compliance import directional_compliance, rates_on_host
@@ -28,7 +30,7 @@ def is_shown(entry: Entry) -> bool:
     return entry.kind not in ("norm", "internal") and not entry.of.endswith(".warping")
 
 
-def by_owner(values, entries) -> dict[str, list[float]]:
+def by_owner(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list[float]]:
     """Entries of a vector by the node or element they belong to.
 
     What is among the deformations of an element is not repeated: coordinates that it owns, and warping that no line of
@@ -118,7 +120,7 @@ def compliances(lin: Linearization) -> dict[str, list[float]]:
     return {node: values.tolist() for node, values in directional_compliance(lin).items() if node in own}
 
 
-def shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
+def shapes(columns: ArrayLike, labels: Labels) -> list[dict[str, list[float]]]:
     """Motions by node.
 
     Args:
@@ -127,7 +129,7 @@ def shapes(columns, labels: Labels) -> list[dict[str, list[float]]]:
     return [by_owner(column, labels.x) for column in np.asarray(columns).T]
 
 
-def hertz_of(values, hertz) -> list[float | None]:
+def hertz_of(values: ArrayLike, hertz: ArrayLike) -> list[float | None]:
     """Frequencies, None where the eigenvalue is negative."""
     return [None if v < 0 else f for v, f in zip(np.asarray(values).tolist(), np.asarray(hertz).tolist(), strict=True)]
 
@@ -145,7 +147,7 @@ def loose_warnings(lin: Linearization) -> list[str]:
     ]
 
 
-def row(values, digits: int = 6) -> str:
+def row(values: ArrayLike, digits: int = 6) -> str:
     """Numbers in a line."""
     return "  ".join(f"{v:.{digits}g}" for v in np.ravel(np.asarray(values, float)).tolist())
 
@@ -157,7 +159,7 @@ def numbered(texts: list[str]) -> list[str]:
     return [*lines, f"  ... {more} more"] if more > 0 else lines
 
 
-def matrix(name: str, values) -> list[str]:
+def matrix(name: str, values: ArrayLike) -> list[str]:
     """A matrix in lines of the terminal; a large one by its size."""
     values = np.atleast_2d(np.asarray(values, float))
     if max(values.shape, default=0) > SHOWN_VALUES:

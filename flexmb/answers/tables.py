@@ -1,12 +1,13 @@
 """Answers as text: the table on the terminal and the log file."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..errors import clean
 from ..mechanics.inertia import total_mass
-from ..model.model import Model
+from ..model.model import Entry, Model
 from ..model.roles import Role
 from ..spacar.lines import statements
 from ..spacar.series import described
@@ -30,7 +31,7 @@ def table(data: dict[str, Any]) -> str:
     return "\n".join([*lines, *mode_of(data["mode"]).table(data)])
 
 
-def _entries(title: str, entries, roles) -> list[str]:
+def _entries(title: str, entries: Sequence[Entry], roles: Sequence[Role]) -> list[str]:
     lines, grouped = [title], {}
     for entry, role, i in zip(entries, roles, range(1, len(roles) + 1), strict=True):
         if entry.kind != "norm":
@@ -45,7 +46,7 @@ def _series(model: Model) -> list[str]:
     return ["SPECTRAL BEAMS", *(f"  {name:<10}{text}" for name, text in firsts)] if firsts else []
 
 
-def _counts(kind: str, roles) -> str:
+def _counts(kind: str, roles: Sequence[Role]) -> str:
     found = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
     return f"N{kind}O {found['O']}  N{kind}MM {found['M']}  N{kind}M {found['M'] + found['R']}  N{kind}C {found['C']}"
 

@@ -21,7 +21,7 @@ from ..model.model import Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
 from ..model.roles import Role
 from ..model.topology import Block, RoleIndices, Topology
-from .description import Description, NamedSignal
+from .description import Description, Key, NamedSignal
 
 UNIT_NORM = Element(unit_norm)
 
@@ -72,7 +72,7 @@ def assemble(builder: Description) -> Model:
     points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
     axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
 
-    def index(key):
+    def index(key: Key):
         kind, of, number = key
         return (first_e if kind == "element" else first_x)[of] + number - 1
 
@@ -286,7 +286,7 @@ def _stack_trees(trees: list[Any]) -> Any:
 
 
 def _indices(roles: list[Role], dofs: list[int]) -> RoleIndices:
-    def of(role) -> Any:
+    def of(role: Role) -> Any:
         return np.array([i for i, r in enumerate(roles) if r is role], int)
 
     chosen: Any = np.array(dofs, int)

@@ -316,7 +316,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         varying = {k: v for k, v in own.items() if k in numbers}
         fixed = {k: v for k, v in own.items() if k not in numbers}
 
-        def call(arguments, nodes, varying, extra):
+        def call(arguments: list[Any], nodes: list[Any], varying: dict[str, Any], extra: dict[str, Any]):
             return companion(*arguments, ref=element.reference(nodes), **varying, **fixed, **extra)
 
         try:

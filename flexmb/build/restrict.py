@@ -6,6 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
@@ -60,7 +61,7 @@ class Restriction(Record):
             of = tuple(jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], part) for part in parts)
             properties = (*properties, {"weights": self.weights, "of": of})
 
-        def longer(values):
+        def longer(values: Array | None):
             return None if values is None else jnp.concatenate([values, jnp.zeros((more, *values.shape[1:]))])
 
         def loads(given: Loads | None):

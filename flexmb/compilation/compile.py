@@ -65,13 +65,13 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     if not callable(function):
         raise TypeError(f"fm.jit takes a function, not a {type(function).__name__}.")
 
-    def flat(structure, options, *leaves):
+    def flat(structure: Any, options: tuple[tuple[str, Any], ...], *leaves: Any):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
     run = _compiled(flat, _name(function))
 
     @functools.wraps(function)
-    def call(*arguments, **options):
+    def call(*arguments: Any, **options: Any):
         # Flattened once, here: a model is a tree of some thirty arrays.
         leaves, structure = jax.tree.flatten(arguments)
         return run(structure, tuple(sorted(options.items())), leaves)
@@ -89,7 +89,7 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
         The compiled function.
     """
 
-    def flat(structure, fixed, *leaves):
+    def flat(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         numbers = iter(leaves)
         whole = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, whole))
@@ -97,7 +97,7 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
     run = _compiled(flat, _name(function))
 
     @functools.wraps(function)
-    def call(*arguments):
+    def call(*arguments: Any):
         leaves, structure = jax.tree.flatten(arguments)
         is_number = [isinstance(leaf, jax.Array | np.ndarray) for leaf in leaves]
         fixed = tuple(_Number if number else leaf for leaf, number in zip(leaves, is_number, strict=True))
@@ -109,21 +109,21 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
 def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     """Call ``function(structure, fixed, *leaves)`` with a list of leaves, compiled as they and the settings ask for."""
 
-    def whole(structure, fixed, *leaves):
+    def whole(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         with no_garbage_looked_for():
             return jax.tree.map(_strong, function(structure, fixed, *leaves))
 
     taken = kept(whole)
 
     @functools.lru_cache(MOST)
-    def compiled(structure, fixed, mode: str):
-        def program(*leaves):
+    def compiled(structure: Any, fixed: tuple[Any, ...], mode: str):
+        def program(*leaves: Any):
             return (taken if _keeps_traces and mode != "nested" else whole)(structure, fixed, *leaves)
 
         program.__name__ = name
         return jax.jit(program, compiler_options=OPTIONS[mode])
 
-    def run(structure, fixed, leaves):
+    def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         # A number whose type is weak, such as a float of Python's, is another type: a program of its own.
         leaves = [_strong(leaf) for leaf in leaves]
         if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
@@ -146,7 +146,7 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
     """
 
     @functools.lru_cache(1000)
-    def found(*things):
+    def found(*things: Any):
         return kept_number(function, things) if _keeps_traces else function(*things)
 
     return functools.wraps(function)(found)
@@ -197,10 +197,10 @@ def as_primitives(function: Callable[..., Any]) -> Callable[..., Any]:
     """
 
     @functools.wraps(function)
-    def call(*arguments, **named):
+    def call(*arguments: Any, **named: Any):
         leaves, structure = jax.tree.flatten((arguments, named))
 
-        def flat(*leaves):
+        def flat(*leaves: Any):
             arguments, named = jax.tree.unflatten(structure, leaves)
             return function(*arguments, **named)
 

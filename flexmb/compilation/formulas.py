@@ -118,7 +118,7 @@ class _Reader:
         values: dict[Any, Any] = dict(zip(jaxpr.constvars, map(_Known, constants), strict=True))
         values |= zip(jaxpr.invars, given, strict=True)
 
-        def of(atom):
+        def of(atom: Any):
             return _Known(atom.val) if isinstance(atom, Literal) else values[atom]
 
         for equation in jaxpr.eqns:

@@ -145,7 +145,7 @@ class Algebra:
         name, parameters = equation.primitive.name, equation.params
         varying = [isinstance(one, Jet) for one in taken]
 
-        def function(*taken):
+        def function(*taken: Any):
             return jax.core.eval_jaxpr(_alone(jaxpr, equation), (), *taken)
 
         real = [np.issubdtype(v.aval.dtype, np.inexact) for v in equation.outvars]
@@ -254,14 +254,14 @@ class Algebra:
         every = tuple(sorted(set().union(*[one.directions for one in taken if isinstance(one, Jet)])))
         own = [self.expanded(one, every).parts for one in taken if isinstance(one, Jet)]
 
-        def of_varying(*values):
+        def of_varying(*values: Array):
             given = iter(values)
             return function(*[next(given) if isinstance(one, Jet) else one for one in taken])
 
-        def along(parts):
+        def along(parts: list[Array]):
             at, *rates = [[one[k] for one in parts] for k in range(self.count)]
 
-            def first(at, rate):
+            def first(at: list[Array], rate: list[Array]):
                 return jax.jvp(of_varying, at, rate)
 
             if self.orders == 2:

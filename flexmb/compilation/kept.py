@@ -37,7 +37,7 @@ WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.sci
 def kept(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function ``(structure, fixed, *leaves)`` to be compiled, whose trace is kept beside the compiler's cache."""
 
-    def call(structure, fixed, *leaves):
+    def call(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         try:
             path = _path(function, structure, fixed, [str(jax.typeof(leaf)) for leaf in leaves])
             if not path.exists():
@@ -96,7 +96,7 @@ def _write(path: Path, *parts: bytes) -> None:
 def _write_trace(path: Path, function: Callable[..., Any], leaves: Any) -> None:
     found: Any = []
 
-    def flat(*leaves):
+    def flat(*leaves: Any):
         found[:] = jax.tree.flatten(function(*leaves))
         return found[0]
 

@@ -72,7 +72,7 @@ def captured(function: Callable[..., Any], *like: Any) -> Captured:
     results: Any = None
 
     # A function of its own: JAX remembers the traces of those it knows.
-    def flat(*leaves):
+    def flat(*leaves: Any):
         nonlocal results
         found, results = jax.tree.flatten(function(*jax.tree.unflatten(structure, leaves)))
         return [jnp.asarray(one) for one in found]
@@ -80,7 +80,7 @@ def captured(function: Callable[..., Any], *like: Any) -> Captured:
     program = jax.make_jaxpr(flat)(*(jax.typeof(leaf) for leaf in leaves))
     jaxpr, numbers, places, equations = program.jaxpr, list(program.consts), [], []
 
-    def placed(atom):
+    def placed(atom: Any):
         """A constant in place of a number in the text; whole numbers may be shapes or places, and stay."""
         kind: Any = atom.aval
         if not isinstance(atom, Literal) or not np.issubdtype(kind.dtype, np.inexact):
@@ -107,11 +107,11 @@ def digest(found: Captured) -> str:
     """
     text = hashlib.sha256()
 
-    def add(number):
+    def add(number: Any):
         text.update(repr(jax.typeof(number)).encode())
         text.update(np.asarray(number).tobytes())
 
-    def walk(jaxpr: Jaxpr, constants):
+    def walk(jaxpr: Jaxpr, constants: Sequence[Any]):
         for number in constants:
             add(number)
         for equation in jaxpr.eqns:
@@ -165,7 +165,7 @@ def split_together(
     leaves, structure = jax.tree.flatten(([varying for _, varying in functions], constant))
     count = len(leaves) - len(jax.tree.leaves(constant))
 
-    def flat(*leaves):
+    def flat(*leaves: Any):
         varying, constant = jax.tree.unflatten(structure, leaves)
         return [function(*own, *constant) for (function, _), own in zip(functions, varying, strict=True)]
 
@@ -201,7 +201,7 @@ def split_together(
 def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any]:
     """Function of arguments in whatever trees."""
 
-    def function(*arguments):
+    def function(*arguments: Any):
         return jax.tree.unflatten(results, jax.core.eval_jaxpr(jaxpr, constants, *jax.tree.leaves(arguments)))
 
     return function
@@ -224,7 +224,7 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
     known: dict = {}
     found = []
 
-    def replaced(atoms) -> list:
+    def replaced(atoms: Sequence[Any]) -> list:
         return [v if isinstance(v, Literal) else same.get(v, v) for v in atoms]
 
     for equation in jaxpr.eqns:
@@ -245,7 +245,7 @@ def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = 2) -> tuple:
     meaning: list[Any] = [tuple((type(c), np.asarray(c).dtype, np.asarray(c).tobytes()) for c in constants)]
     meaning.append(tuple(v.aval for v in places))
 
-    def place(atom):
+    def place(atom: Any):
         return (atom.aval, np.asarray(atom.val).tobytes()) if isinstance(atom, Literal) else places[atom]
 
     for equation in jaxpr.eqns:

@@ -73,7 +73,7 @@ def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int)
         Results in the order of the arguments.
     """
 
-    def finished(argument):
+    def finished(argument: Any):
         return jax.block_until_ready(function(argument))
 
     with one_thread():

@@ -1,6 +1,7 @@
 """State space in modal amplitudes scaled by their energy, in which slow and fast motions are of one size."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -69,7 +70,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     # Motions without mass follow the others, and forces, at once.
     rigid = factorise(absent[:, None] * stiffness * absent + jnp.diag(there))
 
-    def follows(right, solve):
+    def follows(right: Float[Array, "n k"], solve: Callable[..., Any]):
         return absent[:, None] * solve(absent[:, None] * right)
 
     onto = jnp.diag(there) - follows(stiffness * there, rigid.solve)
@@ -78,7 +79,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     k, own = from_left.T @ stiffness @ onto, from_left.T @ damping @ onto
     inertia = factorise(scale[:, None] * mass * scale + jnp.diag(absent))
 
-    def accelerated(force):
+    def accelerated(force: Float[Array, "n k"]):
         return scale[:, None] * inertia.solve(scale[:, None] * force)
 
     b = jnp.einsum("ji,kju->kiu", from_left, b)
@@ -102,7 +103,13 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     return EnergyForm(jnp.concatenate([upper, lower]), jnp.concatenate([jump, driven]), sensed, passed, rough)
 
 
-def _beside_what_follows(b, c, d, parts, orders: tuple[int, ...]):
+def _beside_what_follows(
+    b: Float[Array, "3 n n_u"],
+    c: Float[Array, "3 n_y n"],
+    d: Float[Array, "3 n_y n_u"],
+    parts: tuple[Array, ...],
+    orders: tuple[int, ...],
+):
     """Of inputs that are rates, what acts on the motion beside that which follows at rest, by powers of the rate.
 
     q = q' + r p with K r = B0: what is left acts by B1 - C r and B2 - M r, and outputs take C0 r + D0 and so on.

@@ -72,7 +72,7 @@ def controller_of(
         a, b, c, d = matrices
         matrices = (a, b, sign * c, sign * d)
 
-    def by_frequency(hertz):
+    def by_frequency(hertz: Float[Array | np.ndarray, "n_f"]):
         gain: Any = respond(hertz) if matrices is None else _of_states(matrices, hertz)
         gain = np.asarray(gain, complex) if is_concrete(gain) else gain.astype(complex)
         if gain.ndim == 1 and sizes == (1, 1):

@@ -381,7 +381,7 @@ def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[Secon
     lossy, k = _lossy(m, losses)
     none = {name: np.zeros(m.K0.shape) for name in ("M0", "C0", "D0", "K0", "N0", "G0")} | {"S_d": np.zeros(m.S.shape)}
 
-    def of(**own):
+    def of(**own: Any):
         return plain(second_order(Linearization(dataclasses.replace(m, **{**none, **own}), lin.model)))[0]
 
     return of(S=lossy, K0=k), of(S=np.zeros(m.S.shape))
@@ -416,7 +416,9 @@ def _at(w: Float[Array, "n_f"], polynomial: Complex[Array, "3 i j"]) -> Complex[
     return jnp.einsum("pf,pij->fij", _powers(w), polynomial)
 
 
-def _modal_factors(m, c, k, loss) -> tuple[Any, Any]:
+def _modal_factors(
+    m: Float[Array, "n n"], c: Float[Array, "n n"], k: Float[Array, "n n"], loss: Float[Array, "n n"]
+) -> tuple[Any, Any]:
     """Undamped modes W with W^T (K + s M) W = 1, what mass, damping and loss are between them, and whether there are.
 
     Scaled so, motions without mass are modes like others, with a mass of zero, and the sum has the whole flexibility.
@@ -428,7 +430,9 @@ def _modal_factors(m, c, k, loss) -> tuple[Any, Any]:
     return (mu, shift * mu, vectors, damping, losses), found
 
 
-def _refined(a, b, mu, vectors) -> tuple[Any, Any]:
+def _refined(
+    a: Float[Array, "n n"], b: Float[Array, "n n"], mu: Float[Array, "n"], vectors: Float[Array, "n n"]
+) -> tuple[Any, Any]:
     """Eigenvalues and vectors of A w = mu B w after one step of Newton's method.
 
     As they are found they are known to round-off of the largest mu, of the slowest mode: here each to its own.
@@ -454,7 +458,13 @@ def _is_coupled(matrix: Float[Array, "n n"]) -> Any:
 
 
 @jax.custom_jvp
-def _transfer(factors, w, parts, by_inputs, by_outputs) -> Complex[Array, "n_f n_y n_u"]:
+def _transfer(
+    factors: tuple[Array, ...] | None,
+    w: Float[Array, "n_f"],
+    parts: tuple[Array, ...],
+    by_inputs: Complex[Array, "3 n_q n_u"] | tuple[Array],
+    by_outputs: Complex[Array, "3 n_y n_q"] | tuple[Array],
+) -> Complex[Array, "n_f n_y n_u"]:
     """C(i w) (-w^2 M + i w C + K + i L)^-1 B(i w).
 
     Args:
@@ -491,12 +501,17 @@ def _transfer(factors, w, parts, by_inputs, by_outputs) -> Complex[Array, "n_f n
     return jax.lax.cond(coupled, solved, summed)
 
 
-def _expanded(w, given):
+def _expanded(w: Float[Array, "n_f"], given: Complex[Array, "3 i j"] | tuple[Array]):
     """One matrix for each frequency, of a polynomial or of what is so already."""
     return given[0] if isinstance(given, tuple) else _at(w, given)
 
 
-def _sum_over_modes(w, factors, by_inputs, by_outputs):
+def _sum_over_modes(
+    w: Float[Array, "n_f"],
+    factors: tuple[Array, ...],
+    by_inputs: Complex[Array, "3 n_q n_u"] | tuple[Array],
+    by_outputs: Complex[Array, "3 n_y n_q"] | tuple[Array],
+):
     mu, shifted, vectors, damping, losses = factors
     vectors = vectors.astype(complex)
     column = w[:, None]
@@ -521,10 +536,18 @@ def _sum_over_modes(w, factors, by_inputs, by_outputs):
     return jnp.where(unbounded, jnp.inf + 0j, responses).reshape(len(w), n_y, n_u)
 
 
-def _solved_each(w, k, m, c, loss, right, left):
+def _solved_each(
+    w: Float[Array, "n_f"],
+    k: Float[Array, "n n"],
+    m: Float[Array, "n n"],
+    c: Float[Array, "n n"],
+    loss: Float[Array, "n n"],
+    right: Complex[Array, "n_f n n_u"],
+    left: Complex[Array, "n_f n_y n"],
+):
     """Solutions at each frequency, few at a time."""
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         w, right, left = at
         return left @ jnp.linalg.solve(jax.lax.complex(k - w**2 * m, w * c + loss), right)
 
@@ -532,7 +555,7 @@ def _solved_each(w, k, m, c, loss, right, left):
 
 
 @_transfer.defjvp
-def _transfer_jvp(primals, tangents):
+def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """d(C Z^-1 B) = dC X + Y dB - Y dZ X with X = Z^-1 B and Y = C Z^-1: no mode is differentiated."""
     factors, w, parts, by_inputs, by_outputs = primals
     _, dw, (dm, dc, dk, dloss), d_inputs, d_outputs = tangents
@@ -551,7 +574,7 @@ def _transfer_jvp(primals, tangents):
     of_z = of_z + turned * ((2 * s * m + c) @ moved)
     change = -felt @ of_z
 
-    def moves(polynomial, d_polynomial):
+    def moves(polynomial: Complex[Array, "3 i j"] | tuple[Array], d_polynomial: Any):
         if isinstance(polynomial, tuple):
             return d_polynomial[0]
         return _at(w, d_polynomial) + turned * (polynomial[1] + 2 * s * polynomial[2])

@@ -76,7 +76,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     tangent = transfer(topology, jacobian)
     seed_x, seed_e = seeds(topology, x, held)
 
-    def answer(excess, shift):
+    def answer(excess: Float[Array, "n_e k"], shift: Float[Array, "n_x k"]):
         """Change of all coordinates, the degrees of freedom as they are."""
         return jax.vmap(lambda *of: correction(topology, tangent, *of), (1, 1), 1)(excess, shift)
 
@@ -112,7 +112,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     geometric = z.T @ (curvature - loads) @ z + about_axes(m, held, n)
     structural = dfe.T @ stiffness @ dfe
 
-    def joined(own, whole):
+    def joined(own: Float[Array, "n n"], whole: Float[Array, "w w"]):
         """The degrees of freedom's own part as it is known."""
         return whole.at[:n, :n].set(own)
 
@@ -134,7 +134,9 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     )
 
 
-def seeds(topology: Topology, x, held: tuple[Held, ...]) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
+def seeds(
+    topology: Topology, x: Float[Array, "n_x"], held: tuple[Held, ...]
+) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
     """Changes of held coordinates and deformations by a unit of each of what is held."""
     seed_x, seed_e = jnp.zeros((topology.n_x, len(held))), jnp.zeros((topology.n_e, len(held)))
     for i, of in enumerate(held):
@@ -187,7 +189,9 @@ def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
     return found
 
 
-def _beside_elements(m: Matrices, added, by_held, of_held) -> Float[Array, "w w"]:
+def _beside_elements(
+    m: Matrices, added: Float[Array, "n_q n_q"], by_held: Float[Array, "n_q k"], of_held: Float[Array, "k n_q"]
+) -> Float[Array, "w w"]:
     """Damping that is not of the elements: of what moves beyond that which follows at rest.
 
     Args:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import ArrayLike
+from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import check_number, check_numbers, check_whole, is_concrete, shown
 from ..errors import ModelError
@@ -57,19 +57,19 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
         raise ModelError("Argument `tracking` is for integrators, which the controller has not: leave it out.")
     follow = _following(given, tracking)
 
-    def within(u):
+    def within(u: ArrayLike):
         u = jnp.atleast_1d(jnp.asarray(u, float))
         if low.shape not in ((), u.shape):
             raise ModelError(f"Argument `limits` is for {low.shape[0]} outputs, but the controller has {u.shape[0]}.")
         return jnp.clip(u, low, high)
 
-    def led_back(t, u):
+    def led_back(t: Float[Array, ""], u: ArrayLike):
         return 0.0 if follow is None else at_time(follow, t) @ (within(u) - jnp.atleast_1d(jnp.asarray(u, float)))
 
     if isinstance(given, Sampled):
         step = given.step
 
-        def limited(t, z, y):
+        def limited(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
             u, then = step(t, z, y)
             return within(u), then if follow is None else then + led_back(t, u)
 
@@ -134,7 +134,7 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
     if not callable(law):
         raise ModelError(f"Argument `law` must be a function of time, such as lambda t: [3.0], not {shown(law)}.")
 
-    def added(t, u):
+    def added(t: Float[Array, ""], u: ArrayLike):
         u, extra = (jnp.atleast_1d(jnp.asarray(part, float)) for part in (u, law(t)))
         if extra.shape != u.shape:
             raise ModelError(f"Argument `law` gives shape {extra.shape}, but the controller has {u.shape[0]} outputs.")
@@ -143,7 +143,7 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
     if isinstance(given, Sampled):
         step = given.step
 
-        def sampled(t, z, y):
+        def sampled(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
             u, then = step(t, z, y)
             return added(t, u), then
 
@@ -193,7 +193,7 @@ def _is_system(given: Any) -> bool:
     return hasattr(given, "D") or hasattr(given, "num")
 
 
-def _of_systems(times, systems: Sequence[Any]) -> Feedback | Sampled:
+def _of_systems(times: Float[Array, "n_t"], systems: Sequence[Any]) -> Feedback | Sampled:
     """One controller of several linear ones, each at its time."""
     if len(systems) != len(times):
         raise ModelError(f"Argument `controllers` has {len(systems)} systems for {len(times)} times.")

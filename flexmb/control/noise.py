@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Bool, Complex, Float
 
 from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.compile import jit
@@ -17,7 +17,7 @@ from ..linear.linearize import Linearization, ManyStates, Where, linearized
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
 from .energy_form import EnergyForm, energy_form
-from .feedback import Controller, closed, closed_by_frequency, controller_of
+from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
 from .frequency_response import check_hertz, chosen, one_of, plain, response_of
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
@@ -347,7 +347,16 @@ def _tell_of_infinite(found: NoiseBudget) -> None:
 
 
 @jit
-def _loop(system: SecondOrder, matrices: Any, *, orders, places, entries, band, exact: bool):
+def _loop(
+    system: SecondOrder,
+    matrices: Any,
+    *,
+    orders: tuple[int, ...],
+    places: Places | None,
+    entries: tuple[tuple[int, ...], tuple[int, ...]],
+    band: tuple[float, float] | None,
+    exact: bool,
+):
     """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies.
 
     The frequencies move with the poles, and so do those of a derivative: on a grid that stands still its error would be
@@ -370,7 +379,19 @@ def _poles(a: Float[Array, "n n"]) -> Complex[Array, "n"]:
 
 
 @jit
-def _budget(plant, gain, densities, grid, widths, settles, whole: EnergyForm | None, *, places, entries, wanted):
+def _budget(
+    plant: Complex[Array, "n_f n_y n_u"],
+    gain: Complex[Array, "n_f n_d n_m"] | None,
+    densities: Sequence[Array],
+    grid: Float[Array, "n_f"],
+    widths: Float[Array, "n_f"] | None,
+    settles: Bool[Array, ""],
+    whole: EnergyForm | None,
+    *,
+    places: Places | None,
+    entries: tuple[tuple[int, ...], tuple[int, ...]],
+    wanted: tuple[int, ...],
+):
     """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or exactly."""
     own = np.array(wanted)
     density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
@@ -416,11 +437,11 @@ def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> 
     width = jnp.maximum(width, STILL * end)
     octaves = jnp.log(end / first)
 
-    def counted(f):
+    def counted(f: Float[Array, "k"]):
         phases = jnp.arctan((f[:, None] - place) / width) - jnp.arctan((first - place) / width)
         return SPREAD * jnp.log(f / first) / octaves + BESIDE / np.pi * jnp.sum(phases, axis=1)
 
-    def rate(f):
+    def rate(f: Float[Array, "k"]):
         beside = width / (width**2 + (f[:, None] - place) ** 2)
         return SPREAD / octaves / f + BESIDE / np.pi * jnp.sum(beside, axis=1)
 

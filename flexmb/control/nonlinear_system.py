@@ -5,10 +5,12 @@ from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
+from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by
 from ..motion.loop import check_signals, measuring, under_inputs
 from ..motion.protocol import MotionState
@@ -21,7 +23,14 @@ if TYPE_CHECKING:
 
 
 @jit_beside_options
-def plant_rates(model: Model, driven, t, state, memory, u):
+def plant_rates(
+    model: Model,
+    driven: tuple[Driven, ...],
+    t: Float[Array, ""],
+    state: Float[Array, "n"],
+    memory: Float[Array, "m"],
+    u: Float[Array, "n_u"],
+):
     """Rates of the state, outputs, and the memory to go on from."""
     undriven = coordinates_form(model.topology, model.parameters, driven)
     form = reduced_form(under_inputs(model, undriven, u))
@@ -69,7 +78,7 @@ def to_nonlinear_system(
     nameless = model.without_names()
     memory = [jnp.concatenate([start.x, jnp.zeros(model.topology.n_e)])]
 
-    def evaluated(t, x, u):
+    def evaluated(t: float, x: np.ndarray, u: np.ndarray):
         rates, y, memory[0] = plant_rates(
             nameless, driven, jnp.asarray(t, float), jnp.asarray(x), memory[0], jnp.asarray(u)
         )

@@ -112,14 +112,30 @@ def _with_held(topology: Topology, parameters: Parameters, m: Matrices, *, held:
 
 
 @jit
-def _second_order(m: Matrices, whole: Matrices, weights: Any, *, inputs, outputs, held: tuple[Held, ...]) -> Any:
+def _second_order(
+    m: Matrices,
+    whole: Matrices,
+    weights: Any,
+    *,
+    inputs: tuple[Signal, ...],
+    outputs: tuple[Signal, ...],
+    held: tuple[Held, ...],
+) -> Any:
     def one(m: Matrices, whole: Matrices):
         return _about_state(m, whole, weights, inputs, outputs, held, jnp)
 
     return jax.vmap(one)(m, whole) if m.M0.ndim > 2 else one(m, whole)
 
 
-def _about_state(m: Matrices, whole: Matrices, weights, inputs, outputs, held, xp: Any) -> tuple[Any, ...]:
+def _about_state(
+    m: Matrices,
+    whole: Matrices,
+    weights: Any,
+    inputs: tuple[Signal, ...],
+    outputs: tuple[Signal, ...],
+    held: tuple[Held, ...],
+    xp: Any,
+) -> tuple[Any, ...]:
     """The twelve matrices of one state, by NumPy or by jax.numpy."""
     n = m.M0.shape[0]
     causes, sensed = terms_of(inputs), terms_of(outputs)
@@ -151,7 +167,14 @@ def _stacked(rows: list[Any], size: int, xp: Any) -> Any:
     return xp.stack([none if row is None else row for row in rows]) if rows else xp.zeros((0, size))
 
 
-def _output_rows(s: Signal, m: Matrices, held, parts, forces, causes) -> tuple[Any, ...]:
+def _output_rows(
+    s: Signal,
+    m: Matrices,
+    held: tuple[Held, ...],
+    parts: tuple[Any, ...],
+    forces: Float[Array | np.ndarray, "w terms"],
+    causes: tuple[Signal, ...],
+) -> tuple[Any, ...]:
     """Derivatives of an output by the freedoms, their rates and second rates, None where there is none, and by inputs.
 
     Along a motion the rate of DFx q is DFx qd + DFx_d q, and a rotation's axes turn: of omega = 2 Lbar(lambda)

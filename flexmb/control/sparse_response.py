@@ -40,7 +40,9 @@ def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Flo
 
 
 @jax.custom_jvp
-def _transfer(elements: ElementMatrices, w, b, c) -> Complex[Array, "n_f n_y n_u"]:
+def _transfer(
+    elements: ElementMatrices, w: Float[Array, "n_f"], b: Complex[Array, "3 n_x n_u"], c: Complex[Array, "3 n_y n_x"]
+) -> Complex[Array, "n_f n_y n_u"]:
     """C(i w) Z^-1 B(i w)."""
     return solutions(elements, w, b, c, only_responses=True)
 
@@ -62,7 +64,7 @@ def solutions(elements: ElementMatrices, w, b, c, *, only_responses: bool = Fals
     columns = n_u if only_responses else n_u + n_y
     shape = (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], rows, columns)
 
-    def found(elements, w, b, c):
+    def found(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray):
         whole, answer = Whole(elements), np.full(shape, np.inf + 0j)
         for i, s in enumerate(1j * w):
             powers = s ** np.arange(3)
@@ -84,7 +86,7 @@ def solutions(elements: ElementMatrices, w, b, c, *, only_responses: bool = Fals
     return on_host(found, jax.ShapeDtypeStruct(shape, complex), elements, w, b, c)
 
 
-def _balance(elements: ElementMatrices, s, z) -> Any:
+def _balance(elements: ElementMatrices, s: Complex[Array, ""], z: Complex[Array, "r k"]) -> Any:
     """Product of [[K + s C + s^2 M + i L, D^T], [D, 0]] and vectors."""
     n_x, n_e, n = elements.sizes.shape[0], elements.kept.shape[0], elements.unknowns[0]
     v = spread(elements, z[:n])
@@ -103,11 +105,17 @@ def _powers(s: Complex[Array, "*f"]) -> Complex[Array, "3 *f"]:
 
 
 @jit
-def _by_solutions(elements: ElementMatrices, w, b, c, moved) -> Complex[Array, "n_f n_y n_u"]:
+def _by_solutions(
+    elements: ElementMatrices,
+    w: Float[Array, "n_f"],
+    b: Complex[Array, "3 n_x n_u"],
+    c: Complex[Array, "3 n_y n_x"],
+    moved: Complex[Array, "n_f r k"],
+) -> Complex[Array, "n_f n_y n_u"]:
     """C X + Y^T (B - Z X) at each frequency."""
     n, n_u = elements.unknowns[0], b.shape[2]
 
-    def one(at):
+    def one(at: tuple[Array, Array]):
         s, (x, y) = lax.complex(jnp.zeros_like(at[0]), at[0]), jnp.split(at[1], [n_u], axis=1)
         powers = _powers(s)
         right = jnp.tensordot(powers, b, 1)[elements.free]

@@ -183,7 +183,7 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
     return Margins(name, gain, gain_at / turn, phase, phase_at / turn, modulus, modulus_at / turn)
 
 
-def _laplace(s, period: float | None):
+def _laplace(s: np.ndarray, period: float | None):
     return np.exp(s * period) if period else s
 
 

@@ -16,7 +16,7 @@ from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linea
 from ..linear.loose import refuse_negative_mass
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.spectrum import massless_freedoms, response_without_mass
-from ..math.linear import factorise
+from ..math.linear import Factors, factorise
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
@@ -87,13 +87,15 @@ def _realised(
     Where modes are given, all others are condensed.
     """
 
-    def one(parts):
+    def one(parts: tuple[Array, ...]):
         return _realised_at(parts, np.array(orders, int), np.array(moves, float), condensed, modes)
 
     return one(parts) if parts[0].ndim == 2 else jax.vmap(one)(parts)
 
 
-def _realised_at(parts, orders, moves, condensed, modes) -> _Realised:
+def _realised_at(
+    parts: tuple[Array, ...], orders: np.ndarray, moves: np.ndarray, condensed: tuple[int, ...], modes: tuple[int, ...]
+) -> _Realised:
     m, c, k, *by_p = parts[:6]
     c_q, through = list(parts[6:9]), list(parts[9:12])
     n_q, n_u = by_p[0].shape
@@ -126,13 +128,21 @@ def _realised_at(parts, orders, moves, condensed, modes) -> _Realised:
     return _Realised(found, jnp.zeros(found.D.shape, jnp.int32), (jnp.zeros(n, bool), jnp.zeros(n, bool)))
 
 
-def _first_order(mass, damping, stiffness, by_p, c_q, through, orders) -> _Realised:
+def _first_order(
+    mass: Float[Array, "n n"],
+    damping: Float[Array, "n n"],
+    stiffness: Float[Array, "n n"],
+    by_p: list[Array],
+    c_q: list[Array],
+    through: list[Array],
+    orders: np.ndarray,
+) -> _Realised:
     """States z, displacements that inputs are rates of, v, and velocities that inputs are rates of; (14.5)."""
     n, n_u = by_p[0].shape
     inverse = factorise(mass)
     once, twice = np.flatnonzero(orders > 0), np.flatnonzero(orders == 2)
 
-    def level(of, rate: int):
+    def level(of: list[Array], rate: int):
         """What a rate of the inputs does, or where negative an integral of them, of what their displacements do."""
         nothing = jnp.zeros(of[0].shape[0])
         return jnp.stack([of[k + rate][:, j] if 0 <= k + rate < 3 else nothing for j, k in enumerate(orders)], axis=1)
@@ -170,7 +180,14 @@ def _first_order(mass, damping, stiffness, by_p, c_q, through, orders) -> _Reali
     return _Realised(StateMatrices(a[order][:, order], b[order], row[:, order], d), late, shifted)
 
 
-def _left(inverse, damping, by_rates, moved, c, through):
+def _left(
+    inverse: Factors,
+    damping: Float[Array, "n n"],
+    by_rates: tuple[Array, Array],
+    moved: tuple[Array, Array],
+    c: tuple[Array, Array],
+    through: tuple[Array, Array],
+):
     """Which rate of an input is left in an output, 1 or 2, or 0; what is below round-off of its parts is nothing."""
     (b1, b2), (at_once, rates), (c1, c2), (d1, d2) = by_rates, moved, c, through
     size = jnp.abs(inverse.solve(jnp.eye(len(damping))))

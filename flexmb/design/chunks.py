@@ -171,11 +171,11 @@ def _like(rows: np.ndarray, array: np.ndarray) -> np.ndarray:
 
 
 def _mapped(build: Build, functions: dict, models: list, together: int):
-    def one(dimensions):
+    def one(dimensions: dict[str, Any]):
         with carried(models):
             return evaluate(build, functions, dimensions)
 
-    def every(part):
+    def every(part: dict[str, Any]):
         return jax.lax.map(one, part, batch_size=together if together > 1 else None)
 
     return every

@@ -265,12 +265,12 @@ def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], lay
         Function of (n,) with results (m,) and code; layout of the answers.
     """
 
-    def function(flat):
+    def function(flat: Float[Array, "n"]):
         with carried(models):
             values, code = evaluate(build, answers, layout.split(flat))
         return jnp.concatenate([jnp.ravel(v) for v in values.values()]), code
 
-    def shapes(flat):
+    def shapes(flat: Float[Array, "n"]):
         with carried(models):
             return evaluate(build, answers, layout.split(flat))[0]
 

@@ -308,7 +308,7 @@ def _fewest_beams(
         model = build(**counts)
         return model, [response(linearize(model, increment=s), nodes) for s in increments]
 
-    def apart(one, other) -> Deviation:
+    def apart(one: list[Response], other: list[Response]) -> Deviation:
         return largest_of([deviation(a, b, bandwidth) for a, b in zip(one, other, strict=True)])
 
     counts: dict[str, int] = {name: finest for name in names}

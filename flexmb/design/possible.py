@@ -35,7 +35,7 @@ def refusal(
         Function of dimensions with the designs first, (designs, ...) by name, to (designs,) of bool.
     """
 
-    def numbers(dimensions):
+    def numbers(dimensions: dict[str, Any]):
         with carried(models), recorded() as made:
             build(**dimensions)
         return [model.parameters for model in made], [model.topology for model in made]
@@ -98,7 +98,7 @@ def _of_check(block: Block, check: Callable[..., list[str]], reference: Any, pro
     options = {n: v for n, v in properties.items() if n in wanted and isinstance(v, bool | str)}
     numbers = {n: v for n, v in properties.items() if n in wanted and n not in options}
 
-    def ask(one):
+    def ask(one: tuple[Any, dict[str, Any]]):
         reference, own = one
         given: dict[str, Any] = element.arguments(check, {**options, **own}) or {}
         return check(ref=element.reference(np.split(reference, block.splits, axis=-1)), **given)

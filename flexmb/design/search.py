@@ -7,6 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..errors import clean
@@ -59,7 +60,7 @@ class _Stop(Exception):
 class _Evaluations:
     """Answers and derivatives with a budget, a history, and a memory of the last."""
 
-    def __init__(self, problem: Problem, kernel: Kernel, budget: int, progress):
+    def __init__(self, problem: Problem, kernel: Kernel, budget: int, progress: Callable[..., Any] | None):
         self.problem, self.kernel, self.budget, self.progress = problem, kernel, budget, progress
         self.history: History = []
         self.count = 0
@@ -86,7 +87,7 @@ class _Evaluations:
         return (values, slopes) if self.good(values, slopes, code) else None
 
     @staticmethod
-    def good(values, slopes, code) -> bool:
+    def good(values: np.ndarray, slopes: np.ndarray, code: int) -> bool:
         return code == RESULTS.successful and bool(np.all(np.isfinite(values)) and np.all(np.isfinite(slopes)))
 
 
@@ -163,7 +164,7 @@ Outcome = tuple[np.ndarray, str, RESULTS]
 def _best(problem: Problem, history: History, tolerance: float) -> np.ndarray:
     """Scaled dimensions of the best design so far: feasible first."""
 
-    def rank(pair):
+    def rank(pair: tuple[np.ndarray, np.ndarray]):
         violation = problem.violation(pair[1])
         return (violation if violation > tolerance else 0.0, problem.objective(pair[1]))
 
@@ -175,11 +176,11 @@ def _least_squares(problem: Problem, evaluate: _Evaluations, start: np.ndarray) 
 
     count = len(problem.targets.names)
 
-    def residual(unit):
+    def residual(unit: np.ndarray):
         found = evaluate(unit)
         return np.full(count, np.nan) if found is None else problem.targets(found[0])
 
-    def jacobian(unit):
+    def jacobian(unit: np.ndarray):
         found = evaluate(unit)
         return np.full((count, len(unit)), np.nan) if found is None else problem.targets.matrix @ found[1]
 
@@ -211,11 +212,11 @@ def _by_optimistix(
     """Within the bounds by u = (1 + sin v)/2, since its solvers know none."""
     import optimistix
 
-    def residual(angle, _):
+    def residual(angle: Float[Array, "n"], _: Any):
         values, _ = of_unit((1 + jnp.sin(angle)) / 2)
         return problem.targets(values)
 
-    def solve(angle):
+    def solve(angle: Float[Array, "n"]):
         found = optimistix.least_squares(residual, solver, angle, max_steps=budget, throw=False)
         return found.value, found.result == optimistix.RESULTS.successful
 
@@ -285,10 +286,10 @@ def _by_scipy(evaluate: _Evaluations):
 
     problem = evaluate.problem
 
-    def inner(unit, multipliers, weight, wanted):
+    def inner(unit: np.ndarray, multipliers: tuple[Any, Any], weight: float, wanted: float):
         known = [0.0]
 
-        def merit(u):
+        def merit(u: np.ndarray):
             found = evaluate(u)
             if found is None:
                 # Worse than all that is known, so that the line search comes back.
@@ -316,8 +317,8 @@ def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit: Callable[..., A
         )
     rule = optax.with_extra_args_support(optimizer)
 
-    def step(unit, state, multipliers, weight):
-        def merit(u):
+    def step(unit: Any, state: Any, multipliers: Any, weight: Any):
+        def merit(u: Float[Array, "n"]):
             values, code = of_unit(u)
             return problem.lagrangian(values, multipliers, weight), (values, code)
 
@@ -327,7 +328,7 @@ def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit: Callable[..., A
 
     compiled = jit(step)
 
-    def inner(unit, multipliers, weight, wanted):
+    def inner(unit: np.ndarray, multipliers: tuple[Any, Any], weight: float, wanted: float):
         state, at = rule.init(jnp.asarray(unit)), jnp.asarray(unit)
         while True:
             if evaluate.count >= evaluate.budget:

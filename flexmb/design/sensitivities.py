@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import jax
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..arguments import check_whole
 from ..compilation.compile import jit
@@ -134,15 +135,15 @@ def sensitivities(
 def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):
     differentiate: Any = jax.jacfwd if mode == "forward" else jax.jacrev
 
-    def twice(flat):
+    def twice(flat: Float[Array, "n"]):
         value, code = function(flat)
         return value, (value, code)
 
-    def once(flat):
+    def once(flat: Float[Array, "n"]):
         slopes, (value, code) = differentiate(twice, has_aux=True)(flat)
         return slopes, (value, slopes, code)
 
-    def everything(flat):
+    def everything(flat: Float[Array, "n"]):
         if not second_order:
             slopes, (value, code) = differentiate(twice, has_aux=True)(flat)
             return value, slopes, None, code

@@ -120,7 +120,15 @@ class _LetGo(NamedTuple):
 
 
 @jit
-def _let_go(topology: Topology, parameters: Parameters, structure, held: Matrices, index, *, of: str) -> _LetGo:
+def _let_go(
+    topology: Topology,
+    parameters: Parameters,
+    structure: Any,
+    held: Matrices,
+    index: Array,
+    *,
+    of: str,
+) -> _LetGo:
     """The held state in the structure in which the driven coordinate is a degree of freedom.
 
     Args:

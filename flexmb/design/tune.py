@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_whole
 from ..compilation.compile import jit
@@ -33,7 +34,7 @@ from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import Problem, make_problem
 from .scaling import Scaling
-from .search import Attempt, search
+from .search import Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
 from .tuned import Combination, Tuned
 
@@ -219,7 +220,7 @@ def _searched(
     function, of_answers = flat_function(build, q.functions, layout, models)
     of_designs = refusal(build, models, layout.split(q.first)) if layout.names else None
 
-    def of_unit(unit):
+    def of_unit(unit: Float[Array, "n"]):
         return function(scaling.to_dimensions(unit))
 
     def refused(units: np.ndarray) -> np.ndarray:
@@ -243,7 +244,7 @@ def _searched(
     units = [unit, *_other_starts(q.starts - 1, len(unit), q.seed)]
     with reporting(q.progress, "evaluations, objective, violation") as report:
 
-        def from_start(kernel, unit):
+        def from_start(kernel: Kernel, unit: np.ndarray):
             return search(
                 problem, kernel, of_unit, refused, unit, q.optimizer, q.tolerance, q.max_evaluations, progress=report
             )
@@ -263,10 +264,12 @@ def _searched(
 class _Kernel:
     """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays."""
 
-    def __init__(self, of_unit, refused, start: np.ndarray, asked: np.ndarray, m: int):
+    def __init__(
+        self, of_unit: Callable[..., Any], refused: Callable[..., Any], start: np.ndarray, asked: np.ndarray, m: int
+    ):
         differentiate: Any = jax.jacfwd if len(start) <= REVERSE_COST * len(asked) else jax.jacrev
 
-        def twice(unit):
+        def twice(unit: Float[Array, "n"]):
             values, code = of_unit(unit)
             return values[asked], (values, code)
 
@@ -282,7 +285,7 @@ class _Kernel:
         """The same of several designs, (designs, n), in one call."""
         return self._of(units, self.several)
 
-    def _of(self, units: np.ndarray, call) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _of(self, units: np.ndarray, call: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         refused = self.refused(units)
         # The start, which can be built, stands in for a design that cannot: numbers without sense may take long.
         own, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
@@ -310,7 +313,7 @@ def _check_start(of_answers: Layout, at_start: Any) -> None:
             raise _StartError(text, RESULTS.not_finite)
 
 
-def _ignored(problem: Problem, kernel, unit, slopes: np.ndarray, seed: int) -> np.ndarray:
+def _ignored(problem: Problem, kernel: Kernel, unit: np.ndarray, slopes: np.ndarray, seed: int) -> np.ndarray:
     """Dimensions that nothing depends on, (n,); looked at twice, since a symmetric start may be stationary."""
     asked = np.abs(problem.weights) > 0
     for rows in (problem.targets, problem.equal, problem.limits):

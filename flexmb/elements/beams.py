@@ -1,11 +1,14 @@
 """What planar and spatial beams share: lengths, stiffness of one bending plane, mass of the cubic interpolation."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 from numpy.polynomial import polynomial
 
-from .nodes import length
+from .nodes import Reference, length
 from .sections import Damping, Scalar, Section
 
 # Mass of cubics in the end positions and end slopes times length, over m l / 420 (REFERENCES.md T4: axially too).
@@ -22,7 +25,7 @@ ROUND_OFF = 1e-12
 BENDING = np.array([[[4.0, -2.0], [-2.0, 4.0]], [[1.0, 1.0], [1.0, 1.0]]])
 
 
-def bending_coefficients(ei, l0, shear) -> tuple:
+def bending_coefficients(ei: Scalar, l0: Float[Array, ""], shear: Scalar) -> tuple:
     """Coefficients of :data:`BENDING` in the stiffness of one bending plane.
 
     S = EI/(l0^3 (1 + Phi)) [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]], Phi = 12 EI/(GAk l0^2).
@@ -43,7 +46,7 @@ def bending_coefficients(ei, l0, shear) -> tuple:
     return first, first * phi
 
 
-def combine(coefficients, matrices) -> Float[Array, "n n"]:
+def combine(coefficients: Sequence[Scalar], matrices: np.ndarray) -> Float[Array, "n n"]:
     """Linear combination of constant matrices: one small product in the compiled code.
 
     Args:
@@ -61,7 +64,7 @@ _TANH = np.array(
 _SMALL = 0.03
 
 
-def restrained_torsion(git, eiw, l0) -> tuple:
+def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
     """Stiffness of a beam that a constant torque twists while its ends warp as they are told.
 
     With u = (l0/2) sqrt(GIt/EIw) and t = tanh(u)/u it is, between the angle of twist and the twist rates of both ends
@@ -95,7 +98,7 @@ def restrained_torsion(git, eiw, l0) -> tuple:
     return twist, -coupling, (even + odd) / 2, (even - odd) / 2
 
 
-def bending_shortening(ends, l0) -> Float[Array, "*planes"]:
+def bending_shortening(ends: Float[Array | np.ndarray, "*planes 2"], l0: Float[Array, ""]) -> Float[Array, "*planes"]:
     """Shortening of the chord by bending in one plane, second order: (2 ep^2 + ep eq + 2 eq^2)/(30 l0).
 
     Args:
@@ -111,7 +114,7 @@ def bending_shortening(ends, l0) -> Float[Array, "*planes"]:
     return (3 * jnp.sum(ends**2, axis=-1) + jnp.sum(ends, axis=-1) ** 2) / (60 * l0)
 
 
-def beam_length(ref) -> Float[Array, ""]:
+def beam_length(ref: Reference) -> Float[Array, ""]:
     """Undeformed length of an element with end positions ``ref.p`` and ``ref.q``.
 
     Args:
@@ -123,7 +126,7 @@ def beam_length(ref) -> Float[Array, ""]:
     return length(ref.q - ref.p)
 
 
-def truss(p, q, *, ref):
+def truss(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference):
     """Elongation l - l0, (1,) [m].
 
     Source:
@@ -132,17 +135,17 @@ def truss(p, q, *, ref):
     return (length(q - p) - beam_length(ref))[None]
 
 
-def truss_stiffness(*, ref, section: Section) -> Float[Array, "1 1"]:
+def truss_stiffness(*, ref: Reference, section: Section) -> Float[Array, "1 1"]:
     """Axial stiffness EA/l0, (1, 1) [N/m]; tutorial (2.11)."""
     return (section.rigidity().EA / beam_length(ref)).reshape(1, 1)
 
 
-def truss_damping(*, ref, damping: Damping) -> Float[Array, "1 1"]:
+def truss_damping(*, ref: Reference, damping: Damping) -> Float[Array, "1 1"]:
     """Axial damping EdA/l0, (1, 1) [N s/m]; tutorial (2.12)."""
     return (damping.EA / beam_length(ref)).reshape(1, 1)
 
 
-def thermal_elongation(change, length, alpha) -> Float[Array, ""]:
+def thermal_elongation(change: Float[Array, "2"], length: Float[Array, ""], alpha: Scalar) -> Float[Array, ""]:
     """Elongation of a free bar by temperature, () [m].
 
     Args:
@@ -156,7 +159,7 @@ def thermal_elongation(change, length, alpha) -> Float[Array, ""]:
     return alpha * length * (change[0] + change[1]) / 2
 
 
-def truss_thermal(change, *, ref, section: Section) -> Float[Array, "1"]:
+def truss_thermal(change: Float[Array, "2"], *, ref: Reference, section: Section) -> Float[Array, "1"]:
     """Elongation by temperature, (1,) [m]."""
     return thermal_elongation(change, beam_length(ref), expansion_of(section))[None]
 
@@ -167,7 +170,7 @@ def expansion_of(section: Section | None, alpha: Scalar | None = None) -> Scalar
     return 0.0 if stated is None else stated
 
 
-def line_inertia(p, q, *, ref, section: Section):
+def line_inertia(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference, section: Section):
     """Distributed mass with linear interpolation of the position, exact for a straight rigid line.
 
     Source:
@@ -176,17 +179,27 @@ def line_inertia(p, q, *, ref, section: Section):
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
-def rigid_inertia(p, rot_p, q, *, ref, section: Section):
+def rigid_inertia(
+    p: Float[Array, "d"], rot_p: Float[Array, "r"], q: Float[Array, "d"], *, ref: Reference, section: Section
+):
     """Distributed mass of a rigid line from p, a body with a rotation, to q."""
     return line_inertia(p, q, ref=ref, section=section)
 
 
-def rigid_body_inertia(p, rot_p, q, rot_q, *, ref, section: Section):
+def rigid_body_inertia(
+    p: Float[Array, "d"],
+    rot_p: Float[Array, "r"],
+    q: Float[Array, "d"],
+    rot_q: Float[Array, "r"],
+    *,
+    ref: Reference,
+    section: Section,
+):
     """The same of a rigid line between two bodies."""
     return line_inertia(p, q, ref=ref, section=section)
 
 
-def length_or_zero(ref) -> Float[Array, ""]:
+def length_or_zero(ref: Reference) -> Float[Array, ""]:
     """Length of an element whose ends may lie in one place: there its derivative is zero, and finite.
 
     Args:
@@ -199,7 +212,16 @@ def length_or_zero(ref) -> Float[Array, ""]:
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
 
 
-def truss_resultants(p, q, *, ref, place, sigma, section: Section, fall=None) -> Float[Array, "6"]:
+def truss_resultants(
+    p: Float[Array, "d"],
+    q: Float[Array, "d"],
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "1"],
+    section: Section,
+    fall: Float[Array, "2 d"] | None = None,
+) -> Float[Array, "6"]:
     """Normal force alone, (6,) [N, N m]."""
     normal = sigma[0]
     if fall is not None:
@@ -216,7 +238,9 @@ LINEAR_SHAPES = np.array([[1.0, -1.0], [0.0, 1.0]])
 CUBIC_SHAPES = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 
 
-def distributed(shapes: np.ndarray, fall, place) -> tuple[Float[Array, "d"], Float[Array, "d"]]:
+def distributed(
+    shapes: np.ndarray, fall: Float[Array, "k d"], place: Float[Array, ""]
+) -> tuple[Float[Array, "d"], Float[Array, "d"]]:
     """What a distributed load adds between the ends of a straight beam to what is linear between them.
 
     Args:
@@ -233,7 +257,7 @@ def distributed(shapes: np.ndarray, fall, place) -> tuple[Float[Array, "d"], Flo
         gives the parabola of its fixed-end moments, place (place - 1)/2 m (q - p) x fall.
     """
 
-    def inside(integrals):
+    def inside(integrals: Any):
         """Polynomials less the straight lines between their ends, all of which begin at zero."""
         integrals[:, 1] -= np.sum(integrals, axis=1)
         return polynomial.polyval(place, integrals.T)
@@ -242,7 +266,7 @@ def distributed(shapes: np.ndarray, fall, place) -> tuple[Float[Array, "d"], Flo
     return -inside(once) @ fall, inside(twice) @ fall
 
 
-def along(ends, place) -> Float[Array, "..."]:
+def along(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> Float[Array, "..."]:
     """Section resultants between the two ends of a beam that carries no load in between.
 
     To first order in the deflection within one element this is its equilibrium: bending moments linear, the other
@@ -258,7 +282,7 @@ def along(ends, place) -> Float[Array, "..."]:
     return (1 - place) * ends[0] + place * ends[1]
 
 
-def check_length(*, ref) -> list[str]:
+def check_length(*, ref: Reference) -> list[str]:
     """Faults of an element with two end positions."""
     p, q = np.asarray(ref.p), np.asarray(ref.q)
     # What is left of equal positions that were computed in two ways, such as 3 * 0.05 and 0.15.
@@ -268,17 +292,25 @@ def check_length(*, ref) -> list[str]:
     return []
 
 
-def straight_shape(p, rot_p, q, rot_q, *, ref, place) -> Float[Array, "d"]:
+def straight_shape(
+    p: Float[Array, "d"],
+    rot_p: Float[Array, "r"],
+    q: Float[Array, "d"],
+    rot_q: Float[Array, "r"],
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+) -> Float[Array, "d"]:
     """Companion ``shape`` of a joint between two bodies: the straight line between its points."""
     return p + place * (q - p)
 
 
-def point_inertia(p, *, ref, mass: float):
+def point_inertia(p: Float[Array, "d"], *, ref: Reference, mass: float):
     """Companion ``inertia`` of a point mass."""
     return p[None], jnp.reshape(mass, (1, 1))
 
 
-def check_mass(*, ref, mass: float) -> list[str]:
+def check_mass(*, ref: Reference, mass: float) -> list[str]:
     """Faults of a point mass."""
     return [f"has a mass of {mass}, but it cannot be negative"] if np.any(np.asarray(mass) < 0) else []
 
@@ -288,7 +320,7 @@ def check_body_mass(mass: float) -> list[str]:
     return [] if np.all(np.asarray(mass) > 0) else [f"has a mass of {mass}, but it must be positive"]
 
 
-def check_across(ref, y) -> list[str]:
+def check_across(ref: Reference, y: Float[Array, "*n 3"] | None) -> list[str]:
     """Faults of the vector that fixes the local y axis of an element with end positions ``ref.p`` and ``ref.q``."""
     if y is None:
         return []

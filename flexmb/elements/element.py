@@ -7,7 +7,7 @@ import inspect
 import types
 import typing
 from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import jax.core
@@ -270,7 +270,7 @@ class Element:
         companions = (getattr(self, name) for name in (*COMPANIONS, "shape", "passage", "check"))
         return [self.deformation, *(c for c in companions if c is not None)]
 
-    def reference(self, coordinates) -> Any:
+    def reference(self, coordinates: Iterable[Any]) -> Any:
         """The ``ref`` argument: coordinates under the names of the nodes.
 
         Args:
@@ -335,7 +335,7 @@ def _options(element: Element) -> dict[str, tuple[Any, Any]]:
 
 
 @functools.cache
-def _wanted(element: Element, function) -> dict[str, inspect.Parameter]:
+def _wanted(element: Element, function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     """Properties that a function names, those of the functions that it hands them to among them."""
     known = element.option_names
     found = {name: p for name, p in _keywords(function).items() if name not in known}
@@ -372,21 +372,21 @@ def wanted_option(value: Any, kind: Any) -> str:
 
 
 @functools.cache
-def _keywords(function) -> dict[str, inspect.Parameter]:
+def _keywords(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     """Keyword-only parameters but for those that are given."""
     parameters = inspect.signature(function).parameters.items()
     return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in GIVEN}
 
 
 @functools.cache
-def _positional(function) -> tuple[str, ...]:
+def _positional(function: Callable[..., Any]) -> tuple[str, ...]:
     """Names of the positional parameters."""
     parameters = inspect.signature(function).parameters.items()
     return tuple(n for n, p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))
 
 
 @functools.cache
-def _hints(function) -> dict[str, Any]:
+def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     """Annotations of a function; none where they name what is not there."""
     try:
         return typing.get_type_hints(function, include_extras=True)
@@ -395,7 +395,7 @@ def _hints(function) -> dict[str, Any]:
 
 
 @functools.cache
-def _nodes(function) -> dict[str, NodeKind]:
+def _nodes(function: Callable[..., Any]) -> dict[str, NodeKind]:
     """Node kinds of the positional parameters."""
     hints = _hints(function)
     nodes = {}
@@ -413,5 +413,5 @@ def _nodes(function) -> dict[str, NodeKind]:
 
 
 @functools.cache
-def _reference_type(function):
+def _reference_type(function: Callable[..., Any]):
     return namedtuple("Reference", list(_nodes(function)))

@@ -12,7 +12,7 @@ from ..math.rotation import counted, initial_frame, relative_parameters, rotatio
 from . import beams
 from .element import Element
 from .laws import mesh_damping, mesh_stiffness, uncoupled
-from .nodes import Point3, Rotation3
+from .nodes import Point3, Reference, Rotation3
 
 
 def _to_global(ref_rot: Rotation3, rel: Float[Array, "4"]) -> Float[Array, "4"]:
@@ -24,14 +24,21 @@ def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:
     return initial_frame(jnp.zeros(3), axis, None)
 
 
-def relative(rot_p, rot_q, ref_p, ref_q) -> Float[Array, "4"]:
+def relative(rot_p: Rotation3, rot_q: Rotation3, ref_p: Rotation3, ref_q: Rotation3) -> Float[Array, "4"]:
     """Euler parameters of the rotation of body q relative to body p since the undeformed state, in axes of body p."""
     at_p = _to_global(ref_p, relative_parameters(ref_p, rot_p))
     at_q = _to_global(ref_q, relative_parameters(ref_q, rot_q))
     return relative_parameters(at_p, at_q)
 
 
-def turn_and_tilt(rot_p, rot_q, ref_p, ref_q, near, axis) -> Float[Array, "3"]:
+def turn_and_tilt(
+    rot_p: Rotation3,
+    rot_q: Rotation3,
+    ref_p: Rotation3,
+    ref_q: Rotation3,
+    near: Float[Array, ""],
+    axis: Float[Array, "3"],
+) -> Float[Array, "3"]:
     """Rotation of body q about an axis of body p, counted past full turns, and the two tilts of the axis.
 
     The relative Euler parameters are (cos a/2, sin a/2 along the axis) for a pure rotation a, so the half angle is
@@ -56,13 +63,13 @@ def turn_and_tilt(rot_p, rot_q, ref_p, ref_q, near, axis) -> Float[Array, "3"]:
     return jnp.stack([counted(2 * jnp.arctan2(about, rel[0]), near, 4 * jnp.pi), 2 * tilt_y, 2 * tilt_z])
 
 
-def check_axis(*, ref, axis: Float[Array, "3"]) -> list[str]:
+def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:
     """Faults of an axis."""
     return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
 
 
 def _hinge(
-    rot_p: Rotation3, rot_q: Rotation3, *, ref, near: Float[Array, "3"], axis: Float[Array, "3"]
+    rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "3"], axis: Float[Array, "3"]
 ) -> Float[Array, "3"]:
     """Rotation about the hinge axis, and the two tilts of the axis [rad]."""
     return turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)
@@ -75,13 +82,13 @@ Properties: axis (global, undeformed state), stiffness and damping (of e1, or on
 """
 
 
-def _offset(p, rot_p, q, ref, axis) -> Float[Array, "3"]:
+def _offset(p: Point3, rot_p: Rotation3, q: Point3, ref: Reference, axis: Float[Array, "3"]) -> Float[Array, "3"]:
     """Displacement of q relative to body p, along the axis and across it."""
     moved = turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
     return _frame(axis).T @ moved
 
 
-def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref, axis: Float[Array, "3"]) -> Float[Array, "3"]:
+def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference, axis: Float[Array, "3"]) -> Float[Array, "3"]:
     """Displacement of q along a line of body p, and off it [m]."""
     return _offset(p, rot_p, q, ref, axis)
 
@@ -95,7 +102,7 @@ Properties: axis (direction of the line; global, undeformed state), stiffness an
 
 
 def _prismatic(
-    p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref, axis: Float[Array, "3"]
+    p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference, axis: Float[Array, "3"]
 ) -> Float[Array, "6"]:
     """Displacement along a line of body p, off it [m], and rotation of body q relative to it [rad]."""
     rotation = 2 * relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
@@ -116,7 +123,7 @@ def _screw(
     q: Point3,
     rot_q: Rotation3,
     *,
-    ref,
+    ref: Reference,
     near: Float[Array, "6"],
     axis: Float[Array, "3"],
     pitch: float,
@@ -140,7 +147,7 @@ def _gear(
     rot_p: Rotation3,
     rot_q: Rotation3,
     *,
-    ref,
+    ref: Reference,
     near: Float[Array, "2"],
     axis_p: Float[Array, "3"],
     axis_q: Float[Array, "3"],
@@ -153,7 +160,7 @@ def _gear(
     return jnp.stack([turn_p + ratio * turn_q, turn_p])
 
 
-def _check_gear(*, ref, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ratio: float) -> list[str]:
+def _check_gear(*, ref: Reference, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ratio: float) -> list[str]:
     faults = check_axis(ref=ref, axis=axis_p) or check_axis(ref=ref, axis=axis_q)
     return [*faults, "has a ratio of zero"] if np.any(np.asarray(ratio) == 0) else faults
 

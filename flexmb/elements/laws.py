@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .nodes import Static
+from .nodes import Reference, Static
 
 
 def uncoupled(n: int) -> dict[str, Any]:
@@ -20,26 +20,33 @@ def uncoupled(n: int) -> dict[str, Any]:
         all deformations or one for each.
     """
 
-    def stiff(*, ref, stiffness: float) -> Float[Array, "n n"]:
+    def stiff(*, ref: Reference, stiffness: float) -> Float[Array, "n n"]:
         return jnp.diag(jnp.broadcast_to(stiffness, (n,)))
 
-    def damped(*, ref, damping: float) -> Float[Array, "n n"]:
+    def damped(*, ref: Reference, damping: float) -> Float[Array, "n n"]:
         return stiff(ref=ref, stiffness=damping)
 
     return {"stiffness": stiff, "damping": damped}
 
 
-def mesh_stiffness(*, ref, stiffness: float) -> Float[Array, "2 2"]:
+def mesh_stiffness(*, ref: Reference, stiffness: float) -> Float[Array, "2 2"]:
     """Companion ``stiffness`` of a gear: of its first deformation, while the second is measured."""
     return jnp.diag(jnp.stack([jnp.asarray(stiffness, float), jnp.zeros(())]))
 
 
-def mesh_damping(*, ref, damping: float) -> Float[Array, "2 2"]:
+def mesh_damping(*, ref: Reference, damping: float) -> Float[Array, "2 2"]:
     """Companion ``damping`` of a gear, likewise."""
     return mesh_stiffness(ref=ref, stiffness=damping)
 
 
-def characteristic(e, ed, *, ref, law: Static[Callable[[Any, Any], Any]], **properties) -> Float[Array, "1"]:
+def characteristic(
+    e: Float[Array, "1"],
+    ed: Float[Array, "1"],
+    *,
+    ref: Reference,
+    law: Static[Callable[[Any, Any], Any]],
+    **properties: Any,
+) -> Float[Array, "1"]:
     """Companion ``law`` of an element with one deformation, whose stress is a function that the user gives.
 
     Args:

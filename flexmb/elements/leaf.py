@@ -32,6 +32,8 @@ REACHES = np.array([[0.14], [0.40], [0.065]])
 # Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
+# Which ends are clamped, as users say it; where a model is computed it is 1 or 0 of both ends, (2,).
+Clamped = tuple[bool, bool] | bool
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
 # Keeps the root of a curvature that is zero smooth, and changes no digit.
@@ -394,10 +396,10 @@ class Leaf(Sheared):
         drawn = stiff * (stretch * square / 24 + square**2 / 640) + flatter * rate**2
         return found + length * (sizes[:, None] * weights).ravel() @ drawn
 
-    def _numbers(self, places, length):
+    def _numbers(self, places: Float[Array, "n"], length: Float[Array, ""]):
         """Width, thickness, Poisson's ratio, EA and EIy: of each place where they vary."""
 
-        def numbers(place):
+        def numbers(place: Scalar):
             rectangle = self.rectangle(place, length)
             found = rectangle.rigidity()
             of = rectangle.width, rectangle.thickness, rectangle.material.poisson(), found.EA, found.EIy
@@ -416,7 +418,7 @@ def leaf_of(section: Any, clamped: Any) -> Any:
     return None if section is None else Leaf(section, jnp.zeros(2) if clamped is None else clamped)
 
 
-def _fading(places, layer):
+def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):
     """What is 1 at 0 and 0 at 1 where nothing acts in between, and its slope."""
     near, back, whole = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
     return (near - back) / whole, -(near + back) / (whole * layer)

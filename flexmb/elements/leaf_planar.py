@@ -5,9 +5,9 @@ from jaxtyping import Array, Float
 
 from . import beams, spectral_planar
 from .element import Element
-from .leaf import faults_of_leaf, leaf_of
+from .leaf import Clamped, Leaf, faults_of_leaf, leaf_of
 from .leaf_stress import leaf_stress
-from .nodes import Angle, Point2, Series2, Static
+from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
@@ -22,7 +22,7 @@ def _leaf_spring(
     rot_q: Angle,
     c: Series2,
     *,
-    ref,
+    ref: Reference,
     section: Rectangle | Profile,
     order: Static[int] = 6,
     clamped: tuple[bool, bool] | bool | None = None,
@@ -33,56 +33,113 @@ def _leaf_spring(
     )
 
 
-def _fields(*, order):
+def _fields(*, order: int):
     return fields_after(3, 2, order)
 
 
-def _matrix(of, leaf, order, ref):
+def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
     return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), FIELDS), (3, 0))
 
 
-def _stiffness(*, ref, section, order, clamped=None):
+def _stiffness(*, ref: Reference, section: Rectangle | Profile, order: int, clamped: Clamped | None = None):
     return _matrix(None, leaf_of(section, clamped), order, ref)
 
 
-def _energy(e, *, ref, section, order, clamped=None):
+def _energy(
+    e: Float[Array, "n_e"], *, ref: Reference, section: Rectangle | Profile, order: int, clamped: Clamped | None = None
+):
     """Of the flattening at large curvature."""
     return leaf_of(section, clamped).energy(order, e[3:], beams.beam_length(ref), FIELDS)
 
 
-def _damping(*, ref, damping: Damping, order, section, clamped=None):
+def _damping(
+    *, ref: Reference, damping: Damping, order: int, section: Rectangle | Profile, clamped: Clamped | None = None
+):
     return _matrix(damping, leaf_of(section, clamped), order, ref)
 
 
-def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, clamped=None):
+def _inertia(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    section: Rectangle | Profile,
+    order: int,
+    clamped: Clamped | None = None,
+):
     """Positions and directions at the nodes of the quadrature."""
     return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, section=leaf_of(section, clamped), order=order)
 
 
-def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fall=None, clamped=None):
+def _resultants(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "n_e"],
+    section: Rectangle | Profile,
+    order: int,
+    fall: Float[Array, "k 2"] | None = None,
+    clamped: Clamped | None = None,
+):
     """Statics of the part beyond the place."""
     own = {"ref": ref, "place": place, "sigma": sigma, "section": leaf_of(section, clamped), "order": order}
     return spectral_planar._resultants(p, rot_p, q, rot_q, c, fall=fall, **own)
 
 
-def _surface(e, *, ref, place, resultants, section, clamped=None):
+def _surface(
+    e: Float[Array, "n_e"],
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    resultants: Float[Array, "6"],
+    section: Rectangle | Profile,
+    clamped: Clamped | None = None,
+):
     """Stress with what is across where clamps keep the section flat."""
     return leaf_stress(leaf_of(section, clamped), place, beams.beam_length(ref), resultants)
 
 
-def _thermal(change, gradient, *, ref, section, order, clamped=None):
+def _thermal(
+    change: Float[Array, "2"],
+    gradient: Float[Array, "1"],
+    *,
+    ref: Reference,
+    section: Rectangle | Profile,
+    order: int,
+    clamped: Clamped | None = None,
+):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
     found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
     return jnp.pad(found, (3, 0))
 
 
-def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section, clamped=None):
+def _shape(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    order: int,
+    section: Rectangle | Profile,
+    clamped: Clamped | None = None,
+):
     own = {"ref": ref, "place": place, "section": leaf_of(section, clamped), "order": order}
     return spectral_planar._shape(p, rot_p, q, rot_q, c, **own)
 
 
-def _check(*, ref, section) -> list[str]:
+def _check(*, ref: Reference, section: Rectangle | Profile) -> list[str]:
     faults = beams.check_length(ref=ref)
     return faults or faults_of_leaf(section, ref)
 

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 
 from . import surface
 from .leaf import REACHES, Leaf, curving
+from .section import Scalar
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
 # In its middle a strip is kept flat so much further than on the average of its width, as solid elements have it.
@@ -106,7 +107,7 @@ def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Arr
     return 1 - jnp.prod(1 - clamped * (1 + fallen) * jnp.exp(-fallen))
 
 
-def _flattened(curvature, wide, thick, nu) -> tuple[Float[Array, ""], ...]:
+def _flattened(curvature: Float[Array, ""], wide: Scalar, thick: Scalar, nu: Scalar) -> tuple[Float[Array, ""], ...]:
     """Of a strip that is bent by M = EIy times a curvature, far from clamps, how stiff and how flat it is.
 
     Returns:
@@ -114,10 +115,10 @@ def _flattened(curvature, wide, thick, nu) -> tuple[Float[Array, ""], ...]:
         middle; by how much its edges are lifted and its middle is lowered. The last three are 1 at small curvature.
     """
 
-    def fourth(curvature):
+    def fourth(curvature: Float[Array, ""]):
         return 3 * (1 - nu**2) * (curvature * wide**2 / thick) ** 2
 
-    def stiffer(fourth):
+    def stiffer(fourth: Float[Array, ""]):
         kept, slope = jax.jvp(curving, (fourth,), (jnp.ones_like(fourth),))
         return (1 - nu**2 * (kept + fourth * slope)) / (1 - nu**2)
 

@@ -5,7 +5,7 @@ that the signature is the element's only declaration.
 """
 
 import dataclasses
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -68,6 +68,9 @@ SERIES3 = NodeKind("Internal", "internal", 3, (), (), 0)
 
 Series2 = Annotated[Float[Array, "_n"], SERIES2]
 Series3 = Annotated[Float[Array, "_n"], SERIES3]
+# Coordinates of an element in the undeformed mechanism, under the names of its positional parameters: ``ref.p`` beside
+# ``p``. Which there are its signature says, so that no one type has them all.
+Reference = Any
 
 STATIC = "static"
 Kind = TypeVar("Kind")
@@ -75,7 +78,7 @@ Static = Annotated[Kind, STATIC]
 """Annotation of an option, ``order: Static[int] = 5``: any hashable value, which chooses code and is no number."""
 
 
-def unit_norm(rotation: Rotation3, *, ref) -> Float[Array, "1"]:
+def unit_norm(rotation: Rotation3, *, ref: Reference) -> Float[Array, "1"]:
     """Excess of the squared norm of Euler parameters: the constraint every spatial rotational node brings along.
 
     Args:

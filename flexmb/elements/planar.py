@@ -19,11 +19,11 @@ from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
 from .element import ALL, Element
 from .laws import characteristic, uncoupled
-from .nodes import Angle, Point2, Static
+from .nodes import Angle, Point2, Reference, Static
 from .sections import Damping, Section
 
 
-def _truss(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
+def _truss(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]:
     """Elongation, tutorial (2.8)."""
     return beams.truss(p, q, ref=ref)
 
@@ -44,7 +44,7 @@ truss = Element(
 QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
-def _axes(rot_p: Angle, rot_q: Angle, ref) -> Float[Array, "2 2 2"]:
+def _axes(rot_p: Angle, rot_q: Angle, ref: Reference) -> Float[Array, "2 2 2"]:
     """Local x and y axes at both ends, as rows, of triads that lay along the undeformed element."""
     x0 = (ref.q - ref.p) / beams.beam_length(ref)
     frame = jnp.stack([x0, jnp.stack([-x0[1], x0[0]])])
@@ -54,7 +54,7 @@ def _axes(rot_p: Angle, rot_q: Angle, ref) -> Float[Array, "2 2 2"]:
 
 
 def _beam(
-    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, second_order: Static[bool] = True
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, second_order: Static[bool] = True
 ) -> Float[Array, "3"]:
     """Elongation and two bendings of a planar beam, tutorial (3.3)-(3.5) with the bending term in the elongation.
 
@@ -74,12 +74,12 @@ STIFFNESS[0, 0, 0] = 1.0
 STIFFNESS[1:, 1:, 1:] = beams.BENDING
 
 
-def _beam_stiffness(*, ref, section: Section) -> Float[Array, "3 3"]:
+def _beam_stiffness(*, ref: Reference, section: Section) -> Float[Array, "3 3"]:
     s, l0 = section.rigidity(), beams.beam_length(ref)
     return beams.combine([s.EA / l0, *beams.bending_coefficients(s.EIy, l0, s.shear_z)], STIFFNESS)
 
 
-def _beam_damping(*, ref, damping: Damping) -> Float[Array, "3 3"]:
+def _beam_damping(*, ref: Reference, damping: Damping) -> Float[Array, "3 3"]:
     l0 = beams.beam_length(ref)
     return beams.combine([damping.EA / l0, *beams.bending_coefficients(damping.EIy, l0, 0.0)], STIFFNESS)
 
@@ -91,7 +91,7 @@ INERTIA[0, :4, :4] = beams.CUBIC_MASS[np.ix_([0, 2, 1, 3], [0, 2, 1, 3])]
 INERTIA[1, 4:, 4:] = beams.LINEAR_MASS
 
 
-def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, section: Section):
+def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, section: Section):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's normal."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
     axes = _axes(rot_p, rot_q, ref)
@@ -100,7 +100,17 @@ def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, sect
 
 
 def _beam_resultants(
-    p, rot_p, q, rot_q, *, ref, place, sigma, section: Section, second_order, fall=None
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "3"],
+    section: Section,
+    second_order: bool,
+    fall: Float[Array, "k 2"] | None = None,
 ) -> Float[Array, "6"]:
     """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
@@ -108,14 +118,14 @@ def _beam_resultants(
     moment about it turns clockwise.
     """
 
-    def deformations(*nodes):
+    def deformations(*nodes: Array):
         return _beam(*nodes, ref=ref, second_order=second_order)
 
     nodes, axes, chord = (p, rot_p, q, rot_q), _axes(rot_p, rot_q, ref), q - p
     pulls = jax.vjp(deformations, *nodes)[1](sigma)
     if fall is not None:
 
-        def inertia(*nodes):
+        def inertia(*nodes: Array):
             return _beam_inertia(*nodes, ref=ref, section=section)
 
         _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
@@ -132,7 +142,9 @@ def _beam_resultants(
     return jnp.stack([resultants[0], zero, resultants[1], zero, resultants[2], zero])
 
 
-def _beam_thermal(change, gradient, *, ref, section: Section) -> Float[Array, "3"]:
+def _beam_thermal(
+    change: Float[Array, "2"], gradient: Float[Array, "1"], *, ref: Reference, section: Section
+) -> Float[Array, "3"]:
     """Elongation, and the bendings of an arc that the warmer side makes longer."""
     l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
     elongation = beams.thermal_elongation(change, l0, alpha)
@@ -167,14 +179,19 @@ spectral_beam = spectral_planar.spectral_beam
 leaf_spring = leaf_planar.leaf_spring
 
 
-def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref) -> Float[Array, "2"]:
+def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref: Reference) -> Float[Array, "2"]:
     """Offset of q from its place on the body of p, in axes of the body [m]."""
     turned = rotation_plane(rot_p[0] - ref.rot_p[0])
     return turned.T @ (q - p) - (ref.q - ref.p)
 
 
 def _rigid_thermal(
-    change, gradient, *, ref, alpha: float | None = None, section: Section | None = None
+    change: Float[Array, "2"],
+    gradient: Float[Array, "1"],
+    *,
+    ref: Reference,
+    alpha: float | None = None,
+    section: Section | None = None,
 ) -> Float[Array, "2"]:
     """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
@@ -194,7 +211,7 @@ pin_body = rigid_beam
 """The predecessor's name for a rigid beam, whose two ends may lie in one place."""
 
 
-def _hinge(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
+def _hinge(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Float[Array, "1"]:
     """Relative rotation of two bodies [rad]."""
     return (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
 
@@ -203,13 +220,18 @@ hinge = Element(_hinge, **uncoupled(1), released=ALL)
 """Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
 
 
-def _rigid_body(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref) -> Float[Array, "3"]:
+def _rigid_body(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference) -> Float[Array, "3"]:
     """Offset of q from its place on the body of p, in axes of the body [m], and rotation of q relative to it [rad]."""
     return jnp.concatenate([_rigid_beam(p, rot_p, q, ref=ref), _hinge(rot_p, rot_q, ref=ref)])
 
 
 def _rigid_body_thermal(
-    change, gradient, *, ref, alpha: float | None = None, section: Section | None = None
+    change: Float[Array, "2"],
+    gradient: Float[Array, "1"],
+    *,
+    ref: Reference,
+    alpha: float | None = None,
+    section: Section | None = None,
 ) -> Float[Array, "3"]:
     """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
     offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section)
@@ -230,13 +252,13 @@ Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that 
 """
 
 
-def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref, axis: Float[Array, "2"]) -> Float[Array, "2"]:
+def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, axis: Float[Array, "2"]) -> Float[Array, "2"]:
     """Displacement of q along a line of body p, and off it to the left [m]."""
     along = axis / jnp.sqrt(axis @ axis)
     return jnp.stack([along, jnp.stack([-along[1], along[0]])]) @ _rigid_beam(p, rot_p, q, ref=ref)
 
 
-def _check_axis(*, ref, axis: Float[Array, "2"]) -> list[str]:
+def _check_axis(*, ref: Reference, axis: Float[Array, "2"]) -> list[str]:
     return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
 
 
@@ -247,7 +269,9 @@ Properties: axis (direction of the line; global, undeformed state), stiffness an
 """
 
 
-def _prismatic(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, axis: Float[Array, "2"]) -> Float[Array, "3"]:
+def _prismatic(
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, axis: Float[Array, "2"]
+) -> Float[Array, "3"]:
     """Displacement along a line of body p, off it [m], and rotation of body q relative to it [rad]."""
     turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
     return jnp.concatenate([_slider(p, rot_p, q, ref=ref, axis=axis), turn])
@@ -261,7 +285,7 @@ Properties: axis (direction of the line; global, undeformed state), stiffness an
 """
 
 
-def _spring_damper(p: Point2, q: Point2, *, ref) -> Float[Array, "1"]:
+def _spring_damper(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]:
     """Change of the distance between two points [m]."""
     return beams.truss(p, q, ref=ref)
 
@@ -275,7 +299,7 @@ element type of its own, ``spring_damper(law)``.
 """
 
 
-def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref) -> Float[Array, "1"]:
+def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Float[Array, "1"]:
     """Relative rotation of two bodies [rad]."""
     return _hinge(rot_p, rot_q, ref=ref)
 
@@ -291,7 +315,7 @@ belt = transmission.belt
 belt_to_point = transmission.belt_to_point
 
 
-def _nothing_at(p: Point2, *, ref) -> Float[Array, "0"]:
+def _nothing_at(p: Point2, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
@@ -299,11 +323,11 @@ mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
 
 
-def _nothing_on(rot: Angle, *, ref) -> Float[Array, "0"]:
+def _nothing_on(rot: Angle, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-def _inertia_inertia(rot: Angle, *, ref, inertia: float):
+def _inertia_inertia(rot: Angle, *, ref: Reference, inertia: float):
     return rot[None], jnp.reshape(inertia, (1, 1))
 
 
@@ -311,11 +335,11 @@ inertia = Element(_nothing_on, inertia=_inertia_inertia)
 """Lumped rotary inertia, of either sign. Properties: inertia [kg m^2]."""
 
 
-def _nothing_between(p: Point2, rot: Angle, *, ref) -> Float[Array, "0"]:
+def _nothing_between(p: Point2, rot: Angle, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-def _follower_force(p: Point2, rot: Angle, *, ref, force: Float[Array, "2"]) -> Float[Array, "3"]:
+def _follower_force(p: Point2, rot: Angle, *, ref: Reference, force: Float[Array, "2"]) -> Float[Array, "3"]:
     return jnp.concatenate([rotation_plane(rot[0] - ref.rot[0]) @ force, jnp.zeros(1)])
 
 
@@ -323,17 +347,17 @@ follower_force = Element(_nothing_between, force=_follower_force)
 """Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""
 
 
-def _body(p: Point2, rot: Angle, *, ref) -> Float[Array, "0"]:
+def _body(p: Point2, rot: Angle, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-def _body_inertia(p: Point2, rot: Angle, *, ref, mass: float, center: Float[Array, "2"], inertia: float):
+def _body_inertia(p: Point2, rot: Angle, *, ref: Reference, mass: float, center: Float[Array, "2"], inertia: float):
     """Centre of mass, and an axis that turns with the body: its rate is that of the rotation."""
     axes = rotation_plane(rot[0] - ref.rot[0])
     return jnp.stack([p + axes @ center, axes[:, 0]]), jnp.diag(jnp.stack([jnp.asarray(mass), jnp.asarray(inertia)]))
 
 
-def _check_body(*, ref, mass: float, inertia: float) -> list[str]:
+def _check_body(*, ref: Reference, mass: float, inertia: float) -> list[str]:
     negative = np.any(np.asarray(inertia) < 0)
     found = [f"has an inertia of {inertia}, but it cannot be negative"] if negative else []
     return beams.check_body_mass(mass) + found

@@ -187,7 +187,7 @@ def _function(function: Callable[..., Any]) -> Captured:
     if len(takes) not in (1, 2) or any(p.kind in (p.KEYWORD_ONLY, p.VAR_KEYWORD) for p in takes):
         raise ModelError("The function of a Profile must take a place from 0 to 1, or a place and the length.")
 
-    def section(place, length):
+    def section(place: Float[Array, ""], length: Float[Array, ""]):
         found = function(place, length) if len(takes) == 2 else function(place)
         if not isinstance(found, Section) or isinstance(found, Profile):
             raise ModelError(
@@ -212,16 +212,16 @@ def _breaks(function: Callable[..., Any]) -> Captured:
 def _sampled(stacked: Profile, lengths: Float[Array, "n"]):
     """Of stacked beams what :meth:`Profile.along` gives."""
 
-    def one(profile: Profile, length):
+    def one(profile: Profile, length: Float[Array, ""]):
         breaks = jnp.stack([*profile.breaks_at(length), jnp.ones(())])
         starts = jnp.concatenate([jnp.zeros(1), breaks[:-1]])
         sizes = breaks - starts
 
-        def at(nodes) -> tuple[Float[Array, "n"], Rigidity]:
+        def at(nodes: np.ndarray) -> tuple[Float[Array, "n"], Rigidity]:
             places = (starts[:, None] + sizes[:, None] * nodes).ravel()
             return places, jax.vmap(lambda place: _numbers(profile.at(place, length)))(places)
 
-        def mean(nodes, weights):
+        def mean(nodes: np.ndarray, weights: np.ndarray):
             stiff = at(nodes)[1].EIy
             return jnp.sum((sizes[:, None] * weights).ravel() / jnp.where(stiff > 0, stiff, jnp.inf))
 

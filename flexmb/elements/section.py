@@ -16,8 +16,8 @@ from jaxtyping import Array, Float
 from ..compilation.record import Record
 from ..errors import ModelError
 from . import surface
+from .surface import Scalar as Scalar
 
-Scalar = float | Float[Array, ""]
 # By which E/(2 G) - 1 may be above 0.5.
 ROUND_OFF = 1e-9
 

@@ -64,7 +64,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         return Damping(EA=time * s.EA, EIy=time * s.EIy, EIz=time * s.EIz, GIt=time * s.GIt)
     mass = s.mass * length
 
-    def equivalent(rigidity, power):
+    def equivalent(rigidity: Scalar, power: int):
         stiffness = rigidity / length**power
         # A spring without this rigidity has no damping in it; the root has no derivative at zero.
         positive = jnp.asarray(stiffness * mass) > 0
@@ -347,7 +347,9 @@ class Tube(Section):
         return surface.ring(self.diameter, self.diameter - 2 * self.wall, resultants)
 
 
-def _from_geometry(section, area, iy, iz, it, k) -> Rigidity:
+def _from_geometry(
+    section: Rectangle | HollowRectangle | Circle | Tube, area: Scalar, iy: Scalar, iz: Scalar, it: Scalar, k: Scalar
+) -> Rigidity:
     material = section.material
     ei_y, ei_z, gak = material.E * iy, material.E * iz, material.G * area * k
     rho = material.rho if section.rotary else 0.0
@@ -422,7 +424,7 @@ def notch_elliptic(
     # What cannot be is no number: it is refused by name where a beam takes the section.
     cut = along * jnp.sqrt(jnp.where((depth > 0) & (depth <= across), depth * (2 * across - depth), jnp.nan)) / across
 
-    def section(place, length):
+    def section(place: Float[Array, ""], length: Float[Array, ""]):
         x = jnp.abs(place - 0.5) * length
         inside = x < cut
         x = jnp.where(inside, x, 0.0)
@@ -458,13 +460,13 @@ def notch_filleted(
         raise ValueError(f"Argument `radius` must be at most (height - neck)/2 = {depth:g}, but is {radius:g}.")
     radius = jnp.where(radius <= depth, radius, jnp.nan)
 
-    def section(place, length):
+    def section(place: Float[Array, ""], length: Float[Array, ""]):
         x = jnp.abs(place - 0.5) * length - flat / 2
         inside = (x > 0) & (x < radius)
         curved = neck + 2 * radius * _rise(jnp.where(inside, x, 0.0) / radius)
         return Rectangle(width, jnp.where(x < radius, curved, height), material)
 
-    def breaks(length):
+    def breaks(length: Float[Array, ""]):
         near, far = flat / 2 / length, (flat / 2 + radius) / length
         return 0.5 - far, 0.5 - near, 0.5 + near, 0.5 + far
 

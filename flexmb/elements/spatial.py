@@ -21,11 +21,11 @@ from ..math.rotation import CROSS, initial_frame, lbar, turned
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .laws import characteristic
-from .nodes import Point3, Rotation3, Static, Warping
+from .nodes import Point3, Reference, Rotation3, Static, Warping
 from .sections import Damping, Section
 
 
-def _truss(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
+def _truss(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]:
     """Elongation, tutorial (2.8)."""
     return beams.truss(p, q, ref=ref)
 
@@ -42,7 +42,7 @@ truss = Element(
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
 
-def _triads(rot_p: Rotation3, rot_q: Rotation3, ref, y) -> Float[Array, "2 3 3"]:
+def _triads(rot_p: Rotation3, rot_q: Rotation3, ref: Reference, y: Float[Array, "3"] | None) -> Float[Array, "2 3 3"]:
     """Local axes at both ends as columns. Both ends go through the same few products, which compile once."""
     frame = initial_frame(ref.p, ref.q, y)
     rotations, references = jnp.stack([rot_p, rot_q]), jnp.stack([ref.rot_p, ref.rot_q])
@@ -55,7 +55,7 @@ def _beam(
     q: Point3,
     rot_q: Rotation3,
     *,
-    ref,
+    ref: Reference,
     y: Float[Array, "3"] | None = None,
     second_order: Static[bool] = True,
 ) -> Float[Array, "6"]:
@@ -92,14 +92,14 @@ for _k, _at in ((2, slice(2, 4)), (4, slice(4, 6))):
     STIFFNESS[_k : _k + 2, _at, _at] = beams.BENDING
 
 
-def _beam_stiffness(*, ref, section: Section) -> Float[Array, "6 6"]:
+def _beam_stiffness(*, ref: Reference, section: Section) -> Float[Array, "6 6"]:
     s, l0 = section.rigidity(), beams.beam_length(ref)
     bending_y = beams.bending_coefficients(s.EIy, l0, s.shear_z)
     bending_z = beams.bending_coefficients(s.EIz, l0, s.shear_y)
     return beams.combine([s.EA / l0, s.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
 
 
-def _beam_damping(*, ref, damping: Damping) -> Float[Array, "6 6"]:
+def _beam_damping(*, ref: Reference, damping: Damping) -> Float[Array, "6 6"]:
     d, l0 = damping, beams.beam_length(ref)
     bending_y = beams.bending_coefficients(d.EIy, l0, 0.0)
     bending_z = beams.bending_coefficients(d.EIz, l0, 0.0)
@@ -119,7 +119,16 @@ for _k in range(4):
 INERTIA = np.concatenate([CUBIC, ROTARY])
 
 
-def _beam_inertia(p, rot_p, q, rot_q, *, ref, section: Section, y=None):
+def _beam_inertia(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    *,
+    ref: Reference,
+    section: Section,
+    y: Float[Array, "3"] | None = None,
+):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's triad."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
     axes = jnp.swapaxes(_triads(rot_p, rot_q, ref, y), 1, 2).reshape(6, 3)
@@ -129,21 +138,32 @@ def _beam_inertia(p, rot_p, q, rot_q, *, ref, section: Section, y=None):
 
 
 def _beam_resultants(
-    p, rot_p, q, rot_q, *, ref, place, sigma, section: Section, second_order, fall=None, y=None
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "6"],
+    section: Section,
+    second_order: bool,
+    fall: Float[Array, "k 3"] | None = None,
+    y: Float[Array, "3"] | None = None,
 ) -> Float[Array, "6"]:
     """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
     The moment of the dual f of a rotation is Lbar f / 2.
     """
 
-    def deformations(*nodes):
+    def deformations(*nodes: Array):
         return _beam(*nodes, ref=ref, y=y, second_order=second_order)
 
     nodes, triads = (p, rot_p, q, rot_q), _triads(rot_p, rot_q, ref, y)
     pulls = jax.vjp(deformations, *nodes)[1](sigma)
     if fall is not None:
 
-        def inertia(*nodes):
+        def inertia(*nodes: Array):
             return _beam_inertia(*nodes, ref=ref, section=section, y=y)
 
         _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
@@ -162,11 +182,13 @@ def _beam_resultants(
     return resultants.ravel()
 
 
-def _check_beam(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
+def _check_beam(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[str]:
     return beams.check_length(ref=ref) or beams.check_across(ref, y)
 
 
-def _beam_thermal(change, gradient, *, ref, section: Section) -> Float[Array, "6"]:
+def _beam_thermal(
+    change: Float[Array, "2"], gradient: Float[Array, "2"], *, ref: Reference, section: Section
+) -> Float[Array, "6"]:
     """Elongation, and in both planes the bendings of an arc that the warmer side makes longer."""
     l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
     elongation = beams.thermal_elongation(change, l0, alpha)
@@ -211,7 +233,7 @@ def _warping_beam(
     rot_q: Rotation3,
     warp_q: Warping,
     *,
-    ref,
+    ref: Reference,
     y: Float[Array, "3"] | None = None,
     second_order: Static[bool] = True,
 ) -> Float[Array, "8"]:
@@ -226,7 +248,7 @@ TORSION[0, 1, 1] = TORSION[2, 6, 6] = TORSION[2, 7, 7] = 1.0
 TORSION[1, 1, 6:] = TORSION[1, 6:, 1] = TORSION[3, 6, 7] = TORSION[3, 7, 6] = 1.0
 
 
-def _warping_stiffness(*, ref, section: Section) -> Float[Array, "8 8"]:
+def _warping_stiffness(*, ref: Reference, section: Section) -> Float[Array, "8 8"]:
     """That of the beam, but for its torsion."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
     plain = _beam_stiffness(ref=ref, section=dataclasses.replace(s, GIt=0.0))
@@ -234,12 +256,23 @@ def _warping_stiffness(*, ref, section: Section) -> Float[Array, "8 8"]:
     return jnp.pad(plain, (0, 2)) + beams.combine([twist / l0**2, coupling / l0, *warping], TORSION)
 
 
-def _warping_damping(*, ref, damping: Damping) -> Float[Array, "8 8"]:
+def _warping_damping(*, ref: Reference, damping: Damping) -> Float[Array, "8 8"]:
     """That of the beam: what warps is not damped by it."""
     return jnp.pad(_beam_damping(ref=ref, damping=damping), (0, 2))
 
 
-def _warping_inertia(p, rot_p, warp_p, q, rot_q, warp_q, *, ref, section: Section, y=None):
+def _warping_inertia(
+    p: Point3,
+    rot_p: Rotation3,
+    warp_p: Warping,
+    q: Point3,
+    rot_q: Rotation3,
+    warp_q: Warping,
+    *,
+    ref: Reference,
+    section: Section,
+    y: Float[Array, "3"] | None = None,
+):
     """That of the beam, and linear interpolation of the warping, by which the section moves along the axis."""
     vectors, h = _beam_inertia(p, rot_p, q, rot_q, ref=ref, section=section, y=y)
     along = jnp.concatenate([warp_p, warp_q])[:, None] * np.eye(3)[:1]
@@ -249,7 +282,20 @@ def _warping_inertia(p, rot_p, warp_p, q, rot_q, warp_q, *, ref, section: Sectio
 
 
 def _warping_resultants(
-    p, rot_p, warp_p, q, rot_q, warp_q, *, ref, place, sigma, section: Section, second_order, fall=None, y=None
+    p: Point3,
+    rot_p: Rotation3,
+    warp_p: Warping,
+    q: Point3,
+    rot_q: Rotation3,
+    warp_q: Warping,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "8"],
+    section: Section,
+    second_order: bool,
+    fall: Float[Array, "k 3"] | None = None,
+    y: Float[Array, "3"] | None = None,
 ) -> Float[Array, "6"]:
     """Those of the beam: a bimoment has no resultant."""
     own = {"section": section, "second_order": second_order, "y": y}
@@ -257,14 +303,16 @@ def _warping_resultants(
     return _beam_resultants(p, rot_p, q, rot_q, ref=ref, place=place, sigma=sigma[:6], fall=fall, **own)
 
 
-def _warping_thermal(change, gradient, *, ref, section: Section) -> Float[Array, "8"]:
+def _warping_thermal(
+    change: Float[Array, "2"], gradient: Float[Array, "2"], *, ref: Reference, section: Section
+) -> Float[Array, "8"]:
     """That of the beam."""
     return jnp.pad(_beam_thermal(change, gradient, ref=ref, section=section), (0, 2))
 
 
 def _check_warping(
     *,
-    ref,
+    ref: Reference,
     section: Section | None = None,
     y: Float[Array, "3"] | None = None,
     clamped: tuple[bool, bool] | bool | None = None,
@@ -314,16 +362,16 @@ spectral_beam = spectral_spatial.spectral_beam
 leaf_spring = leaf_spatial.leaf_spring
 
 
-def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref) -> Float[Array, "3"]:
+def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference) -> Float[Array, "3"]:
     """Offset of q from its place on the body of p, in axes of the body at the undeformed state [m]."""
     return turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
 
 
 def _rigid_thermal(
-    change,
-    gradient,
+    change: Float[Array, "2"],
+    gradient: Float[Array, "2"],
     *,
-    ref,
+    ref: Reference,
     alpha: float | None = None,
     section: Section | None = None,
     y: Float[Array, "3"] | None = None,
@@ -337,7 +385,7 @@ def _rigid_thermal(
     return own * ((change[0] + change[1]) / 2 * offset - across / 2)
 
 
-def _check_rigid(*, ref, y: Float[Array, "3"] | None = None) -> list[str]:
+def _check_rigid(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[str]:
     return beams.check_across(ref, y)
 
 
@@ -354,17 +402,17 @@ pin_body = rigid_beam
 """The predecessor's name for a rigid beam, whose two ends may lie in one place."""
 
 
-def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref) -> Float[Array, "6"]:
+def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference) -> Float[Array, "6"]:
     """Offset of q from its place on the body of p [m], and rotation of q relative to it [rad], in axes of the body."""
     turn = 2 * joints.relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
     return jnp.concatenate([_rigid_beam(p, rot_p, q, ref=ref), turn])
 
 
 def _rigid_body_thermal(
-    change,
-    gradient,
+    change: Float[Array, "2"],
+    gradient: Float[Array, "2"],
     *,
-    ref,
+    ref: Reference,
     alpha: float | None = None,
     section: Section | None = None,
     y: Float[Array, "3"] | None = None,
@@ -400,7 +448,7 @@ slider = joints.slider
 gear = joints.gear
 
 
-def _spring_damper(p: Point3, q: Point3, *, ref) -> Float[Array, "1"]:
+def _spring_damper(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]:
     """Change of the distance between two points [m]."""
     return beams.truss(p, q, ref=ref)
 
@@ -415,7 +463,7 @@ element type of its own, ``spring_damper(law)``.
 
 
 def _rotary_spring_damper(
-    rot_p: Rotation3, rot_q: Rotation3, *, ref, near: Float[Array, "1"], axis: Float[Array, "3"]
+    rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "1"], axis: Float[Array, "3"]
 ) -> Float[Array, "1"]:
     """Rotation of the body q about an axis of the body p, counted past full turns [rad]."""
     return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]
@@ -428,7 +476,7 @@ names. Option law: as of ``spatial.spring_damper``.
 """
 
 
-def _nothing_at(p: Point3, *, ref) -> Float[Array, "0"]:
+def _nothing_at(p: Point3, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
@@ -436,7 +484,7 @@ mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
 
 
-def _nothing_on(rot: Rotation3, *, ref) -> Float[Array, "0"]:
+def _nothing_on(rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
@@ -444,7 +492,7 @@ def _nothing_on(rot: Rotation3, *, ref) -> Float[Array, "0"]:
 TENSOR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
-def _inertia_inertia(rot: Rotation3, *, ref, inertia: Float[Array, "6"]):
+def _inertia_inertia(rot: Rotation3, *, ref: Reference, inertia: Float[Array, "6"]):
     """Axes that turn with the body, and the second moments of its mass."""
     tensor = inertia[TENSOR]
     return turned(rot, ref.rot, jnp.eye(3)).T, jnp.trace(tensor) / 2 * jnp.eye(3) - tensor
@@ -454,7 +502,7 @@ inertia = Element(_nothing_on, inertia=_inertia_inertia)
 """Lumped rotary inertia. Properties: inertia (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, undeformed [kg m^2]."""
 
 
-def _moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float[Array, "4"]:
+def _moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"]) -> Float[Array, "4"]:
     """Force dual to Euler parameters of a moment about fixed axes: 2 Lbar^T M."""
     return 2 * lbar(rot).T @ moment
 
@@ -463,11 +511,11 @@ moment = Element(_nothing_on, force=_moment)
 """Moment about fixed axes: it has no potential, its tangent is not symmetric. Properties: moment (global) [N m]."""
 
 
-def _nothing_between(p: Point3, rot: Rotation3, *, ref) -> Float[Array, "0"]:
+def _nothing_between(p: Point3, rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-def _follower_force(p: Point3, rot: Rotation3, *, ref, force: Float[Array, "3"]) -> Float[Array, "7"]:
+def _follower_force(p: Point3, rot: Rotation3, *, ref: Reference, force: Float[Array, "3"]) -> Float[Array, "7"]:
     return jnp.concatenate([turned(rot, ref.rot, jnp.eye(3)) @ force, jnp.zeros(4)])
 
 
@@ -475,7 +523,7 @@ follower_force = Element(_nothing_between, force=_follower_force)
 """Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""
 
 
-def _follower_moment(rot: Rotation3, *, ref, moment: Float[Array, "3"]) -> Float[Array, "4"]:
+def _follower_moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"]) -> Float[Array, "4"]:
     return _moment(rot, ref=ref, moment=turned(rot, ref.rot, jnp.eye(3)) @ moment)
 
 
@@ -483,12 +531,12 @@ follower_moment = Element(_nothing_on, force=_follower_moment)
 """Moment that turns with its body. Properties: moment (as it points in the undeformed mechanism) [N m]."""
 
 
-def _body(p: Point3, rot: Rotation3, *, ref) -> Float[Array, "0"]:
+def _body(p: Point3, rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
 def _body_inertia(
-    p: Point3, rot: Rotation3, *, ref, mass: float, center: Float[Array, "3"], inertia: Float[Array, "6"]
+    p: Point3, rot: Rotation3, *, ref: Reference, mass: float, center: Float[Array, "3"], inertia: Float[Array, "6"]
 ):
     """Centre of mass, and axes that turn with the body."""
     axes, moments = _inertia_inertia(rot, ref=ref, inertia=inertia)
@@ -496,7 +544,7 @@ def _body_inertia(
     return jnp.concatenate([(p + center @ axes)[None], axes]), h
 
 
-def _check_body(*, ref, mass: float, inertia: Float[Array, "6"]) -> list[str]:
+def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> list[str]:
     found, own = beams.check_body_mass(mass), np.asarray(inertia, float)
     if not np.all(np.isfinite(own)):
         return found

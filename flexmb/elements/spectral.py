@@ -21,6 +21,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import traced_once
 from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
+from .nodes import Reference
 from .profile import Profile
 from .section import Damping, Rigidity, Section
 
@@ -62,7 +63,7 @@ class Pieces(NamedTuple):
         """Places of nodes on [0, 1] in each piece, (m, n)."""
         return self.starts[:, None] + self.sizes[:, None] * nodes
 
-    def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "m*n m*n"]:
+    def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "places places"]:
         """Integrals from 0 to each node of what is known at the nodes of all pieces, (m n, m n).
 
         Args:
@@ -130,7 +131,7 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
 def _along(section: Section, places: Float[Array, "n"], length: Float[Array, ""]) -> Rigidity:
     """Rigidities at places, each (n,), of a section that varies."""
 
-    def numbers(place):
+    def numbers(place: Float[Array, ""]):
         return jax.tree.map(lambda number: jnp.asarray(number, float), section.at(place, length).rigidity())
 
     return jax.vmap(numbers)(places)
@@ -171,7 +172,9 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
     return section.relative(places, length, names)[:, :, None] * polynomials[:, None]
 
 
-def relative(section: Section, places, length, names: Sequence[str]) -> Float[Array, "n fields"]:
+def relative(
+    section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]
+) -> Float[Array, "n fields"]:
     """Compliances at places over their means.
 
     Args:
@@ -186,13 +189,22 @@ def relative(section: Section, places, length, names: Sequence[str]) -> Float[Ar
     return _compliance(section, places, length, names) / mean
 
 
-def _compliance(section: Section, places, length, names) -> Float[Array, "n fields"]:
+def _compliance(
+    section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]
+) -> Float[Array, "n fields"]:
     # What has no rigidity anywhere has strains all the same, without stress.
     stiff = rigidities(section, places, length, names)
     return 1.0 / jnp.where(stiff > 0, stiff, 1.0)
 
 
-def series_matrix(of: Section | Damping, section: Section | None, order: int, length, closure: int, names) -> Array:
+def series_matrix(
+    of: Section | Damping,
+    section: Section | None,
+    order: int,
+    length: Float[Array, ""],
+    closure: int,
+    names: Sequence[str],
+) -> Array:
     """Matrix of rigidities over length between the coefficients.
 
     Args:
@@ -227,7 +239,12 @@ def series_matrix(of: Section | Damping, section: Section | None, order: int, le
 
 
 def series_of(
-    wanted: Callable[..., Any], section: Section, order: int, length: Float[Array, ""], closure: int, names
+    wanted: Callable[..., Any],
+    section: Section,
+    order: int,
+    length: Float[Array, ""],
+    closure: int,
+    names: Sequence[str],
 ) -> Float[Array, "n_e"]:
     """Deformations of a beam whose sections are free to strain: its series come as near to given strains as they can.
 
@@ -261,7 +278,13 @@ def series_of(
 
 
 def thermal_series(
-    change, bends: dict[str, Any], section: Section, order: int, length: Float[Array, ""], closure: int, names
+    change: Float[Array, "2"],
+    bends: dict[str, Any],
+    section: Section,
+    order: int,
+    length: Float[Array, ""],
+    closure: int,
+    names: Sequence[str],
 ) -> Float[Array, "n_e"]:
     """Deformations of a free beam by temperature.
 
@@ -281,7 +304,7 @@ def thermal_series(
         THEORY.md 2, eq. (2.31) and (2.33).
     """
 
-    def wanted(places):
+    def wanted(places: Float[Array, "n"]):
         along = {"EA": change[0] + places * (change[1] - change[0]), **bends}
         each = jnp.stack([jnp.broadcast_to(along.get(name, 0.0), places.shape) for name in names], axis=1)
         return length * rigidities(section, places, length, ("alpha",)) * each
@@ -294,7 +317,7 @@ def arc_length(chord: Float[Array, ""], half: Float[Array, ""]) -> Float[Array, 
     return chord * jnp.arcsin(half) / half
 
 
-def check_curvature(ref, size: np.ndarray | None) -> list[str]:
+def check_curvature(ref: Reference, size: np.ndarray | None) -> list[str]:
     """Faults of an initial curvature of some size [1/m], or None for a straight beam."""
     if size is None:
         return []
@@ -304,7 +327,7 @@ def check_curvature(ref, size: np.ndarray | None) -> list[str]:
     return []
 
 
-def numbers_of(section: Section, ref, curvature: Any) -> Rigidity:
+def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
     """Rigidities of a section, of one that varies at places along the beam, on concrete numbers.
 
     Args:
@@ -315,7 +338,7 @@ def numbers_of(section: Section, ref, curvature: Any) -> Rigidity:
     return section.along(_length(ref, curvature))[2] if isinstance(section, Profile) else section.rigidity()
 
 
-def check_section(section: Section | None, ref, curvature: Any) -> list[str]:
+def check_section(section: Section | None, ref: Reference, curvature: Any) -> list[str]:
     """Faults of a section that varies, along the beam.
 
     Args:
@@ -326,7 +349,7 @@ def check_section(section: Section | None, ref, curvature: Any) -> list[str]:
     return section.faults_along(_length(ref, curvature)) if isinstance(section, Profile) else []
 
 
-def _length(ref, curvature: Any) -> np.ndarray:
+def _length(ref: Reference, curvature: Any) -> np.ndarray:
     chord = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
     if curvature is None:
         return chord

@@ -2,6 +2,7 @@
 
 import functools
 from types import SimpleNamespace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,10 +12,12 @@ from ..math.quadrature import gauss, legendre_coefficients
 from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams
 from .element import Element
-from .nodes import Angle, Point2, Series2, Static
+from .nodes import Angle, Point2, Reference, Series2, Static
+from .section import Scalar
 from .sections import Damping, Section
 from .spectral import (
     WHOLE,
+    Pieces,
     arc_length,
     check_curvature,
     check_section,
@@ -31,7 +34,9 @@ ELONGATION, CURVATURE = 0, 1
 FIELDS = ("EA", "EIy")
 
 
-def _rule(order: int, section: Section | None, length, end=None) -> SimpleNamespace:
+def _rule(
+    order: int, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
+) -> SimpleNamespace:
     """Quadrature along the beam, to a place or to its last end, with the strains at its nodes and their integrals."""
     if end is None and (section is None or not section.varies):
         return _constant_rule(order)
@@ -46,7 +51,7 @@ def _constant_rule(order: int) -> SimpleNamespace:
     return rule
 
 
-def _rule_on(order: int, section: Section | None, length, pieces) -> SimpleNamespace:
+def _rule_on(order: int, section: Section | None, length: Any, pieces: Pieces) -> SimpleNamespace:
     nodes, weights = gauss(2 * order + 8)
     places = pieces.spread(nodes).ravel()
     shapes = strains(order, section, places, length, FIELDS)
@@ -57,12 +62,18 @@ def _rule_on(order: int, section: Section | None, length, pieces) -> SimpleNames
     return SimpleNamespace(pieces=pieces, inner=nodes, nodes=places, weights=weights, along=along, **own)
 
 
-def _length(ref, curvature) -> Float[Array, ""]:
+def _length(ref: Reference, curvature: Scalar | None) -> Float[Array, ""]:
     chord = beams.beam_length(ref)
     return chord if curvature is None else arc_length(chord, curvature * chord / 2)
 
 
-def _bent(c, length, curvature, s, integrals) -> Float[Array, "n 2"]:
+def _bent(
+    c: Float[Array, "c"],
+    length: Float[Array, ""],
+    curvature: Scalar | None,
+    s: Float[Array, "n"] | np.ndarray,
+    integrals: Float[Array, "n order"] | np.ndarray,
+) -> Float[Array, "n 2"]:
     """Directions at places s, in axes of end p."""
     angle = integrals @ c.reshape(2, -1)[CURVATURE]
     if curvature is not None:
@@ -70,7 +81,9 @@ def _bent(c, length, curvature, s, integrals) -> Float[Array, "n 2"]:
     return jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)
 
 
-def _line(rot_p, c, ref, order, section, curvature):
+def _line(
+    rot_p: Angle, c: Float[Array, "c"], ref: Reference, order: int, section: Section | None, curvature: Scalar | None
+):
     """Length, axes of end p as columns, directions and stretched directions at the nodes in those axes; the rule."""
     length, tilt = _length(ref, curvature), 0.0
     rule = _rule(order, section, length)
@@ -83,7 +96,14 @@ def _line(rot_p, c, ref, order, section, curvature):
     return length, axes, directions, stretches[:, None] * directions, rule
 
 
-def _to_place(c, length, order, section, curvature, place):
+def _to_place(
+    c: Float[Array, "c"],
+    length: Float[Array, ""],
+    order: int,
+    section: Section | None,
+    curvature: Scalar | None,
+    place: Float[Array, ""],
+):
     """Direction at a place, and the way from p to it, in axes of end p."""
     rule = _rule(order, section, length, place)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
@@ -99,7 +119,7 @@ def _spectral_beam(
     rot_q: Angle,
     c: Series2,
     *,
-    ref,
+    ref: Reference,
     order: Static[int] = 5,
     section: Section | None = None,
     curvature: float | None = None,
@@ -111,19 +131,28 @@ def _spectral_beam(
     return jnp.concatenate([jnp.concatenate([displacement, turn]), c])
 
 
-def _fields(*, order):
+def _fields(*, order: int):
     return fields_after(3, 2, order)
 
 
-def _stiffness(*, ref, section: Section, order, curvature=None):
+def _stiffness(*, ref: Reference, section: Section, order: int, curvature: float | None = None):
     return series_matrix(section, section, order, _length(ref, curvature), 3, FIELDS)
 
 
-def _damping(*, ref, damping: Damping, order, section=None, curvature=None):
+def _damping(
+    *, ref: Reference, damping: Damping, order: int, section: Section | None = None, curvature: float | None = None
+):
     return series_matrix(damping, section, order, _length(ref, curvature), 3, FIELDS)
 
 
-def _stretched(turn, c, ref, length, rule, curvature):
+def _stretched(
+    turn: Float[Array, ""],
+    c: Float[Array, "c"],
+    ref: Reference,
+    length: Float[Array, ""],
+    rule: SimpleNamespace,
+    curvature: Scalar | None,
+):
     """Directions, and these times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
     stretch, bend = c.reshape(2, -1)
     angle = turn + rule.angles @ bend
@@ -135,7 +164,18 @@ def _stretched(turn, c, ref, length, rule, curvature):
     return directions, (length + rule.elongations @ stretch)[:, None] * directions
 
 
-def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, curvature=None):
+def _inertia(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    section: Section,
+    order: int,
+    curvature: float | None = None,
+):
     """Position of end p, then stretched directions and directions at the nodes of the quadrature.
 
     Positions are sums of the former, so that what varies is done place by place, and the sums are in H.
@@ -151,12 +191,26 @@ def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, curvature=None):
     return jnp.concatenate([p[None], stretched, directions]), h
 
 
-def _turn(lever, force):
+def _turn(lever: Float[Array, "*n 2"], force: Float[Array, "*n 2"]):
     """Moment of forces in the plane, counter-clockwise."""
     return lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0]
 
 
-def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fall=None, curvature=None):
+def _resultants(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "n_e"],
+    section: Section,
+    order: int,
+    fall: Float[Array, "k 2"] | None = None,
+    curvature: float | None = None,
+):
     """Statics of the part beyond the place."""
     length, axes, directions, stretched, rule = _line(rot_p, c, ref, order, section, curvature)
     (cosine, sine), reached = _to_place(c, length, order, section, curvature, place)
@@ -177,18 +231,49 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, fal
     return jnp.stack([cosine * x + sine * y, zero, cosine * y - sine * x, zero, -bending, zero])
 
 
-def _thermal(change, gradient, *, ref, section: Section, order, curvature=None):
+def _thermal(
+    change: Float[Array, "2"],
+    gradient: Float[Array, "1"],
+    *,
+    ref: Reference,
+    section: Section,
+    order: int,
+    curvature: float | None = None,
+):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
     return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS)
 
 
-def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, section=None, curvature=None):
+def _shape(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    order: int,
+    section: Section | None = None,
+    curvature: float | None = None,
+):
     length, axes, *_ = _line(rot_p, c, ref, order, section, curvature)
     return p + axes @ _to_place(c, length, order, section, curvature, place)[1]
 
 
-def _passage(p, rot_p, q, rot_q, c, *, ref, order, section=None, curvature=None):
+def _passage(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    c: Series2,
+    *,
+    ref: Reference,
+    order: int,
+    section: Section | None = None,
+    curvature: float | None = None,
+):
     """End q seen from end p."""
     length = _length(ref, curvature)
     rule = _rule(order, section, length)
@@ -196,7 +281,7 @@ def _passage(p, rot_p, q, rot_q, c, *, ref, order, section=None, curvature=None)
     return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ c.reshape(2, -1)[CURVATURE]
 
 
-def _check(*, ref, section=None, curvature=None) -> list[str]:
+def _check(*, ref: Reference, section: Section | None = None, curvature: float | None = None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
     return faults or check_section(section, ref, curvature)
 

@@ -2,6 +2,7 @@
 
 import functools
 from types import SimpleNamespace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,7 +15,7 @@ from ..math.rotation import CROSS, initial_frame, rotation_matrix
 from . import beams
 from .element import Element
 from .leaf import Leaf
-from .nodes import Point3, Rotation3, Series3, Static
+from .nodes import Point3, Reference, Rotation3, Series3, Static
 from .sections import Damping, Section
 from .spectral import (
     WHOLE,
@@ -39,7 +40,9 @@ PLACES = np.eye(6)[[3, 0, 1, 2, 4, 5]]
 DENSE = 8
 
 
-def _rule(order: int, shear: bool, section: Section | None, length, end=None) -> SimpleNamespace:
+def _rule(
+    order: int, shear: bool, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
+) -> SimpleNamespace:
     """Quadrature along the beam, to a place or to its last end, in steps over which the pose goes by an exponential."""
     if isinstance(section, Leaf):
         # Strains jump within steps, but little: three Gauss nodes take over their moments there too.
@@ -56,7 +59,7 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
     return _rule_on(order, shear, None, 1.0, WHOLE)
 
 
-def _rule_on(order: int, shear: bool, section: Section | None, length, pieces: Pieces) -> SimpleNamespace:
+def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: Pieces) -> SimpleNamespace:
     # In each piece: the ends of fewer steps would not integrate its mass exactly.
     steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
     ends, weights = lobatto(steps + 1)
@@ -92,12 +95,19 @@ def _count(shear: bool) -> int:
     return 6 if shear else 4
 
 
-def _length(ref, curvature) -> Float[Array, ""]:
+def _length(ref: Reference, curvature: Float[Array, "3"] | None) -> Float[Array, ""]:
     chord = beams.beam_length(ref)
     return chord if curvature is None else arc_length(chord, beams.length(curvature) * chord / 2)
 
 
-def _frames(rot_p, rot_q, ref, y, curvature, length):
+def _frames(
+    rot_p: Rotation3,
+    rot_q: Rotation3,
+    ref: Reference,
+    y: Float[Array, "3"] | None,
+    curvature: Float[Array, "3"] | None,
+    length: Float[Array, ""],
+):
     """Section axes at both ends as columns."""
     frame = initial_frame(ref.p, ref.q, y)
     at_p = multiplied(rotation_matrix(rot_p), rotation_matrix(ref.rot_p).T @ frame)
@@ -108,7 +118,7 @@ def _frames(rot_p, rot_q, ref, y, curvature, length):
     return at_p @ half.T, at_q @ half
 
 
-def _screws(c, length, rule, curvature):
+def _screws(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Float[Array, "3"] | None):
     """Screw motions of the steps along the beam, (steps, 6)."""
     own = (rule.basis.reshape(-1, c.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
     if curvature is not None:
@@ -116,7 +126,7 @@ def _screws(c, length, rule, curvature):
     return screws(own.reshape(-1, 3, 6) * length, rule.lengths)
 
 
-def _steps(c, length, rule, curvature):
+def _steps(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Float[Array, "3"] | None):
     """Poses of the steps along the beam, (steps, 4, 4)."""
     return exponential(_screws(c, length, rule, curvature))
 
@@ -128,7 +138,7 @@ def _spectral_beam(
     rot_q: Rotation3,
     c: Series3,
     *,
-    ref,
+    ref: Reference,
     order: Static[int] = 5,
     shear: Static[bool] = False,
     section: Section | None = None,
@@ -145,25 +155,48 @@ def _spectral_beam(
     return jnp.concatenate([jnp.concatenate([displacement, tilt]), c])
 
 
-def _fields(*, order, shear):
+def _fields(*, order: int, shear: bool):
     return fields_after(6, _count(shear), order)
 
 
-def _stiffness(*, ref, section: Section, order, shear, curvature=None):
+def _stiffness(
+    *, ref: Reference, section: Section, order: int, shear: bool, curvature: Float[Array, "3"] | None = None
+):
     return series_matrix(section, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
-def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
+def _damping(
+    *,
+    ref: Reference,
+    damping: Damping,
+    order: int,
+    shear: bool,
+    section: Section | None = None,
+    curvature: Float[Array, "3"] | None = None,
+):
     return series_matrix(damping, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
-def _masses(section, rule, length):
+def _masses(section: Section, rule: SimpleNamespace, length: Float[Array, ""]):
     """Mass and second moments of the section per place, at the nodes: (n,) [kg], (n, 3, 3) [kg m^2]."""
     numbers = rigidities(section, rule.nodes, length, ("mass", "Jx", "Jy", "Jz", "Jyz")) * length
     return numbers[:, 0], jnp.tensordot(numbers[:, 1:], beams.SECOND_MOMENTS, 1)
 
 
-def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, shear, y=None, curvature=None):
+def _inertia(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    c: Series3,
+    *,
+    ref: Reference,
+    section: Section,
+    order: int,
+    shear: bool,
+    y: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | None = None,
+):
     """Positions and triads at the ends of the steps."""
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
@@ -178,7 +211,23 @@ def _inertia(p, rot_p, q, rot_q, c, *, ref, section, order, shear, y=None, curva
     return vectors, h.at[n:, n:].set(spread.reshape(3 * n, 3 * n))
 
 
-def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, shear, fall=None, y=None, curvature=None):
+def _resultants(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    c: Series3,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    sigma: Float[Array, "n_e"],
+    section: Section,
+    order: int,
+    shear: bool,
+    fall: Float[Array, "k 3"] | None = None,
+    y: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | None = None,
+):
     """Statics of the part beyond the place."""
     length = _length(ref, curvature)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length)
@@ -202,19 +251,55 @@ def _resultants(p, rot_p, q, rot_q, c, *, ref, place, sigma, section, order, she
     return (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
 
 
-def _thermal(change, gradient, *, ref, section: Section, order, shear, curvature=None):
+def _thermal(
+    change: Float[Array, "2"],
+    gradient: Float[Array, "2"],
+    *,
+    ref: Reference,
+    section: Section,
+    order: int,
+    shear: bool,
+    curvature: Float[Array, "3"] | None = None,
+):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
     return thermal_series(change, bends, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
-def _shape(p, rot_p, q, rot_q, c, *, ref, place, order, shear, section=None, y=None, curvature=None):
+def _shape(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    c: Series3,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    order: int,
+    shear: bool,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | None = None,
+):
     length = _length(ref, curvature)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
     return p + at_p @ product(_steps(c, length, _rule(order, shear, section, length, place), curvature))[:3, 3]
 
 
-def _passage(p, rot_p, q, rot_q, c, *, ref, order, shear, section=None, y=None, curvature=None):
+def _passage(
+    p: Point3,
+    rot_p: Rotation3,
+    q: Point3,
+    rot_q: Rotation3,
+    c: Series3,
+    *,
+    ref: Reference,
+    order: int,
+    shear: bool,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | None = None,
+):
     """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
     length = _length(ref, curvature)
     own = _screws(c, length, _rule(order, shear, section, length), curvature)
@@ -231,7 +316,14 @@ def _passage(p, rot_p, q, rot_q, c, *, ref, order, shear, section=None, y=None, 
     return axes @ product(exponential(own))[:3, 3], compose_turns(compose_turns(conjugate, turn), ref.rot_q)
 
 
-def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
+def _check(
+    *,
+    ref: Reference,
+    shear: bool,
+    section: Section | None = None,
+    y: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | None = None,
+) -> list[str]:
     size = None if curvature is None else np.linalg.norm(np.asarray(curvature), axis=-1)
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)
     if not faults and curvature is not None and np.any(np.asarray(curvature)[..., 0] != 0):

@@ -23,6 +23,7 @@ CATALAN = 0.9159655941772190
 # A direction is looked for where what defines it is above this share of all that stresses the section.
 DIRECTED = 1e-9
 
+Scalar = float | Float[Array, ""]
 Stress = tuple[Float[Array, "8"], Float[Array, "8"]]
 WithAcross = tuple[Float[Array, "8"], Float[Array, "8"], Float[Array, "8"]]
 
@@ -50,7 +51,9 @@ def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any 
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
 
 
-def torsion_stress(width, thickness, torsion_constant) -> tuple[Float[Array, ""], Float[Array, ""]]:
+def torsion_stress(
+    width: Scalar, thickness: Scalar, torsion_constant: Scalar
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Shear stress of a unit torque in the middle of the sides of a rectangle, by Saint-Venant's series.
 
     With t the shorter side and w the longer: (t/It) (1 - (8/pi^2) sum over odd n of 1/(n^2 cosh(n pi w/2t))) on the
@@ -80,7 +83,7 @@ def torsion_stress(width, thickness, torsion_constant) -> tuple[Float[Array, ""]
     return jnp.where(flat, on_shorter, on_longer), jnp.where(flat, on_longer, on_shorter)
 
 
-def rectangle(width, thickness, torsion_constant, resultants: Float[Array, "6"]) -> Stress:
+def rectangle(width: Scalar, thickness: Scalar, torsion_constant: Scalar, resultants: Float[Array, "6"]) -> Stress:
     """Stress at the points of :data:`RECTANGLE` of a solid rectangle.
 
     Args:
@@ -105,7 +108,16 @@ def rectangle(width, thickness, torsion_constant, resultants: Float[Array, "6"])
     return sigma, (AT_Y * on_y + AT_Z * on_z) * t + (AT_Y + AT_Z) * parabola
 
 
-def hollow_rectangle(width, thickness, wall_y, wall_z, area, iy, iz, resultants: Float[Array, "6"]) -> Stress:
+def hollow_rectangle(
+    width: Scalar,
+    thickness: Scalar,
+    wall_y: Scalar,
+    wall_z: Scalar,
+    area: Scalar,
+    iy: Scalar,
+    iz: Scalar,
+    resultants: Float[Array, "6"],
+) -> Stress:
     """Stress at the points of :data:`RECTANGLE` of a thin-walled rectangular tube, on its outer surface.
 
     Args:
@@ -144,7 +156,9 @@ def hollow_rectangle(width, thickness, wall_y, wall_z, area, iy, iz, resultants:
     return sigma, (torsion + y * along_z - z * along_y) / wall
 
 
-def _direction(y, z, least) -> tuple[Float[Array, ""], Float[Array, ""]]:
+def _direction(
+    y: Float[Array, ""], z: Float[Array, ""], least: Float[Array, ""]
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Unit vector along (y, z), or along y where that is shorter than ``least``."""
     square = y**2 + z**2
     known = square > least**2
@@ -152,7 +166,7 @@ def _direction(y, z, least) -> tuple[Float[Array, ""], Float[Array, ""]]:
     return jnp.where(known, y / size, 1.0), jnp.where(known, z / size, 0.0)
 
 
-def ring(diameter, inner, resultants: Float[Array, "6"]) -> Stress:
+def ring(diameter: Scalar, inner: Scalar, resultants: Float[Array, "6"]) -> Stress:
     """Stress on the circumference of a circle or a circular tube.
 
     Eight points: the two where combined bending is largest and the two a quarter turn from them, then the two along

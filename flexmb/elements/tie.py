@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .element import Element
-from .nodes import NodeKind
+from .nodes import NodeKind, Reference
 
 
 class Part(NamedTuple):
@@ -27,10 +27,10 @@ class Part(NamedTuple):
     rows: tuple[tuple[int, ...], ...]
 
 
-def _part_deformations(part: Part, x, ref, properties):
+def _part_deformations(part: Part, x: Float[Array, "n_x"], ref: Float[Array, "n_x"], properties: dict[str, Any]):
     """Deformations of the elements of a part, (elements, n)."""
 
-    def one(x, ref, own):
+    def one(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
         at, start = (jnp.split(whole, part.splits) for whole in (x, ref))
         named: dict[str, Any] = part.element.arguments(part.element.deformation, {**dict(part.options), **own}) or {}
         return part.element.deformation(*at, ref=part.element.reference(start), **named)
@@ -54,7 +54,11 @@ def tie(parts: tuple[Part, ...], size: int, dimension: int) -> Element:
     everything = NodeKind("Coordinates", "internal", dimension, (0.0,) * size, ("c",) * size, size)
 
     def tied(
-        coordinates: Annotated[Float[Array, "_n"], everything], *, ref, weights: Float[Array, "n m"], of: tuple
+        coordinates: Annotated[Float[Array, "_n"], everything],
+        *,
+        ref: Reference,
+        weights: Float[Array, "n m"],
+        of: tuple,
     ) -> Float[Array, "n"]:
         """Weighted sums of deformations.
 

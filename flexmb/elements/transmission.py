@@ -13,12 +13,12 @@ from ..math.rotation import angle_between, counted, rotation_plane
 from . import beams
 from .element import Element
 from .laws import mesh_damping, mesh_stiffness
-from .nodes import Angle, Point2
-from .sections import Damping, Section
+from .nodes import Angle, Point2, Reference
+from .sections import Damping, Scalar, Section
 
 
 def _gear(
-    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref, near: Float[Array, "2"], ratio: float
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, near: Float[Array, "2"], ratio: float
 ) -> Float[Array, "2"]:
     """Rotation mismatch of two meshing gears, seen at gear p, and turn of gear p relative to the line of centres."""
     turn = rot_p[0] - ref.rot_p[0]
@@ -27,20 +27,22 @@ def _gear(
     return jnp.stack([turn_p + ratio * turn_q, turn_p])
 
 
-def _check_centres(*, ref) -> list[str]:
+def _check_centres(*, ref: Reference) -> list[str]:
     return ["has its two centres in one place"] if beams.check_length(ref=ref) else []
 
 
-def _check_gear(*, ref, ratio: float) -> list[str]:
+def _check_gear(*, ref: Reference, ratio: float) -> list[str]:
     return _check_centres(ref=ref) + ([] if np.all(ratio) else ["has a ratio of zero"])
 
 
-def _around(centre, start, turns) -> Float[Array, "2"]:
+def _around(centre: Float[Array, "2"], start: Float[Array, "2"], turns: Float[Array, ""]) -> Float[Array, "2"]:
     """Point of a circle, so many turns after its start."""
     return centre + rotation_plane(2 * np.pi * jnp.clip(turns, 0.0, 1.0)) @ (start - centre)
 
 
-def _gear_shape(p, rot_p, q, rot_q, *, ref, place, ratio) -> Float[Array, "2"]:
+def _gear_shape(
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, place: Float[Array, ""], ratio: float
+) -> Float[Array, "2"]:
     """Both pitch circles, from where they meet."""
     meeting = p + (q - p) / (1 + ratio)
     return jnp.where(place < 0.5, _around(p, meeting, 2 * place), _around(q, meeting, 2 * place - 1))
@@ -62,7 +64,7 @@ of the mesh [N m/rad, N m s/rad].
 """
 
 
-def _span(d, radius_p, radius_q):
+def _span(d: Float[Array, "2"], radius_p: Scalar, radius_q: Scalar):
     """Length of the tangent from pulley p to pulley q, and its angle from the line of centres d.
 
     A positive radius lies to the left of the way from p to q: with t along the belt and n to its left, the tangent is
@@ -73,7 +75,9 @@ def _span(d, radius_p, radius_q):
     return tangent, jnp.arctan2(offset, tangent)
 
 
-def _turns(p, rot_p, q, *, ref, near, radius_p, radius_q):
+def _turns(
+    p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, near: Float[Array, ""], radius_p: Scalar, radius_q: Scalar
+):
     """Elongation of the straight part, and turn of pulley p relative to it."""
     before, angle_before = _span(ref.q - ref.p, radius_p, radius_q)
     now, angle = _span(q - p, radius_p, radius_q)
@@ -87,7 +91,7 @@ def _belt(
     q: Point2,
     rot_q: Angle,
     *,
-    ref,
+    ref: Reference,
     near: Float[Array, "3"],
     radius_p: float,
     radius_q: float,
@@ -98,22 +102,26 @@ def _belt(
     return jnp.stack([stretch + radius_p * turn_p - radius_q * turn_q, turn_p, turn_q])
 
 
-def _free_length(e, ref, radius_p, radius_q):
+def _free_length(e: Float[Array, "3"], ref: Reference, radius_p: Scalar, radius_q: Scalar):
     """Length without tension of the part between the tangent points."""
     start, _ = _span(ref.q - ref.p, radius_p, radius_q)
     return start - radius_p * e[1] + radius_q * e[2]
 
 
-def _belt_energy(e, *, ref, section: Section, radius_p: float, radius_q: float) -> Float[Array, ""]:
+def _belt_energy(
+    e: Float[Array, "3"], *, ref: Reference, section: Section, radius_p: float, radius_q: float
+) -> Float[Array, ""]:
     """EA e1^2/(2 L), with L the free length; the belt on the pulleys is taken to be without tension."""
     return section.rigidity().EA * e[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
 
-def _belt_dissipation(e, ed, *, ref, damping: Damping, radius_p: float, radius_q: float) -> Float[Array, ""]:
+def _belt_dissipation(
+    e: Float[Array, "3"], ed: Float[Array, "3"], *, ref: Reference, damping: Damping, radius_p: float, radius_q: float
+) -> Float[Array, ""]:
     return damping.EA * ed[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
 
-def _check_belt(*, ref, radius_p: float, radius_q: float, section: Section | None = None) -> list[str]:
+def _check_belt(*, ref: Reference, radius_p: float, radius_q: float, section: Section | None = None) -> list[str]:
     faults = _check_centres(ref=ref)
     apart = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
     if not faults and np.any(np.abs(np.asarray(radius_q) - np.asarray(radius_p)) >= apart):
@@ -123,7 +131,17 @@ def _check_belt(*, ref, radius_p: float, radius_q: float, section: Section | Non
     return faults
 
 
-def _belt_shape(p, rot_p, q, rot_q, *, ref, place, radius_p, radius_q) -> Float[Array, "2"]:
+def _belt_shape(
+    p: Point2,
+    rot_p: Angle,
+    q: Point2,
+    rot_q: Angle,
+    *,
+    ref: Reference,
+    place: Float[Array, ""],
+    radius_p: float,
+    radius_q: float,
+) -> Float[Array, "2"]:
     """Pulley p, the straight part, pulley q, a third of the way each."""
     d = q - p
     _, angle = _span(d, radius_p, radius_q)
@@ -152,30 +170,34 @@ negative to the right), section (EA), damping (EA). Without a section it does no
 
 
 def _belt_to_point(
-    p: Point2, rot_p: Angle, q: Point2, *, ref, near: Float[Array, "2"], radius_p: float
+    p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, near: Float[Array, "2"], radius_p: float
 ) -> Float[Array, "2"]:
     """Elongation, and turn of the pulley relative to the belt."""
     stretch, turn_p = _turns(p, rot_p, q, ref=ref, near=near[1], radius_p=radius_p, radius_q=0.0)
     return jnp.stack([stretch + radius_p * turn_p, turn_p])
 
 
-def _with_point(e):
+def _with_point(e: Float[Array, "2"]):
     return jnp.concatenate([e, jnp.zeros(1)])
 
 
-def _point_energy(e, *, ref, section: Section, radius_p: float) -> Float[Array, ""]:
+def _point_energy(e: Float[Array, "2"], *, ref: Reference, section: Section, radius_p: float) -> Float[Array, ""]:
     return _belt_energy(_with_point(e), ref=ref, section=section, radius_p=radius_p, radius_q=0.0)
 
 
-def _point_dissipation(e, ed, *, ref, damping: Damping, radius_p: float) -> Float[Array, ""]:
+def _point_dissipation(
+    e: Float[Array, "2"], ed: Float[Array, "2"], *, ref: Reference, damping: Damping, radius_p: float
+) -> Float[Array, ""]:
     return _belt_dissipation(_with_point(e), ed, ref=ref, damping=damping, radius_p=radius_p, radius_q=0.0)
 
 
-def _check_point(*, ref, radius_p: float, section: Section | None = None) -> list[str]:
+def _check_point(*, ref: Reference, radius_p: float, section: Section | None = None) -> list[str]:
     return _check_belt(ref=ref, radius_p=radius_p, radius_q=0.0, section=section)
 
 
-def _point_shape(p, rot_p, q, *, ref, place, radius_p) -> Float[Array, "2"]:
+def _point_shape(
+    p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, place: Float[Array, ""], radius_p: float
+) -> Float[Array, "2"]:
     return _belt_shape(p, rot_p, q, rot_p, ref=ref, place=place, radius_p=radius_p, radius_q=0.0)
 
 

@@ -1,7 +1,7 @@
 """modelDescription.xml of a unit, of FMI 3.0 and 2.0, and how importers are to compile it."""
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,7 +67,7 @@ def placed(plant: Plant, settable: bool) -> list[Placed]:
         ]
     found = [Placed(Variable("time", "s"), 0, "time")]
 
-    def follow(kind, variables):
+    def follow(kind: str, variables: Sequence[Variable]):
         for v in variables:
             last = found[-1]
             found.append(Placed(v, last.reference + np.size(last.variable.start), kind))
@@ -192,7 +192,7 @@ def _interfaces(root: ElementTree.Element, identifier: str, fmi: int) -> None:
 def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], places: dict[int, str], fmi: int) -> None:
     """Which variables are outputs and rates, and on what they depend: where D is zero, outputs on no input."""
 
-    def of(kind):
+    def of(kind: str):
         return [one for one in found if one.kind == kind]
 
     known = [*of("time")] if plant.times is not None or plant.source else []
@@ -202,14 +202,14 @@ def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], pla
     n_own = len(plant.outputs) - (len(plant.inputs) + len(plant.outputs)) // 2 * ("u0" in plant.matrices)
     structure = ElementTree.SubElement(root, "ModelStructure")
 
-    def unknown(parent, tag, one, depends_on=None):
+    def unknown(parent: ElementTree.Element, tag: str, one: Placed, depends_on: list[Placed] | None = None):
         number = places[one.reference]
         attributes = {"index" if fmi == 2 else "valueReference": number}
         if depends_on is not None:
             attributes["dependencies"] = " ".join(places[k.reference] for k in depends_on)
         ElementTree.SubElement(parent, tag, attributes)
 
-    def group(name):
+    def group(name: str):
         return ElementTree.SubElement(structure, name) if fmi == 2 else structure
 
     outputs, rates = of("output"), of("rate")

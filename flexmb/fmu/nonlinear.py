@@ -11,6 +11,7 @@ from ..control.nonlinear_system import plant_rates
 from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
+from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by
 from ..motion.loop import check_signals
 from ..motion.protocol import MotionState
@@ -105,7 +106,7 @@ def plant(
     nameless, topology, labels = model.without_names(), model.topology, model.labels
     sizes = sizes_of(topology, model.parameters)
 
-    def rates(t, x, u, memory):
+    def rates(t: Float[Array, ""], x: Float[Array, "n"], u: Float[Array, "n_u"], memory: Float[Array, "m"]):
         xdot, y, found = plant_rates(nameless, driven, t, x, memory, u)
         # The rates are those after this second search, which C does once.
         again = _searched(nameless, driven, t, x, found)
@@ -137,7 +138,9 @@ def plant(
     )
 
 
-def _searched(model: Model, driven, t: Float[Array, ""], x: Float[Array, "n"], memory: Float[Array, "m"]):
+def _searched(
+    model: Model, driven: tuple[Driven, ...], t: Float[Array, ""], x: Float[Array, "n"], memory: Float[Array, "m"]
+):
     """Coordinates and deformations at a state, from where they were."""
     form = reduced_form(coordinates_form(model.topology, model.parameters, driven))
     q, qd = x[: form.size] / form.sizes, x[form.size :] / form.sizes

@@ -21,7 +21,7 @@ RULES: dict[str, Callable[..., list[Value]]] = {}
 def rule(*names: str):
     """Enter a translation under the names of primitives."""
 
-    def enter(function):
+    def enter(function: Callable[..., Any]):
         for name in names:
             RULES[name] = function
         return function

@@ -49,7 +49,7 @@ class Fmu(NamedTuple):
     binary: str | None
 
     def __repr__(self) -> str:
-        def listed(found):
+        def listed(found: Sequence[Variable]):
             return ", ".join(f"{v.name} [{v.unit}]" if v.unit else v.name for v in found) or "none"
 
         return (

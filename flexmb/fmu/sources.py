@@ -1,6 +1,8 @@
 """Sources of a unit: the C files of this folder, and data.h with the numbers of one plant."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -68,11 +70,11 @@ def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: boo
     return "\n".join(lines) + "\n"
 
 
-def _numbers(name: str, values) -> str:
+def _numbers(name: str, values: Any) -> str:
     return _array("double", name, (repr(float(value)) for value in values))
 
 
-def _array(kind: str, name: str, values) -> str:
+def _array(kind: str, name: str, values: Iterable[str]) -> str:
     words, lines, line = list(values), [], ""
     for word in words:
         if len(line) + len(word) > 110:

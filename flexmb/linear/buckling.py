@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ..arguments import check_flag, check_whole, is_concrete
 from ..compilation.compile import jit
@@ -127,7 +127,14 @@ def scaled_stiffness(
     return stays, scaled, jax.lax.stop_gradient(_noise(topology, parameters, tangent, stays, sigma, moved))
 
 
-def _noise(topology, parameters, tangent, stays, sigma, moved) -> Float[Array, ""]:
+def _noise(
+    topology: Topology,
+    parameters: Parameters,
+    tangent: tuple[Array, ...],
+    stays: Float[Array, "n_q n_q"],
+    sigma: Float[Array, "n_e"],
+    moved: Float[Array, "n_x"],
+) -> Float[Array, ""]:
     """Largest 1/lambda that the round-off of the stress resultants makes.
 
     Elastic ones are wrong by the stiffness times the round-off of the deformations, all of them by that of the forces
@@ -160,7 +167,7 @@ def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Arr
     return jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
 
 
-def _inverse_multipliers(topology: Topology, k, g):
+def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Array, "n n"]):
     """Values 1/lambda by descending magnitude, and vectors; those of a complex pair are zero."""
     if lacks_potential(topology):
         values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
@@ -208,13 +215,17 @@ def _buckling(topology: Topology, parameters: Parameters, target: LoadFactors):
 
 
 @kernel
-def _buckling_at(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near):
+def _buckling_at(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+):
     """As :func:`_buckling` about a state that has been found."""
     at = state(topology, parameters, factors, x, near)
     return _buckling_about(topology, parameters, at, near, jnp.asarray(RESULTS.successful, jnp.int32))
 
 
-def _buckling_about(topology: Topology, parameters: Parameters, at: State, near, result):
+def _buckling_about(
+    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"], result: Int[Array, ""]
+):
     """Multipliers, modes in the coordinates, and code of RESULTS."""
     k, g, noise = scaled_stiffness(topology, parameters, at, near)
     dfx = at.transfer.DFx

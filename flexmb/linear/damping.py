@@ -108,7 +108,7 @@ def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None)
     shift, _, found = shift_to_definite(m.K, m.M0)
     factor = cholesky(m.K + shift * m.M0)
 
-    def reduced(matrix):
+    def reduced(matrix: Float[Array, "n n"]):
         once = solved_by_factor(factor, solved_by_factor(factor, matrix).T)
         return (once + once.T) / 2
 
@@ -124,7 +124,7 @@ def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None)
     return (damping + damping.T) / 2, result
 
 
-def _vibrations(mu, shift):
+def _vibrations(mu: Float[Array, "n"], shift: Float[Array, ""]):
     """Which motions vibrate, and their angular frequencies, one for others."""
     massive = mu > MASSLESS * mu.shape[0] * jnp.max(mu, initial=0.0)
     values = 1 / jnp.where(massive, mu, 1.0) - shift
@@ -132,14 +132,14 @@ def _vibrations(mu, shift):
     return vibrates, jnp.sqrt(jnp.where(vibrates, values, 1.0))
 
 
-def _by_ratios(mu, shift, ratios, slopes):
+def _by_ratios(mu: Float[Array, "n"], shift: Float[Array, ""], ratios: Float[Array, "n"], slopes: Float[Array, "n"]):
     """2 zeta w mu, of ratios with their slopes by w."""
     vibrates, w = _vibrations(mu, shift)
     zeta = ratios + slopes * (w - jax.lax.stop_gradient(w))
     return jnp.where(vibrates, 2 * zeta * w * mu, 0.0)
 
 
-def _inverse_frequency(mu, shift):
+def _inverse_frequency(mu: Float[Array, "n"], shift: Float[Array, ""]):
     vibrates, w = _vibrations(mu, shift)
     return jnp.where(vibrates, 1 / w, 0.0)
 

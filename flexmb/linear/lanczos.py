@@ -45,7 +45,7 @@ def with_all_copies(
     """
     import scipy.sparse.linalg
 
-    def searched(*given):
+    def searched(*given: np.ndarray):
         try:
             return search(*given)
         except scipy.sparse.linalg.ArpackError as fault:
@@ -100,7 +100,7 @@ def eigenvalues_beside(
     # taken out of that matrix.
     forces = stiffness @ motions
 
-    def beside(motion):
+    def beside(motion: np.ndarray):
         motion = np.ravel(motion)
         return matrix @ motion - forces @ (values * (forces.T @ motion))
 

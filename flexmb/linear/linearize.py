@@ -535,8 +535,8 @@ def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
     _, jacobian = deformation_jacobian(topology, parameters, m.x, near)
     tangent = transfer(topology, jacobian)
 
-    def along(i, j):
-        def once(x):
+    def along(i: Float[Array, "n_x"], j: Float[Array, "n_x"]):
+        def once(x: Float[Array, "n_x"]):
             _, d = deformation_jacobian(topology, parameters, x, near)
             return d @ i
 
@@ -545,7 +545,7 @@ def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
     columns = m.DFx.T
     bend = jax.vmap(jax.vmap(along, (None, 0)), (0, None))(columns, columns)
 
-    def second(curved):
+    def second(curved: Float[Array, "n_e"]):
         dx = correction(topology, tangent, curved, jnp.zeros(topology.n_x))
         return dx, curved + jacobian @ dx
 

@@ -181,7 +181,7 @@ def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array,
     return _frequencies_at(lin.matrices, count=None)
 
 
-def check_spectrum(result, throw: bool, model: Any) -> None:
+def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
     """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
     about = ""
     if throw and not isinstance(result, jax.core.Tracer):

@@ -216,7 +216,7 @@ def _quotients(topology, parameters, factors, near, at: Balanced, growth: _Growt
 
 
 @_load_multipliers.defjvp
-def _load_multipliers_jvp(primals, tangents):
+def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors, at, count = primals
     found = _found(topology, parameters, factors, at, count)
     near = _deformed(topology, parameters, at)

@@ -155,7 +155,14 @@ def by_coordinates(jacobians: Pieces, pieces: Pieces, n_e: int) -> Pieces:
 
 
 @kernel
-def element_matrices(topology: Topology, parameters: Parameters, factors: LoadFactors, x, e, sigma) -> ElementMatrices:
+def element_matrices(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+) -> ElementMatrices:
     """Matrices of all elements about a state at rest.
 
     Args:
@@ -218,7 +225,16 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
 
 
 def about_state(
-    model: Model, factors: LoadFactors, x, e, sigma, felt: Felt, reactions, external, iterations, result
+    model: Model,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+    felt: Felt,
+    reactions: Float[Array, "n_x"],
+    external: Float[Array, "n_x"],
+    iterations: Array,
+    result: Array,
 ) -> SparseLinearization:
     """Linearised equations about a state at rest that has been found, element by element.
 

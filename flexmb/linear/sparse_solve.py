@@ -35,7 +35,7 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
         arguments: Pytrees of arrays.
     """
 
-    def called(*arguments):
+    def called(*arguments: Any):
         with one_thread():
             return function(*jax.tree.map(np.asarray, arguments))
 
@@ -56,7 +56,7 @@ def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Arra
 
 
 @jit
-def product(elements: ElementMatrices, z: Float[Array, "n+h k"], values: Any = None) -> Float[Array, "n+h k"]:
+def product(elements: ElementMatrices, z: Float[Array, "r k"], values: Any = None) -> Float[Array, "r k"]:
     """Product of [[K - mu M, D^T], [D, 0]] and vectors.
 
     Args:
@@ -73,7 +73,9 @@ def product(elements: ElementMatrices, z: Float[Array, "n+h k"], values: Any = N
     return jnp.concatenate([forces[elements.free], times(elements.constraints, v, size=rows)[elements.held]])
 
 
-def bordered(elements: ElementMatrices, z, border: Float[Array, "n b"], values: Any = None) -> Array:
+def bordered(
+    elements: ElementMatrices, z: Float[Array, "r *k"], border: Float[Array, "n b"], values: Any = None
+) -> Array:
     """As :func:`product`, with motions to which the solution is to be orthogonal and the forces along them.
 
     Args:
@@ -124,8 +126,8 @@ def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray, tr
 
 
 def solved(
-    elements: ElementMatrices, right: Float[Array, "n+h k"], border: Float[Array, "n b"] | None = None
-) -> Float[Array, "n+h k"]:
+    elements: ElementMatrices, right: Float[Array, "r k"], border: Float[Array, "n b"] | None = None
+) -> Float[Array, "r k"]:
     """Motions and multipliers under forces, [[K, D^T], [D, 0]] z = right; differentiable in all arguments.
 
     Args:
@@ -145,16 +147,16 @@ def solved(
 
 
 @jax.custom_jvp
-def _bordered_solution(elements: ElementMatrices, right, border) -> Array:
+def _bordered_solution(elements: ElementMatrices, right: Float[Array, "r *k"], border: Float[Array, "n b"]) -> Array:
     return on_host(_solved, jax.ShapeDtypeStruct(right.shape, float), elements, right, border)
 
 
 @_bordered_solution.defjvp
-def _solved_jvp(primals, tangents):
+def _solved_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     elements, right, border = primals
     z = _bordered_solution(elements, right, border)
 
-    def balance(elements, border):
+    def balance(elements: ElementMatrices, border: Float[Array, "n b"]):
         return bordered(elements, z, border)
 
     _, change = jax.jvp(balance, (elements, border), (tangents[0], tangents[2]))
@@ -169,7 +171,7 @@ def _solved_jvp(primals, tangents):
             vmap_method="sequential",
         )
 
-    def matvec(z):
+    def matvec(z: Float[Array, "r *k"]):
         return bordered(elements, z, border)
 
     return z, lax.custom_linear_solve(matvec, tangents[1] - change, solve(False), transpose_solve=solve(True))
@@ -207,7 +209,7 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
     k, (n, h), n_x = count.shape[0], elements.unknowns, elements.sizes.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n_x, k), (h, k))]
 
-    def found(elements):
+    def found(elements: ElementMatrices):
         whole = Whole(elements)
         tangent, mass = whole.at(), whole.mass
         refuse_negative_masses(mass, [own for *_, own in elements.mass], tangent)
@@ -231,7 +233,7 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
 
 
 @_lowest.defjvp
-def _lowest_jvp(primals, tangents):
+def _lowest_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     elements, count = primals
     at: Any = _lowest(elements, count)
     (n, h), n_x = elements.unknowns, elements.sizes.shape[0]
@@ -242,20 +244,20 @@ def _lowest_jvp(primals, tangents):
     near = near & massive & massive[:, None]
     inertia = times(elements.mass, at.motions, size=n_x)[elements.free]
 
-    def equations(elements):
+    def equations(elements: ElementMatrices):
         """Balance of each mode, and how far the modes that are near it are from being orthonormal to it."""
         mass = jnp.einsum("ij,ik->jk", at.motions, times(elements.mass, at.motions, size=n_x))
         return jnp.concatenate([product(elements, z, values), jnp.where(near, mass, 0.0) / 2])
 
     _, change = jax.jvp(equations, (elements,), (tangents[0],))
 
-    def matvec(y):
+    def matvec(y: Float[Array, "r k"]):
         own, border = y[: n + h], y[n + h :]
         balance = product(elements, own, values)
         balance = balance.at[:n].add(inertia @ jnp.where(near, border, 0.0))
         return jnp.concatenate([balance, jnp.where(near, inertia.T @ own[:n], border)])
 
-    def host(elements, values, inertia, near, right):
+    def host(elements: ElementMatrices, values: np.ndarray, inertia: np.ndarray, near: np.ndarray, right: np.ndarray):
         whole = Whole(elements)
         found, ordering = np.array(right), None
         for i, value in enumerate(values):
@@ -272,7 +274,7 @@ def _lowest_jvp(primals, tangents):
             found[rows, i] = factored.solve(right[rows, i])
         return found
 
-    def solve(_, right):
+    def solve(_: Any, right: Float[Array, "r *k"]):
         return jax.pure_callback(
             lambda *given: host(*jax.tree.map(np.asarray, given)),
             jax.ShapeDtypeStruct(right.shape, float),
@@ -312,12 +314,12 @@ def _lowest_values(elements: ElementMatrices, count: Array) -> Float[Array, "cou
 
 
 @_lowest_values.defjvp
-def _lowest_values_jvp(primals, tangents):
+def _lowest_values_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     elements, count = primals
     at: Any = _lowest(elements, count)
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
 
-    def quotients(elements):
+    def quotients(elements: ElementMatrices):
         return jnp.sum(z * product(elements, z, _finite(at.values)), axis=0)
 
     return at.values, jax.jvp(quotients, (elements,), (tangents[0],))[1]

@@ -145,11 +145,11 @@ def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarra
     if len(heavy) <= max(FEW, 3 * count):
         return _of_few_masses(at, heavy, count)
 
-    def search(values, known, start):
+    def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
         how = {"which": "LA", "tol": ROUGH if rough else 1e-13}
         return eigenvalues_beside(mass, at.stiffness, at.moved, (values, known), count, at.moved(mass @ start), **how)
 
-    def passed_over(inverse):
+    def passed_over(inverse: np.ndarray):
         # Up to the last, or where motions without mass begin.
         last = max(inverse[-1] * (1 + BEFORE * abs(1 - at.shift * inverse[-1])), MASSLESS * every * inverse[0])
         below = with_mass(at.tangent, mass, -1 / last)

@@ -70,7 +70,7 @@ def shift_to_definite(
     return s, stable, found
 
 
-def _shift(k, m) -> tuple[Any, Any, Any, Any]:
+def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, Any, Any]:
     """As :func:`shift_to_definite`, and whether eigenvalues are lost in round-off."""
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
@@ -80,11 +80,11 @@ def _shift(k, m) -> tuple[Any, Any, Any, Any]:
 
     # That is a share of the largest stiffness, which may be of a beam so short that no other motion has any of it, with
     # eigenvalues far below the digits of s. Each turn tells lower ones, until none is left but zeros.
-    def unfinished(carry):
+    def unfinished(carry: tuple[Any, ...]):
         s, after, *_ = carry
         return after < s
 
-    def lower(carry):
+    def lower(carry: tuple[Any, ...]):
         s, after, lowest, told, lost = carry
         values, _, doubt = _eigenvalues(k, m, after, *pencil(m, k + after * m))
         sure = values > jnp.maximum(SURE * doubt, TOLD * after)
@@ -101,15 +101,21 @@ def _shift(k, m) -> tuple[Any, Any, Any, Any]:
     return s, stable | (told & is_positive_definite(k)), found, lost
 
 
-def _smallest(k, m, first, second, margin) -> tuple[Any, Any, Any]:
+def _smallest(
+    k: Float[Array, "n n"],
+    m: Float[Array, "n n"],
+    first: Float[Array, ""],
+    second: Float[Array, ""],
+    margin: float | Float[Array, ""],
+) -> tuple[Any, Any, Any]:
     """Smallest shift tried with K + (s - margin) M positive definite, whether there is one, and how many were tried."""
 
-    def attempt(carry):
+    def attempt(carry: tuple[Any, ...]):
         _, after, _, tries = carry
         found = is_positive_definite(k + (after - margin) * m)
         return after, jnp.where(tries == 0, second, SHIFT_GROWTH * after), found, tries + 1
 
-    def unfinished(carry):
+    def unfinished(carry: tuple[Any, ...]):
         _, _, found, tries = carry
         return ~found & (tries <= MAX_SHIFTS)
 
@@ -118,7 +124,13 @@ def _smallest(k, m, first, second, margin) -> tuple[Any, Any, Any]:
     return s, found, tries
 
 
-def _eigenvalues(k, m, shift, mu, w) -> tuple[Any, Any, Any]:
+def _eigenvalues(
+    k: Float[Array, "n n"],
+    m: Float[Array, "n n"],
+    shift: Float[Array, ""],
+    mu: Float[Array, "n"],
+    w: Float[Array, "n n"],
+) -> tuple[Any, Any, Any]:
     """Eigenvalues, infinite for motions without mass, their vectors, and how far round-off may move them.
 
     Round-off is that of the terms whose sum v^T (K + s M) v is.
@@ -198,19 +210,21 @@ def is_real(values: Any) -> Any:
     return abs(values.imag) <= REAL * abs(values)
 
 
-def _with_shift(k, m, solve: Callable[[np.ndarray], Any], first: float = FIRST_SHIFT) -> tuple[float, Any]:
+def _with_shift(
+    k: np.ndarray, m: np.ndarray, solve: Callable[[np.ndarray], Any], first: float = FIRST_SHIFT
+) -> tuple[float, Any]:
     """Smallest tried s >= 0 for which a problem in K + s M has a solution, and that solution; on the host."""
     heaviest = np.max(np.diag(m), initial=0.0)
     ratio = np.max(np.abs(np.diag(k)), initial=0.0) / heaviest if heaviest > 0 else 1.0
     ratio, shift = ratio or 1.0, 0.0
 
-    def attempt(shift):
+    def attempt(shift: float):
         try:
             return solve(k + shift * m)
         except np.linalg.LinAlgError:
             return None
 
-    def lowest_told(shift, found):
+    def lowest_told(shift: float, found: Any):
         mu = found[0][np.abs(found[0]) > MASSLESS * len(m) * np.max(np.abs(found[0]), initial=0.0)]
         values = np.real(1 / mu - shift)
         return np.min(values[values > TOLD * shift], initial=np.inf)

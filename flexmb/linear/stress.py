@@ -1,5 +1,6 @@
 """Section resultants and stress on the surface of flexible elements, at a static equilibrium."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -12,10 +13,12 @@ from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, counted, listed, span
+from ..elements.section import Section
 from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, squared, von_mises
 from ..errors import ModelError, warn
 from ..mechanics.blocks import companion_of
+from ..mechanics.inertia import Felt
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -61,7 +64,9 @@ class SectionResultants(Result, Record):
         return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
 
 
-def _extremes(quantities: dict[str, tuple[np.ndarray, str]], names, places) -> dict[str, str]:
+def _extremes(
+    quantities: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], places: Float[Array, "places"]
+) -> dict[str, str]:
     """From which to which value each quantity goes, and where it is largest."""
     rows = {}
     for name, (values, unit) in quantities.items():
@@ -272,17 +277,17 @@ def _rows(labels: Labels) -> tuple[tuple[str, ...], np.ndarray]:
     return names, np.array([rows[name] for name in names], int)
 
 
-def _sections(properties) -> tuple:
+def _sections(properties: dict[str, Any]) -> tuple:
     """Stacks of sections of one kind each, in the order of a block's elements."""
     section = properties["section"]
     return section if isinstance(section, tuple) else (section,)
 
 
-def _count(stack) -> int:
+def _count(stack: Section) -> int:
     return jax.tree.leaves(stack)[0].shape[0]
 
 
-def _lengths(block: Block, properties, reference) -> Float[Array, "elements"]:
+def _lengths(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> Float[Array, "elements"]:
     """Undeformed lengths [m]."""
     parts = jnp.split(reference[block.x], block.splits, axis=1)
     kinds = block.element.nodes.values()
@@ -303,7 +308,16 @@ def without_shape(model: Model) -> list[str]:
     return found
 
 
-def _resultants_of(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
+def _resultants_of(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    sigma: Float[Array, "n_e"],
+    felt: Felt,
+    e: Float[Array, "n_e"],
+    places: Float[Array, "places"],
+    rows: Int[Array, "k"],
+):
     return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, felt, places))[rows]
 
 
@@ -311,25 +325,45 @@ _resultants = jit(_resultants_of)
 
 
 @jit
-def _resultants_of_all(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
+def _resultants_of_all(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "states n_x"],
+    sigma: Float[Array, "states n_e"],
+    felt: Felt,
+    e: Float[Array, "states n_e"],
+    places: Float[Array, "places"],
+    rows: Int[Array, "k"],
+):
     """The same of several states, which stand in front."""
     return jax.vmap(lambda x, sigma, felt, e: _resultants_of(topology, parameters, x, sigma, felt, e, places, rows))(
         x, sigma, felt, e
     )
 
 
-def _limits(stack, lengths, places, quantity: str) -> Float[Array, "n places"]:
+def _limits(
+    stack: Section, lengths: Float[Array, "n"], places: Float[Array, "places"], quantity: str
+) -> Float[Array, "n places"]:
     """What the material of stacked sections bears; infinite where it does not say."""
     if not stack.states(quantity):
         return jnp.full((lengths.shape[0], places.shape[0]), jnp.inf)
 
-    def at(section, length, place):
+    def at(section: Section, length: Float[Array, ""], place: Float[Array, ""]):
         return jnp.asarray(section.at(place, length).stated(quantity), float)
 
     return jax.vmap(jax.vmap(at, (None, None, 0)), (0, 0, None))(stack, lengths, places)
 
 
-def _stress_of(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
+def _stress_of(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    sigma: Float[Array, "n_e"],
+    felt: Felt,
+    e: Float[Array, "n_e"],
+    places: Float[Array, "places"],
+    rows: Int[Array, "k"],
+):
     found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
     blocks = zip(topology.blocks, parameters.properties, strict=True)
     given = [(b, p) for b, p in blocks if "resultants" in b.companions]
@@ -367,7 +401,16 @@ _stress = jit(_stress_of)
 
 
 @jit
-def _stress_of_all(topology: Topology, parameters: Parameters, x, sigma, felt, e, places, rows):
+def _stress_of_all(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "states n_x"],
+    sigma: Float[Array, "states n_e"],
+    felt: Felt,
+    e: Float[Array, "states n_e"],
+    places: Float[Array, "places"],
+    rows: Int[Array, "k"],
+):
     """The same of several states, which stand in front but for what materials bear."""
     found = jax.vmap(lambda x, sigma, felt, e: _stress_of(topology, parameters, x, sigma, felt, e, places, rows))(
         x, sigma, felt, e
@@ -375,10 +418,23 @@ def _stress_of_all(topology: Topology, parameters: Parameters, x, sigma, felt, e
     return *found[:-1], {name: value if name == "across" else value[0] for name, value in found[-1].items()}
 
 
-def _along(function, e, ref, properties, places, resultants):
+def _along(
+    function: Callable[..., Any],
+    e: Float[Array, "elements n"],
+    ref: Float[Array, "elements c"],
+    properties: dict[str, Any],
+    places: Float[Array, "places"],
+    resultants: Float[Array, "elements places 6"],
+):
     """Stress by elements' own companion, at places along each."""
 
-    def at(e, ref, own, place, resultants):
+    def at(
+        e: Float[Array, "n"],
+        ref: Float[Array, "c"],
+        own: dict[str, Any],
+        place: Float[Array, ""],
+        resultants: Float[Array, "6"],
+    ):
         return function((e,), ref, own, place=place, resultants=resultants)
 
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)

@@ -51,7 +51,7 @@ class BlockFactors(NamedTuple):
         first, *_ = rows = jnp.moveaxis(right.reshape(size, parts, -1), 2, 0)
         none = jnp.zeros_like(first)
 
-        def forth(carry, step):
+        def forth(carry: tuple[Array, Array], step: tuple[Array, ...]):
             own, met = carry
             inverse, down, joint, row = step
             own = _product(inverse, row - _product(down, own))
@@ -61,7 +61,7 @@ class BlockFactors(NamedTuple):
         met = first + met - _product(self.lower, jnp.roll(last, 1, axis=-1))
         ends = (self.joints @ met.T.reshape(-1)).reshape(parts, size).T
 
-        def back(following, step):
+        def back(following: Inexact[Array, "b parts"], step: tuple[Array, ...]):
             own, after, before = step
             x = own - _product(after, following) - _product(before, ends)
             return x, x
@@ -91,7 +91,7 @@ def factorise_blocks(
     none = jnp.zeros_like(middle[0])
     itself = none - jnp.eye(size, dtype=none.dtype)[:, :, None]
 
-    def eliminated(carry, step):
+    def eliminated(carry: tuple[Array, ...], step: tuple[Array, ...]):
         after, before, joint, left = carry
         down, middle, up = step
         inverse = _inverted(middle - _product(down, after))
@@ -111,17 +111,17 @@ def factorise_blocks(
     return BlockFactors(*kept, down[0], jnp.linalg.inv(whole.reshape(parts * size, parts * size)))
 
 
-def _product(a, b):
+def _product(a: Inexact[Array, "b c parts"], b: Inexact[Array, "c *d parts"]):
     """Products of blocks with blocks, or with vectors; sums of products, which the compiler fuses."""
     return jnp.sum(a[:, :, None] * b if b.ndim == 3 else a * b, axis=1)
 
 
-def _inverted(a):
+def _inverted(a: Inexact[Array, "b b parts"]):
     """Inverses of many small matrices by elimination, all at once."""
     size = a.shape[0]
     places = jnp.arange(size)
 
-    def eliminated(k, a):
+    def eliminated(k: Array, a: Inexact[Array, "b b parts"]):
         here = (places == k)[:, None]
         row = jnp.where(here, 1.0, a[k]) / a[k, k]
         column = jnp.where(here, 0.0, a[:, k])

@@ -1,6 +1,6 @@
 """Derivatives that are cheaper to compile than those that JAX finds by itself."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -24,7 +24,7 @@ def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple)
     changes = jax.tree.leaves(tangents, is_leaf=lambda t: isinstance(t, SymbolicZero))
     varied = [i for i, change in enumerate(changes) if not isinstance(change, SymbolicZero)]
 
-    def of_varied(values):
+    def of_varied(values: list[Any]):
         whole = list(leaves)
         for i, value in zip(varied, values, strict=True):
             whole[i] = value
@@ -50,21 +50,21 @@ def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *
     leaves, structure = jax.tree.flatten(arguments)
     places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
 
-    def called(which, numbers):
+    def called(which: Callable[..., Any], numbers: Sequence[Any]):
         whole = list(leaves)
         for i, number in zip(places, numbers, strict=True):
             whole[i] = number
         return which(*jax.tree.unflatten(structure, whole))
 
     @jax.custom_vjp
-    def value(*numbers):
+    def value(*numbers: Any):
         return called(function, numbers)
 
-    def forward(*numbers):
+    def forward(*numbers: Any):
         values = [number.value for number in numbers]
         varied = [i for i, number in enumerate(numbers) if number.perturbed]
 
-        def of_varied(*changed):
+        def of_varied(*changed: Any):
             whole = list(values)
             for i, number in zip(varied, changed, strict=True):
                 whole[i] = number
@@ -74,7 +74,7 @@ def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *
         # An empty tuple marks what varies: what is carried over may hold arrays alone.
         return found, (pulled, [() if number.perturbed else None for number in numbers])
 
-    def backward(carried, changes):
+    def backward(carried: tuple[Any, ...], changes: Any):
         pulled, marks = carried
         whole = [_number_of(change) for change in jax.tree.leaves(changes)]
         found = iter(pulled(jax.tree.unflatten(jax.tree.structure(changes), whole)))
@@ -98,11 +98,11 @@ def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array
     """
 
     @jax.custom_jvp
-    def applied(x):
+    def applied(x: jax.Array):
         return function(x)
 
     @applied.defjvp
-    def _(primals, tangents):
+    def _(primals: tuple[jax.Array, ...], tangents: tuple[jax.Array, ...]):
         (x,), (change,) = primals, tangents
         slope = pointwise(lambda x: jax.jvp(function, (x,), (jnp.ones_like(x),))[1])
         return applied(x), slope(x) * change

@@ -1,12 +1,12 @@
 """Factored linear systems and symmetric matrix pencils, with derivative rules that stay finite."""
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from .indices import TRUSTED, put
 
@@ -67,7 +67,13 @@ def factorise(matrix: Float[Array, "n n"]) -> Factors:
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _solved(transposed, matrix, lu, permutation, right):
+def _solved(
+    transposed: bool,
+    matrix: Float[Array, "n n"],
+    lu: Float[Array, "n n"],
+    permutation: Int[Array, "n"],
+    right: Float[Array, "n *k"],
+):
     """Solution by factors of a matrix or of its transpose, with derivatives that cost a solve and no new factors."""
     if transposed:
         y = _triangular(lu, right, lower=False, transpose_a=True)
@@ -78,7 +84,7 @@ def _solved(transposed, matrix, lu, permutation, right):
 
 
 @_solved.defjvp
-def _solved_jvp(transposed, primals, tangents):
+def _solved_jvp(transposed: bool, primals: tuple[Array, ...], tangents: tuple[Any, ...]):
     matrix, lu, permutation, _ = primals
     change, _, _, moved = tangents
     found = _solved(transposed, *primals)
@@ -86,7 +92,7 @@ def _solved_jvp(transposed, primals, tangents):
     return found, _solved(transposed, matrix, lu, permutation, moved - (change.T if transposed else change) @ found)
 
 
-def _triangular(matrix, right, **options):
+def _triangular(matrix: Float[Array, "n n"], right: Float[Array, "n *k"], **options: Any):
     columns = right if right.ndim == 2 else right[:, None]
     solved = jax.lax.linalg.triangular_solve(matrix, columns, left_side=True, **options)
     return solved.reshape(right.shape)
@@ -170,7 +176,7 @@ def pencil(a: Float[Array, "n n"], b: Float[Array, "n n"]) -> tuple[Float[Array,
 
 
 @pencil.defjvp
-def _pencil_jvp(primals, tangents):
+def _pencil_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     mu, w = pencil(*primals)
     da, db = (w.T @ t @ w for t in tangents)
     change = da - mu[None, :] * db
@@ -211,14 +217,14 @@ def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
         return _all(a, b, count)
     factor = cholesky(b)
 
-    def applied(x):
+    def applied(x: Float[Array, "n k"]):
         return _triangular(factor, a @ _triangular(factor, x, lower=True, transpose_a=True), lower=True)
 
-    def unfinished(carry):
+    def unfinished(carry: tuple[Any, ...]):
         _, _, residual, tries = carry
         return (residual > 1.0) & (tries < MOST_ITERATIONS)
 
-    def once(carry):
+    def once(carry: tuple[Any, ...]):
         x, _, _, tries = carry
         z = applied(x)
         small = x.T @ z
@@ -238,14 +244,14 @@ def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
     return jax.lax.cond(residual <= 1.0, lambda: iterated, lambda: _all(a, b, count))
 
 
-def _all(a, b, count: int):
+def _all(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
     """As :func:`leading`, by all eigenvalues."""
     values, vectors = pencil(a, b)
     return values[::-1][:count], vectors[:, ::-1][:, :count]
 
 
 @leading.defjvp
-def _leading_jvp(count, primals, tangents):
+def _leading_jvp(count: int, primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     a, b = primals
     da, db = tangents
     mu, w = leading(a, b, count)

@@ -3,7 +3,7 @@
 import jax
 import jax.numpy as jnp
 import jax.scipy.linalg
-from jaxtyping import Array, Float
+from jaxtyping import Array, Complex, Float
 
 
 def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "s n n"]:
@@ -25,12 +25,12 @@ def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "
     n = a.shape[0]
     eye = jnp.eye(n, dtype=complex)
 
-    def solved(matrix, adjoint):
+    def solved(matrix: Float[Array, "s n n"], adjoint: bool):
         # With A = U T U^H: T Y + Y T^H = F, the last column first; of the adjoint T^H Y + Y T = F, the first one.
         own, around = (t.conj().T, t) if adjoint else (t, t.conj().T)
         right = u.conj().T @ matrix.astype(complex) @ u
 
-        def column(i, y):
+        def column(i: Array, y: Complex[Array, "s n n"]):
             j = i if adjoint else n - 1 - i
             known = right[:, :, j] - y @ around[:, j]
             found = jax.lax.linalg.triangular_solve(own + around[j, j] * eye, known.T, left_side=True, lower=adjoint)

@@ -50,7 +50,7 @@ def _series(z: Float[Array, "n 1"], derivative: int) -> Float[Array, "n 2"]:
 
 
 @_series.defjvp
-def _series_jvp(derivative, primals, tangents):
+def _series_jvp(derivative: int, primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     return _series(primals[0], derivative), _series(primals[0], derivative + 1) * tangents[0]
 
 

@@ -34,7 +34,7 @@ def cosine_and_sine(angles: Float[Array, "n"]) -> tuple[Float[Array, "n"], Float
 
 
 @cosine_and_sine.defjvp
-def _cosine_and_sine_jvp(primals, tangents):
+def _cosine_and_sine_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     c, s = cosine_and_sine(*primals)
     return (c, s), (-s * tangents[0], c * tangents[0])
 

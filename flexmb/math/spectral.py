@@ -33,7 +33,7 @@ def spectral(function: Callable[..., Any], matrix: Float[Array, "n n"], *argumen
 
 
 @spectral.defjvp
-def _spectral_jvp(function, primals, tangents):
+def _spectral_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     matrix, *arguments = primals
     change, *others = tangents
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
@@ -78,13 +78,13 @@ def harmonic(
     return u @ (_mean(p) * (u.T @ middle @ u)) @ u.T
 
 
-def _mean(p):
+def _mean(p: Float[Array, "n"]):
     total = p[:, None] + p[None, :]
     return 2 * p[:, None] * p[None, :] / jnp.where(total > 0, total, 1.0)
 
 
 @harmonic.defjvp
-def _harmonic_jvp(function, primals, tangents):
+def _harmonic_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     matrix, middle, *arguments = primals
     change, moved, *others = tangents
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))

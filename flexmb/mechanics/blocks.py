@@ -56,7 +56,7 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """
 
     @functools.wraps(function)
-    def whole(topology, parameters, *arguments, **options):
+    def whole(topology: Topology, parameters: Parameters, *arguments: Any, **options: Any):
         return function(topology, _prepared(topology, parameters), *arguments, **options)
 
     return jit(whole)
@@ -84,7 +84,15 @@ def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
 
 
 @functools.lru_cache(256)
-def _apart(names: tuple[str, ...], element: Element, options, splits, n_e: int, structure, shapes):
+def _apart(
+    names: tuple[str, ...],
+    element: Element,
+    options: tuple[tuple[str, object], ...],
+    splits: tuple[int, ...],
+    n_e: int,
+    structure: Any,
+    shapes: tuple[tuple[tuple[int, ...], Any], ...],
+):
     """Companions of one element taken apart into what follows from reference and properties, and the rest of each."""
     ref, own = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
     x: Any = np.zeros((1, 0), int)
@@ -106,7 +114,7 @@ def _alone(block: Block, like: dict[str, Any], name: str):
     return lambda x, ref, own: function(x, ref, chosen(block, own))
 
 
-def element_function(block: Block, companion, properties):
+def element_function(block: Block, companion: Callable[..., Any] | None, properties: dict[str, Any]):
     """One element's function of its coordinates alone but for ``ref`` and the properties, or None if it has none.
 
     Args:
@@ -121,12 +129,12 @@ def element_function(block: Block, companion, properties):
     """
     element = block.element
     chosen = element.arguments(companion, {**dict(block.options), **properties})
-    if chosen is None:
+    if chosen is None or companion is None:
         return None
     takes_nothing = companion in (element.stiffness, element.damping)
     takes_all = companion in [getattr(element, name) for name in (*NONLINEAR, "surface", "thermal")]
 
-    def function(x, ref, own, **extra):
+    def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
         taken = () if takes_nothing else x if takes_all else jnp.split(x, block.splits)
         return companion(*taken, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
@@ -157,7 +165,7 @@ def each_block(topology: Topology, parameters: Parameters, companion: str) -> It
 def _called(rest: Callable[..., Any], companion: str):
     """What is left of a companion, called as the companion is."""
 
-    def function(x, ref, numbers):
+    def function(x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]):
         return rest(*numbers) if companion == "stiffness" else rest(x, *numbers)
 
     return function
@@ -188,10 +196,10 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
     return function, properties
 
 
-def _damped(stiffness):
+def _damped(stiffness: Any):
     """Damping of one element by its material, from its stiffness; THEORY.md 2, eq. (2.41)."""
 
-    def function(x, ref, own, **extra):
+    def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         return own["damping"].time * stiffness(x, ref, own, **extra)
 
     return function
@@ -241,7 +249,7 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
 def _with_numbers(code: Code, companion: str):
     """A function of one element whose numbers from outside are among its properties."""
 
-    def function(x, ref, own, **extra):
+    def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         known = {name: value for name, value in own.items() if not name.startswith(NUMBERS)}
         return Captured(code, tuple(own[NUMBERS + companion]))(x, ref, known, extra)
 
@@ -264,7 +272,7 @@ def _compiles() -> bool:
     return not config.jax_disable_jit
 
 
-def _taken(block: Block, companion: str, function, properties: dict[str, Any]) -> Captured:
+def _taken(block: Block, companion: str, function: Any, properties: dict[str, Any]) -> Captured:
     """A function of one element as a program and the numbers in it."""
     n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
     e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
@@ -298,7 +306,7 @@ def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
     # What does not state how it expands takes no temperature.
     like = Rigidity(alpha=0.0)
 
-    def numbers(section):
+    def numbers(section: Section):
         own = section.rigidity()
         own = own if own.expands else dataclasses.replace(own, alpha=0.0)
         return jnp.stack([jnp.asarray(number, float) for number in jax.tree.leaves(own)])

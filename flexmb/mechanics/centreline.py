@@ -14,7 +14,9 @@ from ..model.topology import Block
 from .blocks import element_function
 
 
-def curves_of(block: Block, properties: dict[str, Any], reference, x, places) -> Float[np.ndarray, "elements places d"]:
+def curves_of(
+    block: Block, properties: dict[str, Any], reference: np.ndarray, x: np.ndarray, places: np.ndarray
+) -> Float[np.ndarray, "elements places d"]:
     """Points along each element of a block, by its ``shape``, or else by cubics or straight lines between its nodes.
 
     Args:
@@ -44,16 +46,22 @@ def curves_of(block: Block, properties: dict[str, Any], reference, x, places) ->
 
 
 @jit
-def _shapes(block: Block, properties: dict[str, Any], ref, x, places) -> Float[Array, "elements places d"]:
+def _shapes(
+    block: Block,
+    properties: dict[str, Any],
+    ref: Float[Array, "elements c"],
+    x: Float[Array, "elements c"],
+    places: Float[Array, "places"],
+) -> Float[Array, "elements places d"]:
     function: Any = element_function(block, block.element.shape, properties)
 
-    def along(x, ref, own):
+    def along(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
         return jax.vmap(lambda place: function(x, ref, own, place=place))(places)
 
     return jax.vmap(along)(x, ref, properties)
 
 
-def parts_of(kinds: list[NodeKind], splits, values, part: str) -> list[np.ndarray]:
+def parts_of(kinds: list[NodeKind], splits: tuple[int, ...], values: np.ndarray, part: str) -> list[np.ndarray]:
     """Coordinates of the nodes of one kind.
 
     Args:
@@ -89,7 +97,13 @@ def turns_of(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements
 _QUADRATIC = np.asarray(ROTATION)
 
 
-def cubic(p, slope_p, q, slope_q, places) -> Float[np.ndarray, "elements places d"]:
+def cubic(
+    p: Float[np.ndarray, "elements d"],
+    slope_p: Float[np.ndarray, "elements d"],
+    q: Float[np.ndarray, "elements d"],
+    slope_q: Float[np.ndarray, "elements d"],
+    places: Float[np.ndarray, "places"],
+) -> Float[np.ndarray, "elements places d"]:
     """Cubics through end positions with end slopes, the interpolation of the beams' inertia.
 
     Args:
@@ -110,7 +124,9 @@ def cubic(p, slope_p, q, slope_q, places) -> Float[np.ndarray, "elements places 
     return np.einsum("sk,ked->esd", weights, np.stack([p, slope_p, q, slope_q]))
 
 
-def _polyline(corners: Float[np.ndarray, "elements n d"], places) -> Float[np.ndarray, "elements places d"]:
+def _polyline(
+    corners: Float[np.ndarray, "elements n d"], places: Float[np.ndarray, "places"]
+) -> Float[np.ndarray, "elements places d"]:
     """Straight lines from point to point."""
     count = corners.shape[1]
     if count == 1:

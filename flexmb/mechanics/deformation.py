@@ -1,5 +1,6 @@
 """Deformations e = D(x) of all elements, their Jacobian, and their curvature under given stress resultants."""
 
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import jax
@@ -13,7 +14,9 @@ from ..model.topology import Block, Topology
 from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
 
 
-def deformation_functions(topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]):
+def deformation_functions(
+    topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]
+) -> Iterator[tuple[Block, Callable[..., Any], tuple[Any, ...]]]:
     """Blocks that deform, with the deformation function of one element and what it is mapped over beside x.
 
     Args:
@@ -28,7 +31,13 @@ def deformation_functions(topology: Topology, parameters: Parameters, near: Floa
         if block.element.tracks_angle:
             at = near[block.e]
 
-            def tracked(x, ref, own, at, function=function):
+            def tracked(
+                x: Float[Array, "c"],
+                ref: Float[Array, "c"],
+                own: Any,
+                at: Float[Array, "n"],
+                function: Callable[..., Any] = function,
+            ):
                 return function(x, ref, own, near=at)
 
             yield block, tracked, (ref, properties, at)
@@ -68,7 +77,7 @@ def jacobian_pieces(
     values, matrices = [], []
     for block, function, arguments in deformation_functions(topology, parameters, near):
 
-        def with_value(x, *rest, function=function):
+        def with_value(x: Float[Array, "c"], *rest: Any, function: Callable[..., Any] = function):
             e = function(x, *rest)
             return e, e
 
@@ -100,7 +109,7 @@ def _jacobians(block: Block, properties: dict[str, Any], ref: Float[Array, "elem
     function: Any = companion_of(block, properties, "deformation")[0]
     near = {"near": jnp.zeros(block.e.shape[1])} if block.element.tracks_angle else {}
 
-    def with_value(x, ref, own):
+    def with_value(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
         e = function(x, ref, own, **near)
         return e, e
 
@@ -167,7 +176,7 @@ def curvature_pieces(
     pieces = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
 
-        def energy(x, sigma, *rest, function=function):
+        def energy(x: Float[Array, "c"], sigma: Float[Array, "n"], *rest: Any, function: Callable[..., Any] = function):
             return sigma @ function(x, *rest)
 
         hessian = jax.vmap(jax.jacfwd(jax.grad(energy)))(x[block.x], sigma[block.e], *arguments)

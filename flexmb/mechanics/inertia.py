@@ -1,5 +1,6 @@
 """Mass matrix and weight from each element's vectors s(x) and constant matrix H: T = 1/2 s_dot^T H s_dot."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -35,8 +36,8 @@ def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
     pieces = []
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
-        def matrix(x, ref, own, function=function):
-            def vectors(x):
+        def matrix(x: Float[Array, "c"], ref: Float[Array, "c"], own: Any, function: Callable[..., Any] = function):
+            def vectors(x: Float[Array, "c"]):
                 return function(x, ref, own)
 
             j, h = jax.jacfwd(vectors, has_aux=True)(x)
@@ -80,7 +81,13 @@ def kinetic_energy(
     total = jnp.array(0.0)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
-        def energy(x, v, ref, own, function=function):
+        def energy(
+            x: Float[Array, "c"],
+            v: Float[Array, "c"],
+            ref: Float[Array, "c"],
+            own: Any,
+            function: Callable[..., Any] = function,
+        ):
             _, rate, h = jax.jvp(lambda x: function(x, ref, own), (x,), (v,), has_aux=True)
             return 0.5 * jnp.einsum("ak,ab,bk->", rate, h, rate)
 
@@ -114,7 +121,15 @@ def total_mass(topology: Topology, parameters: Parameters) -> Float[Array, ""]:
     return along @ mass_matrix(topology, parameters, parameters.reference) @ along
 
 
-def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, function, ref, properties) -> Any:
+def fall(
+    topology: Topology,
+    felt: Felt,
+    x: Float[Array, "n_x"],
+    block: Block,
+    function: Callable[..., Any],
+    ref: Float[Array, "elements c"],
+    properties: Any,
+) -> Any:
     """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
 
     Args:
@@ -134,10 +149,10 @@ def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, f
     if all(of is None for of in along):
         return None
 
-    def one(x, along, ref, own):
+    def one(x: Float[Array, "c"], along: list[Float[Array, "c"] | None], ref: Float[Array, "c"], own: Any):
         falling, v, a = along
 
-        def rate(x, v):
+        def rate(x: Float[Array, "c"], v: Float[Array, "c"]):
             return jax.jvp(lambda x: function(x, ref, own)[0], (x,), (v,))[1]
 
         found: Any = 0.0 if falling is None else rate(x, falling)
@@ -146,13 +161,20 @@ def fall(topology: Topology, felt: Felt, x: Float[Array, "n_x"], block: Block, f
     return jax.vmap(one)(x[block.x], along, ref, properties)
 
 
-def _weight_potential(topology, parameters, gravity):
+def _weight_potential(topology: Topology, parameters: Parameters, gravity: Float[Array, "axes"]):
     """Function whose gradient is an element's weight: s(x) . H (ds in the uniform motion)."""
     motion = uniform_motion(topology, gravity)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
-        def work(x, at, along, ref, own, function=function):
-            def vectors(x):
+        def work(
+            x: Float[Array, "c"],
+            at: Float[Array, "c"],
+            along: Float[Array, "c"],
+            ref: Float[Array, "c"],
+            own: Any,
+            function: Callable[..., Any] = function,
+        ):
+            def vectors(x: Float[Array, "c"]):
                 return function(x, ref, own)
 
             _, falling, h = jax.jvp(vectors, (at,), (along,), has_aux=True)

@@ -227,7 +227,7 @@ def _steps(near: list[set[int]], start: int) -> dict[int, int]:
     return reached
 
 
-def _table(unknowns, level, within, wide: int, many: int, count: int):
+def _table(unknowns: list[np.ndarray], level: np.ndarray, within: np.ndarray, wide: int, many: int, count: int):
     """Entries of the element matrices that belong to each entry of the blocks."""
     rows = np.concatenate([np.repeat(u, u.shape[1], axis=1).ravel() for u in unknowns])
     columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknowns])

@@ -1,7 +1,8 @@
 """Nodal forces of the constant loads at a configuration, and their derivative."""
 
 import dataclasses
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -76,12 +77,18 @@ def lacks_potential(topology: Topology) -> bool:
     return laws or any(block.element.force is not None for block in topology.blocks)
 
 
-def _load_elements(topology, parameters, factors):
+def _load_elements(topology: Topology, parameters: Parameters, factors: LoadFactors):
     for block, function, ref, properties in each_block(topology, parameters, "force"):
         incremental = dict(block.options).get("incremental", False)
         factor = factors.increment if incremental else factors.initial
 
-        def scaled(x, ref, own, function=function, factor=factor):
+        def scaled(
+            x: Float[Array, "c"],
+            ref: Float[Array, "c"],
+            own: Any,
+            function: Callable[..., Any] = function,
+            factor: Float[Array, ""] | float = factor,
+        ):
             return factor * function(x, ref, own)
 
         yield block, scaled, (ref, properties)

@@ -48,7 +48,9 @@ def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Any]
     return own, rotation_row(x[own], signal.axis, signal.local)
 
 
-def input_row(signal: Signal, x, dfx, dfe) -> Float[Array, "n_q"]:
+def input_row(
+    signal: Signal, x: Float[Array, "n_x"], dfx: Float[Array, "n_x n_q"], dfe: Float[Array, "n_e n_q"]
+) -> Float[Array, "n_q"]:
     """Generalised force of a unit input.
 
     Args:
@@ -107,7 +109,7 @@ def rotation_measured(
         () [rad] and (4,) [rad].
     """
 
-    def since(lam):
+    def since(lam: Float[Array, "4"]):
         return rotation_since(start, lam, local)[axis]
 
     value, slope = jax.value_and_grad(since)(lam)

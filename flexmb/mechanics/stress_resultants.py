@@ -1,5 +1,6 @@
 """Stress resultants: stiffness, damping and laws of the elements, assembled; forces and moments in their sections."""
 
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -101,19 +102,21 @@ def _nonlinear_stress(topology: Topology, parameters: Parameters):
     """
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
 
-        def elastic(e, ed, *rest, energy=energy):
+        def elastic(e: Float[Array, "n"], ed: Float[Array, "n"], *rest: Any, energy: Callable[..., Any] = energy):
             return jax.grad(lambda e: energy((e,), *rest))(e)
 
         yield block, elastic, (0,), arguments
     for block, dissipation, *arguments in each_block(topology, parameters, "dissipation"):
 
-        def damping(e, ed, *rest, dissipation=dissipation):
+        def damping(
+            e: Float[Array, "n"], ed: Float[Array, "n"], *rest: Any, dissipation: Callable[..., Any] = dissipation
+        ):
             return jax.grad(lambda ed: dissipation((e, ed), *rest))(ed)
 
         yield block, damping, (0, 1), arguments
     for block, law, *arguments in each_block(topology, parameters, "law"):
 
-        def general(e, ed, *rest, law=law):
+        def general(e: Float[Array, "n"], ed: Float[Array, "n"], *rest: Any, law: Callable[..., Any] = law):
             return law((e, ed), *rest)
 
         yield block, general, (0, 1), arguments
@@ -151,7 +154,7 @@ def nonlinear_tangent_pieces(
     stress, tangents = [], ([], [])
     for block, function, counts, arguments in _nonlinear_stress(topology, parameters):
 
-        def twice(*arguments, function=function):
+        def twice(*arguments: Any, function: Callable[..., Any] = function):
             found = function(*arguments)
             return found, found
 
@@ -394,7 +397,14 @@ def section_resultants(
             acts = id(block) in inertias
             extra["fall"] = fall(topology, felt, x, block, *inertias[id(block)]) if acts else None
 
-        def one(x, ref, own, extra, place, function=function):
+        def one(
+            x: Float[Array, "c"],
+            ref: Float[Array, "c"],
+            own: Any,
+            extra: dict[str, Any],
+            place: Float[Array, ""],
+            function: Callable[..., Any] = function,
+        ):
             return function(x, ref, own, place=place, **extra)
 
         everywhere = jax.vmap(jax.vmap(one, (None, None, None, None, 0)), (0, 0, 0, 0, None))

@@ -151,7 +151,7 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
     )
 
 
-def _read(topology: Topology, rows) -> set[int]:
+def _read(topology: Topology, rows: tuple[tuple[np.ndarray, np.ndarray], ...]) -> set[int]:
     """Coordinates that elements depend on; beams whose last end is computed do not depend on that."""
     found: set[int] = set()
     for block, (short, whole) in zip(topology.blocks, rows, strict=True):
@@ -282,7 +282,7 @@ class Passages(Record):
     c: Int[Array, "beams coefficients"]
     kept: tuple[Array, ...]
 
-    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "d+r"]:
+    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "way_and_turn"]:
         """Way and turn of one beam, side by side."""
         return jnp.concatenate(self.function(c, *kept))
 
@@ -299,7 +299,13 @@ def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[
         first = block.splits[-1]
         ref = parameters.reference[block.x]
 
-        def function(c, ref, own, passage=passage, first=first):
+        def function(
+            c: Float[Array, "coefficients"],
+            ref: Float[Array, "x"],
+            own: dict[str, Any],
+            passage: Callable[..., Any] = passage,
+            first: int = first,
+        ):
             return passage(jnp.concatenate([ref[:first], c]), ref, own)
 
         like = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), (ref, own))
@@ -308,7 +314,7 @@ def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[
     return tuple(found)
 
 
-def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams d+r"]:
+def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
     """Way and turn from the first to the last end of each beam, side by side.
 
     Args:
@@ -318,7 +324,7 @@ def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, 
     return jnp.concatenate([jax.vmap(one.along)(x[one.c], *one.kept) for one in found])
 
 
-def linked(poses: Poses, passed: Float[Array, "beams d+r"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
+def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
     """Nodal coordinates with those computed that beams give.
 
     Args:
@@ -343,10 +349,10 @@ def linked(poses: Poses, passed: Float[Array, "beams d+r"], x: Float[Array, "n_x
     return put(x, poses.ends, x[poses.whence] + poses.along @ turned(x[poses.base], ways))
 
 
-def _turned(turns, vectors):
+def _turned(turns: Float[Array, "n 4"], vectors: Float[Array, "n 3"]):
     return jnp.einsum("nij,nj->ni", jax.vmap(rotation_matrix)(turns), vectors)
 
 
-def _turned_in_plane(turns, vectors):
+def _turned_in_plane(turns: Float[Array, "n 1"], vectors: Float[Array, "n 2"]):
     c, s = cosine_and_sine(turns[:, 0])
     return jnp.stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1)

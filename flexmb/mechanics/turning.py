@@ -41,7 +41,7 @@ class Turning(Record):
             return Turns(jax.vmap(rotation_plane)(angles), jnp.zeros((0, 4, 4)))
         back = jnp.array([1.0, -1.0, -1.0, -1.0])
 
-        def relative(places):
+        def relative(places: Int[Array, "n 4"]):
             turn = compose_turns(x[places], back * before[places])
             return turn / jnp.sqrt(jnp.sum(turn**2, axis=1, keepdims=True))
 
@@ -99,7 +99,7 @@ def turning_of(topology: Topology, blocks: list[Block]) -> Turning:
     axes = 2 if not rotations or rotations[0].shape[1] == 1 else 3
     size = 1 if axes == 2 else 4
 
-    def once(rows, width, moving):
+    def once(rows: list[np.ndarray], width: int, moving: int):
         """Each but once, those of which all first entries move."""
         whole = np.concatenate(rows) if rows else np.zeros((0, width), int)
         whole = whole[np.unique(whole[:, 0], return_index=True)[1]]

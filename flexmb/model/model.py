@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import Array
 
 from ..arguments import is_concrete
 from ..compilation.record import Record, static
@@ -333,7 +334,7 @@ def _instead(name: str, there: list[str], thing: str) -> str:
     return f"; it has {listed(names)}" if names else f"; it has no {thing}"
 
 
-def _list(indices) -> list[int]:
+def _list(indices: Array) -> list[int]:
     return np.asarray(indices).tolist()
 
 

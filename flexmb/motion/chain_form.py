@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Inexact
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
@@ -21,7 +21,15 @@ from ..model.model import Model
 from ..model.topology import Topology
 from .coordinates_form import REDUNDANT, CoordinatesForm, Whole, coordinates_form
 from .drive import MOMENTS, Driven
-from .element_forces import Kinematics, Moving, acting_forces, deformed_elements, derivatives_of_elements, strained
+from .element_forces import (
+    Kinematics,
+    Moving,
+    PreparedBlock,
+    acting_forces,
+    deformed_elements,
+    derivatives_of_elements,
+    strained,
+)
 from .protocol import MotionState, WholeMotion
 
 
@@ -80,20 +88,22 @@ class ChainForm(Record):
         """Number of coordinates that move."""
         return self.form.size
 
-    def state_of(self, x, xd, near) -> MotionState:
+    def state_of(
+        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
+    ) -> MotionState:
         """State of nodal coordinates."""
         return self.form.state_of(x, xd, near)
 
-    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
         return self.form.whole_motion(t, state)
 
-    def stress_of(self, t, multipliers):
+    def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
         """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
         form = self.form
         drive = form.drive(t)
 
-        def stress(e, ed):
+        def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             strain = strain_of(form.topology, form.parameters, drive.loads, e)
             pieces = self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)
             sigma = scatter_vector(e.shape[0], pieces)
@@ -103,15 +113,17 @@ class ChainForm(Record):
 
         return stress
 
-    def _pulled(self, matrices, of):
+    def _pulled(self, matrices: tuple[Array | None, ...], of: Float[Array, "n_e"]):
         every = zip(self.form.elements, matrices, strict=True)
         return [(b.e, jnp.sum(own * of[b.e][:, None, :], axis=2)) for b, own in every if own is not None]
 
-    def elastic_stress(self, strain):
+    def elastic_stress(self, strain: Float[Array, "n_e"]):
         """Stress resultants of elements of constant stiffness, (n_e,) [N, N m], at strains (n_e,) [m, rad]."""
         return scatter_vector(strain.shape[0], self._pulled(self.stiffness, strain))
 
-    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
+    def forces(
+        self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
+    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
         """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
         form, n = self.form, self.size
         at = form.whole(t, state.u, state.w, z[:n])
@@ -119,7 +131,7 @@ class ChainForm(Record):
         acting = acting_forces(form.elements, moving, form.falling, self.stress_of(t, z[n:]))
         return acting.kinematics, acting.sigma, acting.force - form.applied(t, at.x), at
 
-    def residual(self, t, state: MotionState, z):
+    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Forces out of balance at the coordinates that move [N, N m], second rates of the held deformations.
 
         Source:
@@ -129,7 +141,7 @@ class ChainForm(Record):
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[form.free] * form.sizes, kin.edd[form.held] - at.edd])
 
-    def pieces(self, t, state: MotionState, z) -> Pieces:
+    def pieces(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Pieces:
         """Derivatives of the residual, element by element.
 
         Source:
@@ -163,7 +175,7 @@ class ChainForm(Record):
             every.append((by_z, by_w, by_u))
         return Pieces(*(tuple(of) for of in zip(*every, strict=True)))
 
-    def _corner(self, block, rows):
+    def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
         """What keeps redundant constraints solvable; see :meth:`CoordinatesForm.system`."""
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
         return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
@@ -171,17 +183,17 @@ class ChainForm(Record):
     def factors_of_step(self, pieces: Pieces, step) -> Factors:
         """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
 
-        def of_step(z, w, u):
+        def of_step(z: Float[Array, "elements k k"], w: Float[Array, "elements k k"], u: Float[Array, "elements k k"]):
             return z.astype(step.dtype) + step * (w.astype(step.dtype) + step * u.astype(step.dtype))
 
         return self.order.factors(tuple(map(of_step, *pieces)))
 
-    def product(self, pieces: tuple[Array, ...], moved):
+    def product(self, pieces: tuple[Array, ...], moved: Float[Array, "n"]):
         """Product of the sum of element matrices with a change of the coordinates that move, (unknowns,)."""
         return self.order.product(pieces, jnp.append(moved, jnp.zeros(self.form.held.shape[0])))
 
     @jit_beside_options
-    def acceleration(self, t, state: MotionState):
+    def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
 
         Source:
@@ -199,16 +211,16 @@ class ChainForm(Record):
         z, left = jax.lax.scan(corrected, z, None, length=3)
         return z, jnp.all(jnp.isfinite(z)) & (left[2] <= 1e-6 * left[0])
 
-    def rate_of_memory(self, t, state: MotionState, z):
+    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """How the memory changes: no turns are counted."""
         return state.memory
 
-    def gap(self, t, state: MotionState):
+    def gap(self, t: Float[Array, ""], state: MotionState):
         """Held deformations less what they are held at, (m,) [m, rad]."""
         return self.form.gap(t, state)
 
     @jit_beside_options
-    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """Positions and velocities brought back onto the constraints, by the masses of the undeformed shape.
 
         Source:
@@ -220,7 +232,7 @@ class ChainForm(Record):
         sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
         masses = jnp.append(1 / form.mobility, jnp.zeros(form.held.shape[0]))
 
-        def corrected(_, moving):
+        def corrected(_: Array, moving: tuple[Array, Array]):
             at = form.whole(t, moving[0], moving[1], jnp.zeros(n))
             found = deformed_elements(form.elements, at.x, form.near(state.memory))
             pieces, rates = [], []

@@ -124,11 +124,11 @@ def march_chain(
         result = jnp.where(longer < smallest, RESULTS.step_too_small, RESULTS.successful)
         result = jnp.where(away, RESULTS.ran_away, result)
 
-        def waits(rows):
+        def waits(rows: tuple[Array, MotionState]):
             at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
             return keep & (rows[0] < count) & (at <= m.to)
 
-        def saved(rows):
+        def saved(rows: tuple[Array, MotionState]):
             k, states = rows
             ends = (m.t, m.to), (m.state, after), (m.carried.z[:n], taken.carried.z[:n])
             own = between_steps(*ends, times.at[k].get(**TRUSTED))

@@ -83,7 +83,7 @@ class Collocated(NamedTuple):
     solved: Bool[Array, ""]
 
 
-def carried_from(z) -> Carried:
+def carried_from(z: Float[Array, "r"]) -> Carried:
     """What is carried where no step went before.
 
     Args:
@@ -92,7 +92,7 @@ def carried_from(z) -> Carried:
     return Carried(z, jnp.broadcast_to(z, (3, *z.shape)), jnp.zeros(()), jnp.ones(()))
 
 
-def foretold(last: Carried, h):
+def foretold(last: Carried, h: Float[Array, ""]):
     """Guess of the stages: the polynomial through those of the last step goes on."""
     ratio = jnp.where(last.length > 0, h / jnp.where(last.length > 0, last.length, 1.0), 0.0)
     at = 1 + ratio * jnp.asarray(NODES)
@@ -100,7 +100,7 @@ def foretold(last: Carried, h):
     return powers @ jnp.asarray(np.linalg.inv(_POWERS)) @ last.stages
 
 
-def states_at(state: MotionState, h, z) -> MotionState:
+def states_at(state: MotionState, h: Float[Array, ""], z: Float[Array, "3 r"]) -> MotionState:
     """States at the stages of a step, rows of the accelerations z there, (3, r)."""
     n = state.u.shape[0]
     nodes, once, twice = (jnp.asarray(of) for of in (NODES, ONCE, TWICE))
@@ -108,20 +108,29 @@ def states_at(state: MotionState, h, z) -> MotionState:
     return MotionState(u, state.w + h * (once @ z[:, :n]), jnp.broadcast_to(state.memory, (3, *state.memory.shape)))
 
 
-def pieces_of_step(equations: ChainForm, t, h, state: MotionState, z) -> tuple[Pieces, Float[Array, "n_x"]]:
+def pieces_of_step(
+    equations: ChainForm, t: Float[Array, ""], h: Float[Array, ""], state: MotionState, z: Float[Array, "3 r"]
+) -> tuple[Pieces, Float[Array, "n_x"]]:
     """Derivatives of the residual near the middle of a step, whose stages are guessed to be z, (3, r), and where."""
     t, at = t + NODES[1] * h, jax.tree.map(lambda rows: rows[1], states_at(state, h, z))
     return equations.pieces(t, at, z[1]), equations.form.whole(t, at.u, at.w, at.u).x
 
 
-def matrices_of_step(equations: ChainForm, pieces: Pieces, h, x) -> StepMatrices:
+def matrices_of_step(equations: ChainForm, pieces: Pieces, h: Float[Array, ""], x: Float[Array, "n_x"]) -> StepMatrices:
     """Factors of one step."""
     real = equations.factors_of_step(pieces, h * STEP)
     return StepMatrices(pieces, real, equations.factors_of_step(pieces, h.astype(complex) * COMPLEX_STEP), x)
 
 
 def collocated(
-    equations: ChainForm, t, h, state: MotionState, last: Carried, z, matrices: StepMatrices, allowed: tuple[Any, Any]
+    equations: ChainForm,
+    t: Float[Array, ""],
+    h: Float[Array, ""],
+    state: MotionState,
+    last: Carried,
+    z: Float[Array, "3 r"],
+    matrices: StepMatrices,
+    allowed: tuple[Any, Any],
 ) -> Collocated:
     """One step.
 
@@ -143,18 +152,18 @@ def collocated(
     nodes, twice, weights = (jnp.asarray(of) for of in (NODES, TWICE, ERROR))
     order, turning = equations.order, equations.order.turning
 
-    def since(t, u):
+    def since(t: Float[Array, ""], u: Float[Array, "n"]):
         return turning.since(equations.form.whole(t, u, u, u).x, matrices.at)
 
     # Nodes turn between the stages, which stiff beams feel first of all: the matrices turn along.
     turns: Any = jax.vmap(since)(t + nodes * h, states_at(state, h, z).u)
     turned, turned_back = jax.vmap(turning.turned), jax.vmap(turning.turned_back)
 
-    def unsolved(carry):
+    def unsolved(carry: tuple[Any, ...]):
         _, _, _, left, count = carry
         return (left > 1.0) & (count < MOST)
 
-    def once_more(carry):
+    def once_more(carry: tuple[Any, ...]):
         z, before, rate, _, count = carry
         reached = states_at(state, h, z)
         residuals = jax.vmap(equations.residual)(t + nodes * h, reached, z)
@@ -199,12 +208,14 @@ def collocated(
     return Collocated(end, error, carried, count, solved)
 
 
-def _unless(solved, error):
+def _unless(solved: Bool[Array, ""], error: Float[Array, "n"]):
     """A step that went wrong has an error without bound, so that it is refused and shortened."""
     return jnp.where(solved & jnp.isfinite(error), error, jnp.inf)
 
 
-def between_steps(times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t):
+def between_steps(
+    times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t: Float[Array, ""]
+):
     """State within a step: positions by polynomials of order five, which have the accelerations at both ends.
 
     Args:

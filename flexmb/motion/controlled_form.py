@@ -50,7 +50,7 @@ class Constant(Record):
 
     value: Any
 
-    def __call__(self, t):
+    def __call__(self, t: Float[Array, ""]):
         """The number, whatever the time."""
         return self.value
 
@@ -120,7 +120,7 @@ FORCES = ("stress", "reaction", "moment", "local moment")
 CLOSING = 4
 
 
-def driven_by_inputs(form: CoordinatesForm, places: Places, u) -> CoordinatesForm:
+def driven_by_inputs(form: CoordinatesForm, places: Places, u: Float[Array, "n_u"]) -> CoordinatesForm:
     """Equations of a mechanism under given inputs.
 
     Args:
@@ -179,13 +179,13 @@ class ControlledForm(Record):
         """Number of accelerations, rates of the controller, and multipliers."""
         return self.form.unknowns + self.states
 
-    def regular(self, by_z):
+    def regular(self, by_z: Float[Array, "r r"]):
         """As the mechanism's."""
         n = self.form.size
         kept = np.r_[:n, self.size : by_z.shape[0]]
         return self.form.regular(by_z[kept[:, None], kept])
 
-    def _split(self, state: MotionState, z=None):
+    def _split(self, state: MotionState, z: Float[Array, "r"] | None = None) -> tuple[MotionState, Array, Any, Any]:
         """State of the mechanism, of the controller, accelerations and multipliers of the mechanism, rates."""
         n = self.form.size
         own = MotionState(state.u[:n], state.w[:n], state.memory)
@@ -193,12 +193,14 @@ class ControlledForm(Record):
             return own, state.w[n:], None, None
         return own, state.w[n:], jnp.concatenate([z[:n], z[self.size :]]), z[n : self.size]
 
-    def _joined(self, mechanism, controller):
+    def _joined(self, mechanism: Float[Array, "r *k"], controller: Float[Array, "n_z *k"]):
         """Rows of the mechanism's coordinates, of the controller, of the constraints."""
         n = self.form.size
         return jnp.concatenate([mechanism[:n], controller, mechanism[n:]])
 
-    def state_of(self, x, xd, near) -> MotionState:
+    def state_of(
+        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
+    ) -> MotionState:
         """State of nodal coordinates, with the controller at its start."""
         own = self.form.state_of(x, xd, near)
         if not self.states:
@@ -207,7 +209,13 @@ class ControlledForm(Record):
         u, w = jnp.concatenate([own.u, jnp.zeros(self.states)]), jnp.concatenate([own.w, start])
         return MotionState(u, w, own.memory)
 
-    def measured(self, t, own: MotionState, z=None, u=None):
+    def measured(
+        self,
+        t: Float[Array, ""],
+        own: MotionState,
+        z: Float[Array, "r"] | None = None,
+        u: Float[Array, "n_u"] | None = None,
+    ):
         """Outputs of the mechanism, (n_y,).
 
         Args:
@@ -222,7 +230,7 @@ class ControlledForm(Record):
         found = jnp.stack(values) if values else jnp.zeros(0)
         return found if self.places.read is None else self.places.read @ found
 
-    def _late(self, t, own: MotionState, z, u):
+    def _late(self, t: Float[Array, ""], own: MotionState, z: Any, u: Any):
         """Parts of outputs that follow from accelerations and multipliers."""
         kin, sigma, force, at = self._driven(u).forces(t, own, z)
         sources = {"acceleration": at.a, "deformation acceleration": kin.edd, "stress": sigma, "reaction": force}
@@ -238,7 +246,7 @@ class ControlledForm(Record):
             values.append(row @ at.a[turning] if "acceleration" in quantity else row @ force[turning] / 4)
         return jnp.stack(values)
 
-    def _early(self, t, own: MotionState) -> list[Any]:
+    def _early(self, t: Float[Array, ""], own: MotionState) -> list[Any]:
         """Parts of outputs that follow from the state; zero for the others."""
         at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
         top, parameters = self.form.topology, self.form.parameters
@@ -266,12 +274,12 @@ class ControlledForm(Record):
         own = self.places.outputs[i] + jnp.arange(4)
         return own, self.places.axes[i], self.places.quantities[i].startswith("local")
 
-    def _rotation(self, i: int, x):
+    def _rotation(self, i: int, x: Float[Array, "n_x"]):
         """Rotation that an output measures, and its derivative by the Euler parameters."""
         own, axis, local = self._turning(i)
         return rotation_measured(x[own], self.start[own], self.form.parameters.reference[own], axis, local)
 
-    def _rate(self, t, states, y):
+    def _rate(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
         """Rates of the controller's state, (n_z,)."""
         rate: Any = self.feedback.rate
         found = jnp.atleast_1d(jnp.asarray(rate(t, states, y), float))
@@ -279,15 +287,15 @@ class ControlledForm(Record):
             raise ModelError(f"The controller's rate gives shape {found.shape}, but it has {states.shape[0]} states.")
         return found
 
-    def _driven(self, u) -> CoordinatesForm:
+    def _driven(self, u: Float[Array, "n_u"]) -> CoordinatesForm:
         """Equations of the mechanism under given inputs."""
         return driven_by_inputs(self.form, self.places, u)
 
-    def _inputs(self, t, states, y):
+    def _inputs(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
         """Inputs of the mechanism, (n_u,)."""
         return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
-    def _closed(self, t, own: MotionState, states, z):
+    def _closed(self, t: Float[Array, ""], own: MotionState, states: Float[Array, "n_z"], z: Float[Array, "r"] | None):
         """Outputs and inputs at one time; the inputs may depend on what they cause.
 
         Args:
@@ -297,7 +305,7 @@ class ControlledForm(Record):
             y = self.measured(t, own)
             return y, self._inputs(t, states, y)
 
-        def seen(u):
+        def seen(u: Float[Array, "n_u"]):
             found = self._driven(u).acceleration(t, own)[0] if z is None else z
             y = self.measured(t, own, found, u)
             return y, y
@@ -308,8 +316,8 @@ class ControlledForm(Record):
             return (y := seen(none)[0]), self._inputs(t, states, y)
         by_input, at_none = jax.jacfwd(seen, has_aux=True)(none)
 
-        def closer(_, u):
-            def left(u):
+        def closer(_: Array, u: Float[Array, "n_u"]):
+            def left(u: Float[Array, "n_u"]):
                 found = u - self._inputs(t, states, at_none + by_input @ u)
                 return found, found
 
@@ -319,7 +327,7 @@ class ControlledForm(Record):
         u = jax.lax.fori_loop(0, CLOSING, closer, none)
         return at_none + by_input @ u, u
 
-    def residual(self, t, state: MotionState, z):
+    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Residual of the mechanism, and of the controller's rates."""
         own, states, own_z, rates = self._split(state, z)
         y, u = self._closed(t, own, states, own_z)
@@ -329,7 +337,7 @@ class ControlledForm(Record):
             controller = jnp.asarray(rates) - self._rate(t, states, y)
         return self._joined(mechanism, controller)
 
-    def tangent(self, t, state: MotionState, z) -> Tangent:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of the residual: those of the mechanism, and through its outputs and the controller.
 
         Source:
@@ -360,7 +368,16 @@ class ControlledForm(Record):
         by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
 
-    def _late_tangent(self, t, state: MotionState, z, at: Tangent, by_input, given, sensed) -> Tangent:
+    def _late_tangent(
+        self,
+        t: Float[Array, ""],
+        state: MotionState,
+        z: Float[Array, "r"],
+        at: Tangent,
+        by_input: Float[Array, "r n_u"],
+        given: tuple[Any, Any],
+        sensed: tuple[Any, ...],
+    ) -> Tangent:
         """As :meth:`tangent`, where outputs follow from accelerations, which follow from inputs.
 
         Args:
@@ -392,18 +409,24 @@ class ControlledForm(Record):
         by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
 
-    def _by_input(self, t, own, own_z, u):
+    def _by_input(self, t: Float[Array, ""], own: MotionState, own_z: Float[Array, "r"], u: Float[Array, "n_u"]):
         """Derivative of the mechanism's residual by its inputs, in which it is linear."""
         return jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
 
-    def _measured_derivatives(self, t, own: MotionState, z=None, u=None):
+    def _measured_derivatives(
+        self,
+        t: Float[Array, ""],
+        own: MotionState,
+        z: Float[Array, "r"] | None = None,
+        u: Float[Array, "n_u"] | None = None,
+    ):
         """Derivatives of the outputs by positions, velocities, and of late ones by accelerations and inputs."""
         by_u, by_w = self._early_derivatives(t, own)
         by_z = by_input = None
         if self.places.late:
             late = np.array(self.places.late)
 
-            def found(u, w, z, inputs):
+            def found(u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]):
                 return self._late(t, own._replace(u=u, w=w), z, inputs)
 
             rows = jax.jacfwd(found, (0, 1, 2, 3))(own.u, own.w, z, u)
@@ -414,7 +437,7 @@ class ControlledForm(Record):
         read = self.places.read
         return tuple(of if of is None or read is None else read @ of for of in (by_u, by_w, by_z, by_input))
 
-    def _early_derivatives(self, t, own: MotionState):
+    def _early_derivatives(self, t: Float[Array, ""], own: MotionState):
         """Derivatives of the parts of outputs that follow from the state, by positions and velocities."""
         top, form = self.form.topology, self.form
         at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
@@ -447,29 +470,29 @@ class ControlledForm(Record):
                 rows_of.append(row)
         return tuple((jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in found)
 
-    def acceleration(self, t, state: MotionState):
+    def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""
         own, states, _, _ = self._split(state)
         y, u = self._closed(t, own, states, None)
         z, regular = self._driven(u).acceleration(t, own)
         return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
-    def gap(self, t, state: MotionState):
+    def gap(self, t: Float[Array, ""], state: MotionState):
         """As the mechanism's."""
         return self.form.gap(t, self._split(state)[0])
 
-    def rate_of_memory(self, t, state: MotionState, z):
+    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """As the mechanism's."""
         own, _, own_z, _ = self._split(state, z)
         return self.form.rate_of_memory(t, own, own_z)
 
-    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """The mechanism brought back onto its constraints; the controller stays as it is."""
         n = self.form.size
         own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
         return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
 
-    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state, and the inputs that the controller gives."""
         own, z, _, _ = self._split(state)
         return self.form.whole_motion(t, own)._replace(u=self._closed(t, own, z, None)[1])

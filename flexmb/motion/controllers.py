@@ -8,6 +8,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import is_concrete
 from ..compilation.record import Record, static
@@ -41,7 +42,7 @@ class Sampled(Record):
     drives: tuple[str, ...] | None = static(default=None)
 
 
-def at_time(of: Any, t) -> Any:
+def at_time(of: Any, t: Float[Array, ""]) -> Any:
     """A matrix, or that of a table at a time."""
     return of(t) if isinstance(of, Table) else of
 
@@ -61,10 +62,10 @@ def linear_controller(
     names: Any = {"windup": windup, "reads": reads, "drives": drives}
     count = np.shape(a.values if isinstance(a, Table) else a)[-1]
 
-    def output(t, z, y):
+    def output(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
         return at_time(c, t) @ z + at_time(d, t) @ y
 
-    def rate(t, z, y):
+    def rate(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
         return at_time(a, t) @ z + at_time(b, t) @ y
 
     start = jnp.zeros(count)
@@ -226,11 +227,11 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
     reads = placed(controller.reads, outputs, "output")
     drives = placed(controller.drives, inputs, "input")
 
-    def given(t, y):
+    def given(t: Float[Array, ""], y: Float[Array, "n_y"]):
         y = seen(t, y)
         return y if reads is None else y[np.array(reads)]
 
-    def everywhere(u):
+    def everywhere(u: ArrayLike):
         u = jnp.atleast_1d(jnp.asarray(u, float))
         if drives is None or u.shape != (len(drives),):
             return u
@@ -239,7 +240,7 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
     if isinstance(controller, Sampled):
         step = controller.step
 
-        def sampled(t, z, y):
+        def sampled(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
             found = step(t, z, given(t, y))
             return (everywhere(found[0]), *found[1:]) if isinstance(found, tuple) and found else found
 

@@ -1,6 +1,6 @@
 """Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -120,7 +120,9 @@ class CoordinatesForm(Record):
         """Number of accelerations and multipliers."""
         return self.size + self.held.shape[0]
 
-    def state_of(self, x, xd, near) -> MotionState:
+    def state_of(
+        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
+    ) -> MotionState:
         """State of nodal coordinates; the memory holds all deformations where an element counts turns."""
         tracks = self.topology.counts_turns
         memory = jnp.zeros(0)
@@ -130,11 +132,11 @@ class CoordinatesForm(Record):
         moved = (x - self.parameters.reference)[self.free] / self.sizes
         return MotionState(moved, xd[self.free] / self.sizes, memory)
 
-    def drive(self, t) -> Drive:
+    def drive(self, t: Float[Array, ""]) -> Drive:
         """Loads and prescribed values at one time."""
         return drive_at(self.topology, self.parameters, self.driven, t)
 
-    def whole(self, t, u, w, a) -> Whole:
+    def whole(self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]) -> Whole:
         """All coordinates from those that move.
 
         Args:
@@ -145,7 +147,7 @@ class CoordinatesForm(Record):
         top = self.topology
         zero_x, zero_m = jnp.zeros(top.n_x), jnp.zeros(self.held.shape[0])
 
-        def prescribed(t):
+        def prescribed(t: Float[Array, ""]):
             drive = self.drive(t)
             x, e = self.parameters.reference, zero_m
             if drive.x is not None:
@@ -162,7 +164,7 @@ class CoordinatesForm(Record):
             (x, e), (v, ed), (acc, edd) = prescribed(t), (zero_x, zero_m), (zero_x, zero_m)
         else:
 
-            def first(t):
+            def first(t: Float[Array, ""]):
                 return jax.jvp(prescribed, (t,), (jnp.ones_like(t),))
 
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
@@ -170,7 +172,7 @@ class CoordinatesForm(Record):
         x, v, acc = accumulate(jnp.stack([x, v, acc], axis=1), self.free, moved).T
         return Whole(x, v, acc, e, ed, edd)
 
-    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         near = state.memory
@@ -178,7 +180,9 @@ class CoordinatesForm(Record):
             near = strained(self.elements, at.x, zero_near(self.topology))
         return WholeMotion(at.x, at.v, near, jnp.zeros(0))
 
-    def placed(self, given: Whole, q, x, near) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
+    def placed(
+        self, given: Whole, q: Float[Array, "n_q"], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+    ) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
         """All coordinates and deformations at given degrees of freedom, by Newton's method from a guess.
 
         Args:
@@ -189,16 +193,16 @@ class CoordinatesForm(Record):
         """
         values = given.x, put(jnp.zeros(self.topology.n_e), self.held, given.e)
 
-        def closer(_, at):
+        def closer(_: Array, at: tuple[Array, Array]):
             return configured(self.topology, self.parameters, values, q, *at)
 
         return jax.lax.fori_loop(0, CORRECTIONS, closer, (x, near))
 
-    def stress_of(self, t, multipliers):
+    def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
         """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
         drive = self.drive(t)
 
-        def stress(e, ed):
+        def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             sigma = stress_resultants(self.topology, self.parameters, drive.loads, self.S, e, ed)
             if self.S_d is not None:
                 sigma = sigma + self.S_d @ ed
@@ -208,15 +212,17 @@ class CoordinatesForm(Record):
 
         return stress
 
-    def elastic_stress(self, strain):
+    def elastic_stress(self, strain: Float[Array, "n_e"]):
         """Stress resultants of elements of constant stiffness, (n_e,) [N, N m], at strains (n_e,) [m, rad]."""
         return self.S @ strain
 
-    def tangents(self, t, e, ed):
+    def tangents(self, t: Float[Array, ""], e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
         """Derivatives of the stress resultants by deformations and by their rates, S and S_d; S_d may be None."""
         return stress_tangents(self.topology, self.parameters, self.drive(t).loads, self.S, self.S_d, e, ed)
 
-    def tangents_at(self, t, x, v, near):
+    def tangents_at(
+        self, t: Float[Array, ""], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
+    ):
         """As :meth:`tangents`, at a state of motion; S_d is zero where nothing depends on rates.
 
         Args:
@@ -231,11 +237,13 @@ class CoordinatesForm(Record):
             stiffness, damping = self.tangents(t, e, jacobian @ v)
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
-    def near(self, memory) -> Float[Array, "n_e"]:
+    def near(self, memory: Float[Array, "k"]) -> Float[Array, "n_e"]:
         """Deformations at the last accepted state, from the memory of a state; zero where no turns are counted."""
         return memory if memory.shape[0] else zero_near(self.topology)
 
-    def forces(self, t, state: MotionState, z) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
+    def forces(
+        self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
+    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
         """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])
@@ -244,7 +252,7 @@ class CoordinatesForm(Record):
         acting = acting_forces(self.elements, moving, self.falling, stress)
         return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
 
-    def applied(self, t, x):
+    def applied(self, t: Float[Array, ""], x: Float[Array, "n_x"]):
         """Nodal forces of all loads but gravity, (n_x,) [N, N m], at nodal coordinates x, (n_x,) [m, rad, -]."""
         drive = self.drive(t)
         force = nodal_forces(self.topology, self.parameters, LoadFactors(1.0, drive.increment), x)
@@ -252,7 +260,7 @@ class CoordinatesForm(Record):
             force = force + drive.force
         return force if drive.turning is None else force + drive.turning @ x
 
-    def residual(self, t, state: MotionState, z):
+    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Forces out of balance at the coordinates that move [N, N m], second rates of the held deformations.
 
         Source:
@@ -261,20 +269,20 @@ class CoordinatesForm(Record):
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
 
-    def gap(self, t, state: MotionState):
+    def gap(self, t: Float[Array, ""], state: MotionState):
         """Held deformations less what they are held at, (m,) [m, rad]."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         return strained(self.elements, at.x, self.near(state.memory))[self.held] - at.e
 
-    def scaled(self, matrix):
+    def scaled(self, matrix: Float[Array, "n_x n_x"]):
         """Rows and columns of the coordinates that move, times their sizes, (n, n), of a matrix (n_x, n_x)."""
         return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
 
-    def columns(self, matrix):
+    def columns(self, matrix: Float[Array, "n_e n_x"]):
         """Rows of the held deformations and columns of what moves, times its sizes, (m, n), of a matrix (n_e, n_x)."""
         return matrix[self.held][:, self.free] * self.sizes
 
-    def system(self, mass, rows):
+    def system(self, mass: Float[Array, "n n"], rows: Float[Array, "m n"]):
         """Matrix of accelerations and multipliers, kept regular where constraints are redundant, (n + m, n + m).
 
         Args:
@@ -283,7 +291,7 @@ class CoordinatesForm(Record):
         """
         return bordered(mass, rows, self.mobility)
 
-    def tangent(self, t, state: MotionState, z) -> Tangent:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of the residual.
 
         Source:
@@ -295,7 +303,7 @@ class CoordinatesForm(Record):
         moving = Moving(at.x, at.v, at.a, self.near(state.memory))
         stress = self.stress_of(t, z[n:])
 
-        def following(e, ed):
+        def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
             return [None if of is None else put(of, held, 0.0) for of in self.tangents(t, e, ed)]
 
@@ -311,7 +319,7 @@ class CoordinatesForm(Record):
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
 
-    def regular(self, by_z):
+    def regular(self, by_z: Float[Array, "r r"]):
         """Whether every motion that the constraints allow carries mass."""
         n = self.size
         mass, rows = by_z[:n, :n], by_z[n:, :n]
@@ -319,7 +327,7 @@ class CoordinatesForm(Record):
         return is_positive_definite(mass + heaviest * rows.T @ rows)
 
     @jit_beside_options
-    def acceleration(self, t, state: MotionState):
+    def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
 
         Source:
@@ -339,7 +347,7 @@ class CoordinatesForm(Record):
         left = jnp.concatenate([scaled @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
         return z - factors.solve(residual + left), self.regular(matrix)
 
-    def rate_of_memory(self, t, state: MotionState, z):
+    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Rates of the deformations, where turns are counted."""
         if not state.memory.shape[0]:
             return state.memory
@@ -347,7 +355,7 @@ class CoordinatesForm(Record):
         return deformed(self.elements, at.x, state.memory)[1] @ at.v
 
     @jit_beside_options
-    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """Positions and velocities brought back onto the constraints; without a mass, by that of the undeformed shape.
 
         Source:
@@ -359,7 +367,7 @@ class CoordinatesForm(Record):
         if self.held.shape[0]:
             heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
-            def corrected(_, moving):
+            def corrected(_: Array, moving: tuple[Array, Array]):
                 at = self.whole(t, moving[0], moving[1], zero)
                 e, jacobian = deformed(self.elements, at.x, near)
                 excess = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
@@ -374,13 +382,17 @@ class CoordinatesForm(Record):
             memory = strained(self.elements, self.whole(t, u, w, zero).x, memory)
         return MotionState(u, w, memory)
 
-    def inertia_rates(self, t, state: MotionState) -> InertiaRates:
+    def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
         """Rates of the places of inertia, of each block of elements."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         return rates_of_inertia(self.elements, at.x, at.v, self.near(state.memory))
 
     def forces_over_step(
-        self, times, states: tuple[MotionState, MotionState], rates: InertiaRates, multipliers
+        self,
+        times: tuple[Any, Any],
+        states: tuple[MotionState, MotionState],
+        rates: InertiaRates,
+        multipliers: Float[Array, "m"],
     ) -> tuple[Float[Array, "n"], InertiaRates]:
         """Mean forces out of balance over a step, and the rates of the places of inertia at its end.
 
@@ -396,7 +408,7 @@ class CoordinatesForm(Record):
         force = force - self.applied(middle, (begin + end) / 2)
         return force[self.free] * self.sizes, after
 
-    def velocities_of(self, t, state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
+    def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
         """Velocities that the constraints allow and that come closest to given rates of the places of inertia.
 
         Source:
@@ -414,7 +426,7 @@ class CoordinatesForm(Record):
         return factorise(self.system(mass, self.columns(jacobian))).solve(right)[:n]
 
 
-def bordered(mass, rows, mobility):
+def bordered(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"]):
     """Mass matrix and constraints as one matrix, kept regular where constraints are redundant, (n + m, n + m).
 
     Args:

@@ -18,7 +18,7 @@ from .protocol import InertiaRates
 
 
 def rates_of_inertia(
-    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near
+    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> InertiaRates:
     """Rates of the places of inertia, of each block.
 
@@ -28,14 +28,14 @@ def rates_of_inertia(
         near: Deformations at the last accepted state, (n_e,) [m, rad].
     """
 
-    def rate(f, x, v):
+    def rate(f: Callable[..., Any], x: Float[Array, "c"], v: Float[Array, "c"]):
         return jax.jvp(f, (x,), (v,))[1][1]
 
     return tuple(None if b.mass is None else b.over(rate, near, x[b.x], v[b.x]) for b in elements)
 
 
 def momenta_of_inertia(
-    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near, rates: InertiaRates
+    elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"], rates: InertiaRates
 ) -> Float[Array, "n_x"]:
     """Momenta of the coordinates, J^T H s_dot, (n_x,) [kg m/s ..].
 
@@ -45,7 +45,7 @@ def momenta_of_inertia(
         rates: Rates of the places of inertia.
     """
 
-    def pulled(f, x, weight):
+    def pulled(f: Callable[..., Any], x: Float[Array, "c"], weight: Float[Array, "k d"]):
         return jax.vjp(lambda x: f(x)[1], x)[1](weight)[0]
 
     heavy = [
@@ -56,7 +56,15 @@ def momenta_of_inertia(
     return scatter_vector(x.shape[0], [(b.x, b.over(pulled, near, x[b.x], weight)) for b, weight in heavy])
 
 
-def _pulled(f, middle, step, scale, fall, change, forces):
+def _pulled(
+    f: Callable[..., Any],
+    middle: Float[Array, "k"],
+    step: Float[Array, "k"],
+    scale: Float[Array, "k"],
+    fall: Float[Array, "k"] | None,
+    change: tuple[Any, Any],
+    forces: tuple[Any, Any],
+):
     """Nodal forces of one element over a step, to which the discrete derivative of f carries sigma and H s_ddot.
 
     Args:

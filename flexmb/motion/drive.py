@@ -114,7 +114,7 @@ def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, .
     return Drive(loads, increment, found["force"], found["turning"], found["stress"], found["x"], found["e"])
 
 
-def _for_each(value, at):
+def _for_each(value: Float[Array, "*k"], at: Int[Array, "i"]):
     """One number for each index; a number for several would act on all of them."""
     if value.shape == () and at.shape == (1,):
         return value[None]

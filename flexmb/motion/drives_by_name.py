@@ -1,6 +1,6 @@
 """Loads, inputs and prescribed motion as functions of time, by the names that a user gives them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import jax
@@ -272,6 +272,6 @@ def _check_table(what: str, table: Table) -> None:
         raise ModelError(f"{what}: the values of a table must be finite.")
 
 
-def _some(*groups) -> str:
+def _some(*groups: Iterable[str]) -> str:
     names = [name for group in groups for name in group]
     return ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

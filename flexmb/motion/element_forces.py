@@ -45,7 +45,7 @@ class PreparedBlock(Record):
     mass: Float[Array, "elements k k"] | None
     counts: bool = static()
 
-    def over(self, function, near, *along):
+    def over(self, function: Callable[..., Any], near: Float[Array, "n_e"], *along: Any):
         """Values for all elements of what is said of one, by its deformations and places of inertia.
 
         Args:
@@ -55,7 +55,7 @@ class PreparedBlock(Record):
         """
         rest = (near[self.e], *self.kept) if self.counts else self.kept
 
-        def one(rest, *along):
+        def one(rest: tuple[Array, ...], *along: Any):
             return function(lambda x: self.function(x, *rest), *along)
 
         return jax.vmap(one)(rest, *along)
@@ -85,7 +85,7 @@ def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Ar
     counts = deformation is not None and block.element.tracks_angle
     ref = reference[block.x]
 
-    def both(x, *rest):
+    def both(x: Float[Array, "c"], *rest: Any):
         *near, ref, own = rest
         e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
         return e, None if inertia is None else inertia(x, ref, own)[0]
@@ -118,7 +118,7 @@ def without_last_end(block: Block, properties: dict[str, Any], reference: Float[
     closure = block.e.shape[1] - (block.x.shape[1] - first)
     ref = reference[block.x]
 
-    def both(near, ref, own):
+    def both(near: Float[Array, "c"], ref: Float[Array, "x"], own: dict[str, Any]):
         x = jnp.concatenate([near[:ends], ref[ends:first], near[ends:]])
         return near[ends:] if deforms else None, None if inertia is None else inertia(x, ref, own)[0]
 
@@ -131,11 +131,11 @@ def without_last_end(block: Block, properties: dict[str, Any], reference: Float[
     return PreparedBlock(late, x, e, jax.vmap(early)(ref, own), mass, False)
 
 
-def _jacobian(f):
+def _jacobian(f: Callable[..., Any]):
     """Function from coordinates to values and Jacobians; a Jacobian has the coordinates last."""
 
-    def found(x):
-        def twice(x):
+    def found(x: Float[Array, "c"]):
+        def twice(x: Float[Array, "c"]):
             y = f(x)
             return y, y
 
@@ -251,17 +251,23 @@ def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: 
     return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
 
 
-def second_rate(function, x, v, a):
+def second_rate(function: Callable[..., Any], x: Any, v: Any, a: Any):
     """Value of a function of coordinates and its first and second rate of change along a motion."""
 
-    def first(x, v):
+    def first(x: Any, v: Any):
         return jax.jvp(function, (x,), (v,))
 
     (value, rate), (_, second) = jax.jvp(first, (x, v), (v, a))
     return value, rate, second
 
 
-def rates_along(f, x, v, a, falling=None):
+def rates_along(
+    f: Callable[..., Any],
+    x: Float[Array, "c"],
+    v: Float[Array, "c"],
+    a: Float[Array, "c"],
+    falling: Float[Array, "c"] | None = None,
+):
     """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
     if length(f, x) <= SHORT:
         y, yd, (edd, sdd) = second_rate(f, x, v, a)
@@ -272,7 +278,13 @@ def rates_along(f, x, v, a, falling=None):
     return _of_orders(rows, 3, falling, lambda rows: rows[0])
 
 
-def _with_jacobians(f, x, v, a, falling):
+def _with_jacobians(
+    f: Callable[..., Any],
+    x: Float[Array, "c"],
+    v: Float[Array, "c"],
+    a: Float[Array, "c"],
+    falling: Float[Array, "c"] | None,
+):
     """As :func:`rates_along`, and the Jacobians of e and s."""
     if length(f, x) <= SHORT:
         (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
@@ -286,7 +298,13 @@ def _with_jacobians(f, x, v, a, falling):
     return (y, (ed, None), (edd, sdd)), (d, j)
 
 
-def derived_rates(f, x, v, a, falling=None):
+def derived_rates(
+    f: Callable[..., Any],
+    x: Float[Array, "c"],
+    v: Float[Array, "c"],
+    a: Float[Array, "c"],
+    falling: Float[Array, "c"] | None = None,
+):
     """As :func:`rates_along`, and their derivatives by the coordinates."""
     if length(f, x) <= SHORT:
         return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
@@ -294,7 +312,7 @@ def derived_rates(f, x, v, a, falling=None):
     return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
 
 
-def _of_orders(rows, orders: int, falling, chosen):
+def _of_orders(rows: tuple[Any, Any], orders: int, falling: Float[Array, "c"] | None, chosen: Callable[[Any], Any]):
     """Pairs of e and s, value and rates, of what is chosen of their rows; the second rate of s less free fall."""
     e, s = rows
     second = None if s is None or orders < 3 else s[2] if falling is None else s[2] - s[3]
@@ -302,35 +320,37 @@ def _of_orders(rows, orders: int, falling, chosen):
     return jax.tree.map(chosen, tuple(pairs))
 
 
-def _by_directions(rows):
+def _by_directions(rows: Float[Array, "..."]):
     """Derivatives, with the coordinates last."""
     return jnp.moveaxis(rows[1:], 0, -1)
 
 
-def _pulled(f, x, sigma, weight):
+def _pulled(
+    f: Callable[..., Any], x: Float[Array, "c"], sigma: Float[Array, "d"] | None, weight: Float[Array, "k axes"] | None
+):
     return jax.vjp(f, x)[1]((sigma, weight))[0]
 
 
-def _weight(block: PreparedBlock, sdd):
+def _weight(block: PreparedBlock, sdd: Any):
     """H s_ddot of every element, (elements, k, d), or None."""
     return None if block.mass is None else multiplied(block.mass, sdd)
 
 
-def _stressed(block: PreparedBlock, sigma):
+def _stressed(block: PreparedBlock, sigma: Float[Array, "n_e"]):
     """Stress resultants of every element, (elements, deformations), or None."""
     return sigma[block.e] if block.e.shape[1] else None
 
 
-def _own(block: PreparedBlock, matrix):
+def _own(block: PreparedBlock, matrix: Float[Array, "n_e n_e"]):
     """What a matrix of all deformations has for each element, (elements, deformations, deformations)."""
     return matrix[block.e[:, :, None], block.e[:, None, :]]
 
 
-def _along(block: PreparedBlock, at: Moving, falling):
+def _along(block: PreparedBlock, at: Moving, falling: Float[Array, "n_x"] | None):
     return [None if of is None else of[block.x] for of in (at.x, at.v, at.a, falling)]
 
 
-def _kinematics(rates, near) -> Kinematics:
+def _kinematics(rates: list[Any], near: Float[Array, "n_e"]) -> Kinematics:
     """Deformations and rates of the whole, from (e, s) and rates of every block."""
     own = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
     return Kinematics(*scatter_vectors(near.shape[0], own, 3))
@@ -385,7 +405,9 @@ def acting_matrices(
     return acting, scatter_matrix((at.near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
 
 
-def _derived_forces(f, x, sigma, weight):
+def _derived_forces(
+    f: Callable[..., Any], x: Float[Array, "c"], sigma: Float[Array, "d"] | None, weight: Float[Array, "k axes"] | None
+):
     """Derivative of D_x^T sigma + J^T weight of one element."""
     return jax.jacfwd(lambda x: _pulled(f, x, sigma, weight))(x)
 
@@ -418,7 +440,7 @@ def deformed_elements(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"
         near: Deformations at the last accepted state, (n_e,) [m, rad].
     """
 
-    def found(f, x):
+    def found(f: Callable[..., Any], x: Float[Array, "c"]):
         return _jacobian(lambda x: f(x)[0])(x)
 
     return [block.over(found, near, x[block.x]) if block.e.shape[1] else None for block in elements]
@@ -443,7 +465,13 @@ def derivatives_of_elements(
     return [_of_elements(at, sigma, each, *own) for each, *own in zip(found, stiffness, damping, strict=True)]
 
 
-def _of_elements(at: Moving, sigma, found, stiffness, damping) -> OfElements:
+def _of_elements(
+    at: Moving,
+    sigma: Float[Array, "n_e"],
+    found: tuple[Any, ...],
+    stiffness: Float[Array, "elements d d"] | None,
+    damping: Float[Array, "elements d d"] | None,
+) -> OfElements:
     """Derivatives of one block from what :func:`derived_rates` gives, stress resultants, and tangents of its own."""
     block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = found
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
@@ -485,7 +513,13 @@ def force_derivatives(
     return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)
 
 
-def element_derivatives(elements, at: Moving, falling, stress, tangents=None):
+def element_derivatives(
+    elements: tuple[PreparedBlock, ...],
+    at: Moving,
+    falling: Float[Array, "n_x"] | None,
+    stress: Callable[..., Any],
+    tangents: Callable[..., Any] | None = None,
+):
     """As :func:`force_derivatives`, of each element by itself; arguments as there.
 
     Returns:

@@ -4,6 +4,7 @@ from typing import Any, cast
 
 import diffrax
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from .newton import solve_step
@@ -12,7 +13,7 @@ from .solver import SecondOrderSolver
 from .term import MotionTerm, equations_of
 
 
-def _equations_of(terms) -> EnergyEquations:
+def _equations_of(terms: Any) -> EnergyEquations:
     """The equations in a term; :func:`flexmb.simulate` has seen to it that they have what this method needs."""
     return cast(EnergyEquations, equations_of(terms))
 
@@ -29,7 +30,7 @@ class EnergyKeeping(SecondOrderSolver):
         energy is that of the places of inertia, with their rates carried from step to step.
     """
 
-    def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
+    def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
         """Accelerations and multipliers at the start, and rates of the places of inertia.
 
         Args:
@@ -43,7 +44,16 @@ class EnergyKeeping(SecondOrderSolver):
         return equations.acceleration(t0, y0)[0], equations.inertia_rates(t0, y0)
 
     @jit_beside_options
-    def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
+    def step(
+        self,
+        terms: MotionTerm,
+        t0: Any,
+        t1: Any,
+        y0: MotionState,
+        args: Any,
+        solver_state: Any,
+        made_jump: Any,
+    ):
         """One step.
 
         Args:
@@ -59,15 +69,15 @@ class EnergyKeeping(SecondOrderSolver):
         h, n = t1 - t0, y0.u.shape[0]
         z0, rates = solver_state
 
-        def at_end(z):
+        def at_end(z: Float[Array, "r"]):
             return MotionState(y0.u + h * y0.w + h**2 / 2 * z[:n], y0.w + h * z[:n], y0.memory)
 
-        def residual(z):
+        def residual(z: Float[Array, "r"]):
             state = at_end(z)
             force, _ = equations.forces_over_step((t0, t1), (y0, state), rates, z[n:])
             return jnp.concatenate([force, equations.gap(t1, state) / (h**2 / 2)])
 
-        def matrix(z):
+        def matrix(z: Float[Array, "r"]):
             u = y0.u + h / 2 * y0.w + h**2 / 8 * z[:n]
             at = equations.tangent((t0 + t1) / 2, MotionState(u, y0.w + h / 2 * z[:n], y0.memory), z)
             return at.by_z.at[:n, :n].add(h / 2 * at.by_w[:n] + h**2 / 4 * at.by_u[:n])

@@ -4,10 +4,11 @@ from typing import Any
 
 import diffrax
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from .newton import solve_step
-from .protocol import MotionState
+from .protocol import MotionState, Tangent
 from .solver import SecondOrderSolver
 from .term import MotionTerm, equations_of
 
@@ -28,7 +29,7 @@ class GeneralizedAlpha(SecondOrderSolver):
 
     radius: float = 0.8
 
-    def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
+    def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
         """Accelerations and multipliers at the start, and the mean accelerations that the method carries.
 
         Args:
@@ -42,7 +43,16 @@ class GeneralizedAlpha(SecondOrderSolver):
         return z, z[: y0.u.shape[0]]
 
     @jit_beside_options
-    def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
+    def step(
+        self,
+        terms: MotionTerm,
+        t0: Any,
+        t1: Any,
+        y0: MotionState,
+        args: Any,
+        solver_state: Any,
+        made_jump: Any,
+    ):
         """One step.
 
         Args:
@@ -62,19 +72,19 @@ class GeneralizedAlpha(SecondOrderSolver):
         share = (1 - force_share) / (1 - mass_share)
         by_w, by_u = h * gamma * share, h**2 * beta * share
 
-        def at_end(z):
+        def at_end(z: Float[Array, "r"]):
             mean = ((1 - force_share) * z[:n] + force_share * z0[:n] - mass_share * mean0) / (1 - mass_share)
             u = y0.u + h * y0.w + h**2 * ((0.5 - beta) * mean0 + beta * mean)
             return MotionState(u, y0.w + h * ((1 - gamma) * mean0 + gamma * mean), y0.memory), mean
 
-        def residual(z):
+        def residual(z: Float[Array, "r"]):
             state, _ = at_end(z)
             return jnp.concatenate([equations.residual(t1, state, z)[:n], equations.gap(t1, state) / by_u])
 
-        def assembled(at):
+        def assembled(at: Tangent):
             return at.by_z.at[:n, :n].add(by_w * at.by_w[:n] + by_u * at.by_u[:n])
 
-        def matrix(z):
+        def matrix(z: Float[Array, "r"]):
             return assembled(equations.tangent(t1, at_end(z)[0], z))
 
         tangent = equations.tangent(t1, at_end(z0)[0], z0)

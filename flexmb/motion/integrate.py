@@ -101,7 +101,16 @@ class Integrated(NamedTuple):
     last: Reached
 
 
-def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, t1, times, start: MotionState, moved):
+def _solved(
+    equations: Equations,
+    problem: Problem,
+    integrator: Integrator,
+    t0: Float[Array, ""],
+    t1: Float[Array, ""],
+    times: Float[Array, "n_t"],
+    start: MotionState,
+    moved: Float[Array, ""],
+):
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
@@ -114,10 +123,20 @@ def _solved(equations: Equations, problem: Problem, integrator: Integrator, t0, 
     return with_derivative(functools.partial(_marched, parts), functools.partial(_by_diffrax, parts), *given)
 
 
-def _marched(parts: float, equations: Equations, integrator: Integrator, jumps, t0, t1, times, start, moved) -> Marched:
+def _marched(
+    parts: float,
+    equations: Equations,
+    integrator: Integrator,
+    jumps: Array | None,
+    t0: Float[Array, ""],
+    t1: Float[Array, ""],
+    times: Float[Array, "n_t"],
+    start: MotionState,
+    moved: Float[Array, ""],
+) -> Marched:
     """What :func:`_by_diffrax` gives by the default solver, in fewer operations."""
 
-    def first(fast):
+    def first(fast: Float[Array, ""]):
         return _first_step(integrator, fast, t1 - t0, parts, False)
 
     allowed: Any = (integrator.rtol, integrator.atol)
@@ -127,7 +146,15 @@ def _marched(parts: float, equations: Equations, integrator: Integrator, jumps, 
 
 
 def _by_diffrax(
-    parts: float, equations: Equations, integrator: Integrator, jumps, t0, t1, times, start: MotionState, moved
+    parts: float,
+    equations: Equations,
+    integrator: Integrator,
+    jumps: Array | None,
+    t0: Float[Array, ""],
+    t1: Float[Array, ""],
+    times: Float[Array, "n_t"],
+    start: MotionState,
+    moved: Float[Array, ""],
 ) -> Marched:
     """States at times, by any solver; the first step is so small a part of the time at most."""
     import diffrax
@@ -201,7 +228,7 @@ def _by_diffrax(
     return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result)
 
 
-def _first_step(integrator: Integrator, fast, span, parts: float, equal: bool):
+def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Array, ""], parts: float, equal: bool):
     """First step: as given, or such that the greatest acceleration moves the mechanism by some ten tolerances."""
     given = jnp.asarray(integrator.dt0)
     guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), span / parts)
@@ -228,7 +255,7 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
     return mechanism
 
 
-def _started(equations: Equations, problem: Problem, t, given: Start | MotionState) -> MotionState:
+def _started(equations: Equations, problem: Problem, t: Float[Array, ""], given: Start | MotionState) -> MotionState:
     if isinstance(given, MotionState):
         return given
     start = equations.state_of(*given)
@@ -239,7 +266,7 @@ def _started(equations: Equations, problem: Problem, t, given: Start | MotionSta
 
 
 @jit_beside_options
-def begin(problem: Problem, form: str, t, given: Start) -> MotionState:
+def begin(problem: Problem, form: str, t: Float[Array, ""], given: Start) -> MotionState:
     """State that a motion starts from.
 
     Args:
@@ -249,7 +276,9 @@ def begin(problem: Problem, form: str, t, given: Start) -> MotionState:
 
 
 @jit_beside_options
-def integrate(problem: Problem, integrator: Integrator, span, times, given: Reached) -> Integrated:
+def integrate(
+    problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], given: Reached
+) -> Integrated:
     """Motion from one time to another.
 
     Args:
@@ -289,7 +318,9 @@ class Intervals(NamedTuple):
 
 
 @jit_beside_options
-def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals, times, given: Reached) -> Integrated:
+def integrate_sampled(
+    problem: Problem, integrator: Integrator, grid: Intervals, times: Float[Array, "n_t"], given: Reached
+) -> Integrated:
     """Motion under a controller that acts at equal intervals, one after the other.
 
     Args:
@@ -302,7 +333,7 @@ def integrate_sampled(problem: Problem, integrator: Integrator, grid: Intervals,
     undriven = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     sensors = measuring(problem.model, undriven, problem.measured_from)
 
-    def interval(carry, at):
+    def interval(carry: tuple[Any, ...], at: tuple[Any, ...]):
         state, (memory, u), moved = carry
         begin, end, wanted = at
         # Accelerations at a sample are those that the inputs before it cause.

@@ -28,7 +28,7 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
     a0: Float[Array, "n"]
     a1: Float[Array, "n"]
 
-    def evaluate(self, t0, t1=None, left: bool = True) -> MotionState:
+    def evaluate(self, t0: Any, t1: Any = None, left: bool = True) -> MotionState:
         """State at a time, or its change over an interval."""
         del left
         if t1 is not None:

@@ -2,9 +2,11 @@
 
 import dataclasses
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from ..arguments import check_number
 from ..compilation.compile import jit_beside_options
@@ -14,8 +16,11 @@ from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
 from ..results import RESULTS, check
 from .coordinates_form import coordinates_form
+from .drive import Driven
 from .drives_by_name import Drives, driven_by
 from .motion import Motion
 from .moving_matrices import carried, moving_matrices
@@ -50,7 +55,7 @@ def linearize_motion(motion: Motion) -> Linearization:
 
 
 @jit_beside_options
-def _steady(topology, parameters, driven, time) -> Matrices:
+def _steady(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], time: Float[Array, ""]) -> Matrices:
     form = coordinates_form(topology, parameters, driven)
     none = jnp.zeros(topology.n_q)
     sizes = sizes_of(topology, parameters)
@@ -58,10 +63,10 @@ def _steady(topology, parameters, driven, time) -> Matrices:
     n = topology.x.dof.shape[0]
     scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
 
-    def linear(speed, x, near):
+    def linear(speed: Float[Array, ""], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
         return moving_matrices(form, time, carried(form, time, x, none, none, near, speed))
 
-    def iterate(i, walk):
+    def iterate(i: Array, walk: tuple[Any, ...]):
         q, x, near, _, _ = walk
         x, near = form.placed(given, q, x, near)
         speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)

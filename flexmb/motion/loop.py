@@ -9,6 +9,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from ..arguments import check_number, is_concrete
 from ..checks.mobility import locked_inputs
@@ -38,7 +39,7 @@ class Loop(Record):
     reference: Callable | None = None
 
 
-def _seen(y, t, reference):
+def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., Any] | None):
     """What a controller is given: the outputs, or how far they are from the wanted ones."""
     if reference is None:
         return y
@@ -141,7 +142,7 @@ def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
         raise ModelError(f"The controller gives shape {u}, but the mechanism has {inputs} inputs.")
 
 
-def _nothing(t, z, y):
+def _nothing(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
     return jnp.zeros(0)
 
 
@@ -188,7 +189,7 @@ def _quantity(signal: Signal) -> str:
     return f"local {TURNED[signal.quantity]}" if signal.local else TURNED[signal.quantity]
 
 
-def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
+def under_inputs(model: Model, form: CoordinatesForm, u: Float[Array, "n_u"]) -> CoordinatesForm:
     """Equations of motion under given inputs.
 
     Args:
@@ -197,7 +198,9 @@ def under_inputs(model: Model, form: CoordinatesForm, u) -> CoordinatesForm:
     return driven_by_inputs(form, _places(model), u) if u.shape[0] else form
 
 
-def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback, start) -> ControlledForm:
+def controlled_form(
+    model: Model, form: CoordinatesForm, feedback: Feedback, start: Float[Array, "n_x"] | None
+) -> ControlledForm:
     """Equations of motion of a mechanism with a controller.
 
     Args:
@@ -206,7 +209,7 @@ def controlled_form(model: Model, form: CoordinatesForm, feedback: Feedback, sta
     return dataclasses.replace(measuring(model, form, start), feedback=feedback)
 
 
-def measuring(model: Model, form: CoordinatesForm, start) -> ControlledForm:
+def measuring(model: Model, form: CoordinatesForm, start: Float[Array, "n_x"] | None) -> ControlledForm:
     """A mechanism with its sensors and actuators, whose inputs nothing gives.
 
     Args:

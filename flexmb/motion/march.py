@@ -88,7 +88,7 @@ def march(
     smallest = SMALLEST_STEP * (t1 - t0)
     close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
 
-    def first_end(z):
+    def first_end(z: Float[Array, "r"]):
         fast = jnp.max(jnp.abs(z[: equations.size]), initial=1e-30)
         return jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1)
 
@@ -111,11 +111,11 @@ def march(
             result = jnp.where(m.known, result, jnp.where(regular, RESULTS.successful, RESULTS.singular_mass))
             end = jnp.where(m.known, end, first_end(taken.z))
 
-        def waits(rows):
+        def waits(rows: tuple[Array, MotionState]):
             at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
             return keep & (rows[0] < count) & (at <= m.to)
 
-        def saved(rows):
+        def saved(rows: tuple[Array, MotionState]):
             k, states = rows
             ends = (m.t, m.to), (m.state, after), (m.z[:n], taken.z[:n])
             own = between(*ends, times.at[k].get(**TRUSTED))

@@ -254,11 +254,19 @@ class Observed(ByName, Result, Record):
 
 
 @jit_beside_options
-def _along(model, driven, t, x, xd, near, u):
+def _along(
+    model: Model,
+    driven: tuple[Driven, ...],
+    t: Float[Array, "n_t"],
+    x: Float[Array, "n_t n_x"],
+    xd: Float[Array, "n_t n_x"],
+    near: Float[Array, "n_t n_e"],
+    u: Float[Array, "n_t n_u"],
+):
     """Linearised equations at every time, under the inputs as they were then."""
     without_inputs = coordinates_form(model.topology, model.parameters, driven)
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         form = under_inputs(model, without_inputs, u)
         state = form.state_of(x, xd, near)
@@ -276,7 +284,7 @@ def _observe(model, driven, t, x, xd, near, u, order):
     chain = None if order is None else chain_form(model, driven, order)
     gravity = parameters.loads.gravity
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         form = under_inputs(model, undriven, u)
         state = form.state_of(x, xd, near)
@@ -306,7 +314,7 @@ def _observe(model, driven, t, x, xd, near, u, order):
         power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
         if drive.loads.temperature is not None:
             # What is warmed or cooled gives or takes the work of its stress.
-            def free(t):
+            def free(t: Float[Array, ""]):
                 return free_deformations(topology, parameters, form.drive(t).loads)
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]

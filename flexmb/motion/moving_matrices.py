@@ -58,7 +58,7 @@ class DynamicBalance(NamedTuple):
         return self.tangent.regular
 
 
-def dynamic_balance(form: CoordinatesForm, t, moving: Moving) -> DynamicBalance:
+def dynamic_balance(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) -> DynamicBalance:
     """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
 
     Source:
@@ -74,7 +74,7 @@ def dynamic_balance(form: CoordinatesForm, t, moving: Moving) -> DynamicBalance:
     return DynamicBalance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
 
 
-def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices, Float[Array, "n_q"]]:
+def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) -> tuple[Matrices, Float[Array, "n_q"]]:
     """Linearised equations about a state of motion.
 
     Returns:
@@ -140,7 +140,15 @@ def moving_matrices(form: CoordinatesForm, t, moving: Moving) -> tuple[Matrices,
     return found, at.residual
 
 
-def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0) -> Moving:
+def carried(
+    form: CoordinatesForm,
+    t: Float[Array, ""],
+    x: Float[Array, "n_x"],
+    qd: Float[Array, "n_q"],
+    qdd: Float[Array, "n_q"],
+    near: Float[Array, "n_e"],
+    speed: float | Float[Array, ""] = 1.0,
+) -> Moving:
     """State of motion at given rates of the degrees of freedom.
 
     Args:
@@ -157,7 +165,7 @@ def carried(form: CoordinatesForm, t, x, qd, qdd, near, speed=1.0) -> Moving:
     _, jacobian = deformed(form.elements, x, near)
     tangent = transfer(top, jacobian)
 
-    def answer(prescribed, wanted, rest):
+    def answer(prescribed: Float[Array, "n_x"], wanted: Float[Array, "m"], rest: Float[Array, "n_e"]):
         """Change of all coordinates where the prescribed ones change and the degrees of freedom do not."""
         excess = jnp.zeros(top.n_e).at[form.held].set(-wanted) + jacobian @ prescribed + rest
         return correction(top, tangent, excess, prescribed)

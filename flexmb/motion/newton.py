@@ -1,5 +1,8 @@
 """Equations of one time step, solved by a Newton method that keeps its factors as long as they serve."""
 
+from collections.abc import Callable
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
@@ -15,7 +18,14 @@ ROUND_OFF = 1e-10
 MOST = 40
 
 
-def solve_step(residual, matrix, first, start, positions: int, lever) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
+def solve_step(
+    residual: Callable[..., Any],
+    matrix: Callable[..., Any],
+    first: Float[Array, "r r"],
+    start: Float[Array, "r"],
+    positions: int,
+    lever: Float[Array, ""],
+) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
     """Accelerations and multipliers of one time step.
 
     Args:
@@ -33,13 +43,13 @@ def solve_step(residual, matrix, first, start, positions: int, lever) -> tuple[F
         Newton's method; implicit function theorem.
     """
 
-    def solve(f, start):
-        def unsolved(carry):
+    def solve(f: Callable[..., Any], start: Float[Array, "r"]):
+        def unsolved(carry: tuple[Any, ...]):
             _, _, change, before, count = carry
             stalled = (change < ROUND_OFF) & (change > 0.5 * before)
             return (change > CHANGE) & ~stalled & ~jnp.isnan(change) & (count < MOST)
 
-        def once(carry):
+        def once(carry: tuple[Any, ...]):
             z, factors, change, before, count = carry
             again = (count > 1) & (change > SERVES * before)
             factors = jax.lax.cond(again, lambda: factorise(matrix(z)), lambda: factors)
@@ -51,7 +61,7 @@ def solve_step(residual, matrix, first, start, positions: int, lever) -> tuple[F
         z, _, change, _, _ = jax.lax.while_loop(unsolved, once, (start, factors, jnp.inf, jnp.inf, 0))
         return z, change
 
-    def tangent(g, right):
+    def tangent(g: Callable[..., Any], right: Float[Array, "r"]):
         # What keeps redundant constraints solvable does so here too.
         corner = jax.lax.stop_gradient(first).at[:positions].set(0.0).at[:, :positions].set(0.0)
         return factorise(jax.jacfwd(g)(jnp.zeros_like(right)) + corner).solve(right)

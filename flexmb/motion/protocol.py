@@ -82,7 +82,9 @@ class Equations(Protocol):
         """Number n + m of accelerations and multipliers."""
         ...
 
-    def state_of(self, x, xd, near) -> MotionState:
+    def state_of(
+        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
+    ) -> MotionState:
         """State of a mechanism, with the controller at its start.
 
         Args:
@@ -92,15 +94,15 @@ class Equations(Protocol):
         """
         ...
 
-    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Everything about the mechanism that a state stands for."""
         ...
 
-    def residual(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
+    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
         """R: forces out of balance along what moves, and second rates of the constraints, (n + m,)."""
         ...
 
-    def tangent(self, t, state: MotionState, z: Float[Array, "r"]) -> Tangent:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of R."""
         ...
 
@@ -112,19 +114,19 @@ class Equations(Protocol):
         """
         ...
 
-    def acceleration(self, t, state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
+    def acceleration(self, t: Float[Array, ""], state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
         """The z that makes R vanish, (n + m,), and whether every motion that the constraints allow carries mass."""
         ...
 
-    def gap(self, t, state: MotionState) -> Float[Array, "m"]:
+    def gap(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "m"]:
         """How far the constraints of the multipliers are from being kept, (m,) [m, rad]."""
         ...
 
-    def rate_of_memory(self, t, state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
+    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
         """How the memory changes, (k,)."""
         ...
 
-    def settle(self, t, state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
+    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """The state brought back onto the constraints, by the least change that a mass measures; memory renewed.
 
         Args:
@@ -136,12 +138,16 @@ class Equations(Protocol):
 class EnergyEquations(Equations, Protocol):
     """Equations that also know the forces over a finite step, whose work is the energy that the elements gain."""
 
-    def inertia_rates(self, t, state: MotionState) -> InertiaRates:
+    def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
         """Rates of the places of inertia, of each block of elements."""
         ...
 
     def forces_over_step(
-        self, times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: InertiaRates, multipliers
+        self,
+        times: tuple[Any, Any],
+        states: tuple[MotionState, MotionState],
+        rates: InertiaRates,
+        multipliers: Float[Array, "m"],
     ) -> tuple[Float[Array, "n"], InertiaRates]:
         """Mean forces out of balance over a step, (n,), and the rates of the places of inertia at its end.
 
@@ -153,7 +159,7 @@ class EnergyEquations(Equations, Protocol):
         """
         ...
 
-    def velocities_of(self, t, state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
+    def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
         """Velocities that the constraints allow and that come closest to given rates of the places of inertia, (n,).
 
         Args:

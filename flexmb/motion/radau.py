@@ -17,7 +17,7 @@ from .term import MotionTerm, equations_of
 class RadauInterpolation(MotionInterpolation):
     """Positions between two steps by polynomials of order five, which also have the accelerations at both ends."""
 
-    def evaluate(self, t0, t1=None, left: bool = True) -> MotionState:
+    def evaluate(self, t0: Any, t1: Any = None, left: bool = True) -> MotionState:
         """State at a time, or its change over an interval."""
         del left
         if t1 is not None:
@@ -45,20 +45,29 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
     jumps: bool = False
     interpolation_cls = RadauInterpolation
 
-    def order(self, terms) -> int:
+    def order(self, terms: Any) -> int:
         """Order of the method."""
         return 5
 
-    def error_order(self, terms) -> int:
+    def error_order(self, terms: Any) -> int:
         """Order of the error estimate."""
         return 4
 
-    def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
+    def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
         """What is carried, at the start."""
         return carried_from(equations_of(terms).acceleration(t0, y0)[0])
 
     @jit_beside_options
-    def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
+    def step(
+        self,
+        terms: MotionTerm,
+        t0: Any,
+        t1: Any,
+        y0: MotionState,
+        args: Any,
+        solver_state: Any,
+        made_jump: Any,
+    ):
         """One step.
 
         Args:

@@ -51,11 +51,13 @@ class ReducedForm(Record):
         """Number of second rates."""
         return self.size
 
-    def regular(self, by_z):
+    def regular(self, by_z: Float[Array, "n_q n_q"]):
         """Whether all motions carry mass, where the degrees of freedom determine the rest."""
         return is_positive_definite(by_z)
 
-    def state_of(self, x, xd, near) -> MotionState:
+    def state_of(
+        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
+    ) -> MotionState:
         """State of nodal coordinates."""
         top, parameters = self.form.topology, self.form.parameters
         guess = jnp.zeros(top.n_e) if near is None else near
@@ -65,7 +67,7 @@ class ReducedForm(Record):
         qd = jnp.concatenate([xd[top.x.dof], (jacobian @ xd)[top.e.dof]])
         return MotionState(q / self.sizes, qd / self.sizes, jnp.concatenate([x, e]))
 
-    def placed(self, t, u, memory):
+    def placed(self, t: Float[Array, ""], u: Float[Array, "n_q"], memory: Float[Array, "k"]):
         """All coordinates at given degrees of freedom, and deformations, from a guess.
 
         Args:
@@ -76,7 +78,7 @@ class ReducedForm(Record):
         given = self.form.whole(t, none, none, none)
         return self.form.placed(given, u * self.sizes, memory[:n_x], memory[n_x:])
 
-    def everything(self, t, state: MotionState, z) -> Moving:
+    def everything(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]) -> Moving:
         """State of motion in all coordinates.
 
         Args:
@@ -85,7 +87,7 @@ class ReducedForm(Record):
         x, near = self.placed(t, state.u, state.memory)
         return carried(self.form, t, x, state.w * self.sizes, z * self.sizes, near)
 
-    def residual(self, t, state: MotionState, z):
+    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]):
         """Forces out of balance along the degrees of freedom, (n_q,) [N m].
 
         Source:
@@ -93,7 +95,7 @@ class ReducedForm(Record):
         """
         return dynamic_balance(self.form, t, self.everything(t, state, z)).residual * self.sizes
 
-    def tangent(self, t, state: MotionState, z) -> Tangent:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]) -> Tangent:
         """Derivatives of the residual.
 
         Source:
@@ -107,7 +109,7 @@ class ReducedForm(Record):
         return Tangent(by_u, by_w, by_z, by_t)
 
     @jit_beside_options
-    def acceleration(self, t, state: MotionState):
+    def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Second rates of the degrees of freedom over their sizes, (n_q,), and whether all motions carry mass."""
         moving = self.everything(t, state, jnp.zeros(self.size))
         at = dynamic_balance(self.form, t, moving)
@@ -115,21 +117,21 @@ class ReducedForm(Record):
         mass = self.sizes[:, None] * mass * self.sizes
         return factorise(mass).solve(-at.residual * self.sizes), self.regular(mass) & at.regular
 
-    def gap(self, t, state: MotionState):
+    def gap(self, t: Float[Array, ""], state: MotionState):
         """There are no constraints with multipliers, (0,)."""
         return jnp.zeros(0)
 
-    def rate_of_memory(self, t, state: MotionState, z):
+    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]):
         """How coordinates and deformations change."""
         x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
         _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, near)
         return jnp.concatenate([v, jacobian @ v])
 
-    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """The state with its memory renewed; constraints are always kept."""
         return state._replace(memory=jnp.concatenate(self.placed(t, state.u, state.memory)))
 
-    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
         x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
         return WholeMotion(x, v, near, jnp.zeros(0))

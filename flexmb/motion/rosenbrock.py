@@ -1,6 +1,6 @@
 """Rosenbrock methods as diffrax solvers."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import diffrax
 import equinox as eqx
@@ -30,16 +30,25 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
     tableau: eqx.AbstractClassVar[Tableau]
     jumps: eqx.AbstractVar[bool]
 
-    def order(self, terms) -> int:
+    def order(self, terms: Any) -> int:
         """Order of the method."""
         return self.tableau.order
 
-    def init(self, terms: MotionTerm, t0, t1, y0: MotionState, args):
+    def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
         """Accelerations and multipliers at the start."""
         return equations_of(terms).acceleration(t0, y0)[0]
 
     @jit_beside_options
-    def step(self, terms: MotionTerm, t0, t1, y0: MotionState, args, solver_state, made_jump):
+    def step(
+        self,
+        terms: MotionTerm,
+        t0: Any,
+        t1: Any,
+        y0: MotionState,
+        args: Any,
+        solver_state: Any,
+        made_jump: Any,
+    ):
         """One step, from the accelerations and multipliers at its begin, which are the state of the solver."""
         equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
         if self.jumps:

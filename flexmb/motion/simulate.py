@@ -10,7 +10,7 @@ import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import ArrayLike
+from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import as_floats, check_numbers, is_concrete, shown
 from ..compilation.program import Captured, captured
@@ -27,13 +27,16 @@ from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from .chain_form import obstacle
+from .controlled_form import Feedback
 from .controllers import Sampled
+from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
 from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
+from .protocol import MotionState
 
 if TYPE_CHECKING:
     import diffrax
@@ -204,7 +207,7 @@ def simulate(
     return found
 
 
-def _refuse_not_finite(model: Model, drives: Drives, driven, times: np.ndarray) -> None:
+def _refuse_not_finite(model: Model, drives: Drives, driven: tuple[Driven, ...], times: np.ndarray) -> None:
     """Refuse numbers of the model, and functions of time, that are not finite: a motion that failed met them.
 
     Raises:
@@ -265,17 +268,17 @@ class Condition(Record):
 
     function: Captured
 
-    def __call__(self, t, y, args, **more):
+    def __call__(self, t: Float[Array, ""], y: MotionState, args: Any, **more: Any):
         """What diffrax watches, of the time and the state alone."""
         return self.function(t, y)
 
 
-def _event_now(problem: Problem, integrator: Integrator, t, start: Start):
+def _event_now(problem: Problem, integrator: Integrator, t: Float[Array, ""], start: Start):
     """An event of diffrax whose conditions will not change; those that ask for more than time and state stay."""
     like = jax.eval_shape(lambda given: begin(problem, integrator.form, t, given), start)
     event: Any = integrator.event
 
-    def now(condition):
+    def now(condition: Callable[..., Any]):
         try:
             return Condition(captured(lambda t, y: condition(t, y, None), t, like))
         except (KeyError, TypeError):
@@ -284,7 +287,7 @@ def _event_now(problem: Problem, integrator: Integrator, t, start: Start):
     return dataclasses.replace(event, cond_fn=jax.tree.map(now, event.cond_fn, is_leaf=callable))
 
 
-def _checked_times(times):
+def _checked_times(times: ArrayLike):
     check_numbers("Argument `times`", times)
     times = jnp.asarray(times, float)
     if times.ndim != 1 or times.shape[0] < 2:
@@ -294,7 +297,7 @@ def _checked_times(times):
     return times
 
 
-def _initial(model: Model, initial):
+def _initial(model: Model, initial: Any):
     if initial is None:
         loads = model.parameters.loads
         if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:

@@ -1,5 +1,7 @@
 """What the solvers of this room share."""
 
+from typing import Any
+
 import diffrax
 
 from .interpolation import MotionInterpolation
@@ -16,7 +18,7 @@ class MotionSolver(diffrax.AbstractSolver):
     term_structure = MotionTerm
     interpolation_cls = MotionInterpolation
 
-    def func(self, terms: MotionTerm, t0, y0: MotionState, args) -> MotionState:
+    def func(self, terms: MotionTerm, t0: Any, y0: MotionState, args: Any) -> MotionState:
         """Rates of the state."""
         return terms.vf(t0, y0, args)
 
@@ -24,6 +26,6 @@ class MotionSolver(diffrax.AbstractSolver):
 class SecondOrderSolver(MotionSolver):
     """A method of order two with steps of a fixed size."""
 
-    def order(self, terms) -> int:
+    def order(self, terms: Any) -> int:
         """Order of the method."""
         return 2

@@ -4,6 +4,7 @@ The system is u' = w, w' = a, 0 = R(t, u, w, (a, lambda)). Eliminating the first
 system of the size of R, ``R_z + h g R_w + (h g)^2 R_u``, which is factorised once a step.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -50,7 +51,7 @@ class Tableau(NamedTuple):
         return self.a @ gamma, gamma
 
 
-def _lower(rows) -> np.ndarray:
+def _lower(rows: Sequence[Sequence[float]]) -> np.ndarray:
     full = np.zeros((len(rows) + 1, len(rows) + 1))
     for i, row in enumerate(rows, 1):
         full[i, : len(row)] = row
@@ -131,7 +132,13 @@ class Taken(NamedTuple):
 
 
 def step_taken(
-    equations: Equations, tableau: Tableau, t, h, state: MotionState, z: Float[Array, "r"], known: Any = True
+    equations: Equations,
+    tableau: Tableau,
+    t: Float[Array, ""],
+    h: Float[Array, ""],
+    state: MotionState,
+    z: Float[Array, "r"],
+    known: Any = True,
 ) -> Taken:
     """One step of a Rosenbrock method.
 
@@ -158,10 +165,10 @@ def step_taken(
     factors = factorise(tangent.by_z.at[:, :n].add(hg * tangent.by_w + hg**2 * tangent.by_u))
     by_both = jnp.concatenate([tangent.by_w, tangent.by_u], axis=1)
 
-    def apart(row):
+    def apart(row: Float[Array, "k"]):
         return row[:n], row[n : 2 * n], row[2 * n :]
 
-    def stage(i, increments):
+    def stage(i: Array, increments: Float[Array, "stages k"]):
         row = jax.lax.dynamic_index_in_dim(rows, i, keepdims=False)
         both, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
         # Of u, w and z, of all earlier stages.
@@ -185,7 +192,9 @@ def step_taken(
     return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.by_z)
 
 
-def between(times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t) -> MotionState:
+def between(
+    times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t: Float[Array, ""]
+) -> MotionState:
     """State at a time within a step, by Hermite polynomials of order three in positions and in velocities.
 
     Args:
@@ -202,11 +211,18 @@ def between(times: tuple[Any, Any], states: tuple[MotionState, MotionState], rat
     return MotionState(u, w, y0.memory + s * (y1.memory - y0.memory))
 
 
-def _hermite(s, h, p0, p1, v0, v1):
+def _hermite(
+    s: Float[Array, ""],
+    h: Float[Array, ""],
+    p0: Float[Array, "n"],
+    p1: Float[Array, "n"],
+    v0: Float[Array, "n"],
+    v1: Float[Array, "n"],
+):
     change = p1 - p0
     return p0 + s * (h * v0 + s * (3 * change - h * (2 * v0 + v1) + s * (h * (v0 + v1) - 2 * change)))
 
 
-def _finite(error):
+def _finite(error: Float[Array, "n"]):
     """A step that went wrong has an error without bound, so that it is refused and shortened."""
     return jnp.where(jnp.isfinite(error), error, jnp.inf)

@@ -38,12 +38,22 @@ class DisplacementController(diffrax.PIDController):
     moved: Float[Array, ""] | float = 0.0
     states: int = eqx.field(static=True, default=0)
 
-    def init(self, terms, t0, t1, y0: MotionState, *args, **named) -> Any:
+    def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
         return found[0], (found[1], greatest(self.moved, y0))
 
-    def adapt_step_size(self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state: Any) -> Any:
+    def adapt_step_size(
+        self,
+        t0: Any,
+        t1: Any,
+        y0: MotionState,
+        y1_candidate: MotionState,
+        args: Any,
+        y_error: Any,
+        error_order: Any,
+        controller_state: Any,
+    ) -> Any:
         """Whether to keep a step, and the next one."""
         state, before = controller_state
         after = greatest(before, y1_candidate)

@@ -18,14 +18,19 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
 OF_ERROR, OF_BEFORE = 0.4, -0.1
 
 
-def greatest(before, state: MotionState):
+def greatest(before: float | Float[Array, ""], state: MotionState):
     """Greatest displacement so far, at most what is large."""
     now = jnp.max(jnp.abs(jax.lax.stop_gradient(state.u)), initial=0.0)
     return jnp.where(jnp.isfinite(now), jnp.clip(now, before, LARGE), before)
 
 
 def error_of(
-    at: tuple[MotionState, MotionState], error: MotionState, h, moved, states: int, allowed: tuple
+    at: tuple[MotionState, MotionState],
+    error: MotionState,
+    h: Float[Array, ""],
+    moved: Float[Array, ""],
+    states: int,
+    allowed: tuple,
 ) -> Float[Array, ""]:
     """Error of a step over the tolerance, as :class:`flexmb.motion.step_control.DisplacementController` measures it.
 
@@ -48,7 +53,9 @@ def error_of(
     return jnp.where(jnp.isfinite(worst), worst, jnp.inf)
 
 
-def next_step(h, error, before, order: int, keep: Bool[Array, ""]):
+def next_step(
+    h: Float[Array, ""], error: Float[Array, ""], before: Float[Array, ""], order: int, keep: Bool[Array, ""]
+):
     """Length of the next step, and what the one after it is to know of this one, by a PI controller.
 
     Args:

@@ -1,5 +1,7 @@
 """Equations of motion as diffrax takes them."""
 
+from typing import Any
+
 import diffrax
 
 from .protocol import Equations, MotionState
@@ -14,21 +16,21 @@ class MotionTerm(diffrax.AbstractTerm):
 
     equations: Equations
 
-    def vf(self, t, y: MotionState, args) -> MotionState:
+    def vf(self, t: Any, y: MotionState, args: Any) -> MotionState:
         """Rates of the state."""
         z, _ = self.equations.acceleration(t, y)
         return MotionState(y.w, z[: y.w.shape[0]], self.equations.rate_of_memory(t, y, z))
 
-    def contr(self, t0, t1, **kwargs):
+    def contr(self, t0: Any, t1: Any, **kwargs: Any):
         """Length of the interval."""
         return t1 - t0
 
-    def prod(self, vf: MotionState, control) -> MotionState:
+    def prod(self, vf: MotionState, control: Any) -> MotionState:
         """Rates times length of the interval."""
         return MotionState(*(control * rate for rate in vf))
 
 
-def equations_of(terms) -> Equations:
+def equations_of(terms: Any) -> Equations:
     """Equations of motion in a term, which diffrax hands to solvers inside a term of its own."""
     while not isinstance(terms, MotionTerm):
         terms = terms.term

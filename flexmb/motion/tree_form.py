@@ -1,12 +1,13 @@
 """Motion in the coordinates that no beam with strain series gives: ends of such beams are computed, not solved for."""
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
@@ -50,7 +51,7 @@ class _Carried(NamedTuple):
     x: Float[Array, "n_x n"]
     v: Float[Array, "n_x n"] | None
     a: Float[Array, "n_x n"] | None
-    passed: Float[Array, "beams d+r n"] | None
+    passed: Float[Array, "beams way_and_turn n"] | None
 
 
 class TreeForm(Record):
@@ -93,15 +94,17 @@ class TreeForm(Record):
         """Number of accelerations and multipliers."""
         return self.size + self.tree.held_places.shape[0]
 
-    def state_of(self, x, xd, near) -> MotionState:
+    def state_of(
+        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
+    ) -> MotionState:
         """State of nodal coordinates, of which those that are computed are not read."""
         return self.form.state_of(x, xd, near)
 
-    def placed(self, x):
+    def placed(self, x: Float[Array, "n_x"]):
         """Nodal coordinates with those computed that something acts or depends on, (n_x,)."""
         return x if self.tree.felt is None else linked(self.tree.felt, passed(self.felt, x), x)
 
-    def whole(self, t, u, w, a) -> Whole:
+    def whole(self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]) -> Whole:
         """Coordinates and their rates, those computed that something acts or depends on.
 
         Arguments as of :meth:`CoordinatesForm.whole`.
@@ -114,7 +117,7 @@ class TreeForm(Record):
         x, v, acc = self._linked((at.x, at.v, at.a), ways)
         return at._replace(x=x, v=v, a=acc)
 
-    def along(self, t, u) -> Float[Array, "n_x n"]:
+    def along(self, t: Float[Array, ""], u: Float[Array, "n"]) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves."""
         if self.tree.felt is None:
             return self.places
@@ -128,12 +131,14 @@ class TreeForm(Record):
             jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(self.form.sizes)
         )
 
-    def _linked(self, x, ways):
+    def _linked(self, x: tuple[Array, ...], ways: tuple[Array, ...]):
         """Coordinates, rates and second rates of the whole, of the same of what moves and of the beams' ways."""
         poses: Any = self.tree.felt
         return second_rate(lambda both: linked(poses, both[1], both[0]), *zip(x, ways, strict=True))
 
-    def carried(self, t, u, w, a) -> _Carried:
+    def carried(
+        self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
+    ) -> _Carried:
         """Coordinates and their rates as :meth:`whole`, and their derivatives by what moves.
 
         Of each beam way and turn are differentiated by its own coefficients, and what the tree makes of them by all.
@@ -148,7 +153,7 @@ class TreeForm(Record):
         slopes = _joined([[slope @ places[one.c] for slope in slopes] for one, slopes in own])
         none = jnp.zeros(at.x.shape)
 
-        def along(place, *slope):
+        def along(place: Float[Array, "n_x"], *slope: Array):
             return jax.jvp(self._linked, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
 
         x, v, acc = self._linked((at.x, at.v, at.a), ways)
@@ -156,13 +161,13 @@ class TreeForm(Record):
         by_x, by_v, by_a = derivatives
         return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, slopes[0])
 
-    def turned(self, t, u, to: _Carried, force):
+    def turned(self, t: Float[Array, ""], u: Float[Array, "n"], to: _Carried, force: Float[Array, "n_x"]):
         """Derivative by what moves of what nodal forces, (n_x,) [N, N m], do along it, (n, n)."""
         poses: Any = self.tree.felt
         places = self.places
         x = self.form.whole(t, u, u, u).x
 
-        def pulled(x, y):
+        def pulled(x: Float[Array, "n_x"], y: Float[Array, "beams k"]):
             return jax.vjp(lambda x, y: linked(poses, y, x), x, y)[1](force)
 
         y = passed(self.felt, x)
@@ -176,7 +181,7 @@ class TreeForm(Record):
             found = found + jnp.einsum("bkn,bkl,blm->nm", places[one.c], bent, places[one.c])
         return found
 
-    def whole_motion(self, t, state: MotionState) -> WholeMotion:
+    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
         at = self.form.whole(t, state.u, state.w, jnp.zeros(self.size))
         x, v = jax.jvp(lambda x: linked(self.tree.poses, passed(self.passages, x), x), (at.x,), (at.v,))
@@ -185,33 +190,33 @@ class TreeForm(Record):
             near = strained(self.form.elements, x, zero_near(self.form.topology))
         return WholeMotion(x, v, near, jnp.zeros(0))
 
-    def stress_of(self, t, multipliers):
+    def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
         """As :meth:`CoordinatesForm.stress_of`, of the multipliers that there are."""
         every = jnp.zeros(self.form.held.shape[0])
         return self.form.stress_of(t, put(every, self.tree.held_places, multipliers))
 
-    def held(self, rows):
+    def held(self, rows: Float[Array, "n_e *k"]):
         """Rows of the held deformations that have multipliers."""
         return rows[self.form.held[self.tree.held_places]]
 
-    def wanted(self, values):
+    def wanted(self, values: Float[Array, "h"]):
         """What these are held at, of all that are held."""
         return values[self.tree.held_places]
 
-    def forces(self, t, at: Whole, memory, multipliers):
+    def forces(self, t: Float[Array, ""], at: Whole, memory: Float[Array, "k"], multipliers: Float[Array, "m"]):
         """Kinematics, and nodal forces out of balance, (n_x,) [N, N m]."""
         moving = Moving(at.x, at.v, at.a, self.form.near(memory))
         acting = acting_forces(self.form.elements, moving, self.form.falling, self.stress_of(t, multipliers))
         return acting.kinematics, acting.force - self.form.applied(t, at.x)
 
-    def pulled(self, t, u, force):
+    def pulled(self, t: Float[Array, ""], u: Float[Array, "n"], force: Float[Array, "n_x"]):
         """Forces along what moves, (n,) [N m], of nodal forces, (n_x,) [N, N m]."""
         if self.tree.felt is None:
             return force[self.form.free] * self.form.sizes
         none = jnp.zeros(self.size)
         return jax.vjp(lambda u: self.placed(self.form.whole(t, u, none, none).x), u)[1](force)[0]
 
-    def residual(self, t, state: MotionState, z):
+    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Forces out of balance along what moves [N m], second rates of the held deformations.
 
         Source:
@@ -222,12 +227,12 @@ class TreeForm(Record):
         kin, force = self.forces(t, at, state.memory, z[n:])
         return jnp.concatenate([self.pulled(t, state.u, force), self.held(kin.edd) - self.wanted(at.edd)])
 
-    def gap(self, t, state: MotionState):
+    def gap(self, t: Float[Array, ""], state: MotionState):
         """Held deformations less what they are held at, (m,) [m, rad]."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         return self.held(strained(self.form.elements, at.x, self.form.near(state.memory))) - self.wanted(at.e)
 
-    def tangent(self, t, state: MotionState, z) -> Tangent:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of the residual.
 
         Source:
@@ -238,7 +243,7 @@ class TreeForm(Record):
         at = to.at
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
 
-        def following(e, ed):
+        def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             return [None if of is None else put(of, form.held, 0.0) for of in form.tangents(t, e, ed)]
 
         stress = self.stress_of(t, z[n:])
@@ -264,7 +269,7 @@ class TreeForm(Record):
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(by_u, by_w, bordered(mass, rows, self.mobility), by_t)
 
-    def by_loads(self, t, x):
+    def by_loads(self, t: Float[Array, ""], x: Float[Array, "n_x"]):
         """Derivative of the nodal forces of loads by the nodal coordinates, (n_x, n_x), or None where there is none."""
         form, drive = self.form, self.form.drive(t)
         top, parameters = form.topology, form.parameters
@@ -273,12 +278,12 @@ class TreeForm(Record):
         found = load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), x)
         return found if drive.turning is None else found + drive.turning
 
-    def regular(self, by_z):
+    def regular(self, by_z: Float[Array, "r r"]):
         """Whether every motion that the constraints allow carries mass."""
         return self.form.regular(by_z)
 
     @jit_beside_options
-    def acceleration(self, t, state: MotionState):
+    def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
 
         Source:
@@ -299,7 +304,7 @@ class TreeForm(Record):
         left = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
         return z - factors.solve(residual + left), self.regular(matrix)
 
-    def rate_of_memory(self, t, state: MotionState, z):
+    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Rates of the deformations, where turns are counted."""
         if not state.memory.shape[0]:
             return state.memory
@@ -307,7 +312,7 @@ class TreeForm(Record):
         return deformed(self.form.elements, at.x, state.memory)[1] @ at.v
 
     @jit_beside_options
-    def settle(self, t, state: MotionState, mass=None) -> MotionState:
+    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """Positions and velocities brought back onto the constraints that have multipliers.
 
         Source:
@@ -318,7 +323,7 @@ class TreeForm(Record):
         if self.tree.held_places.shape[0]:
             heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
-            def corrected(_, moving):
+            def corrected(_: Array, moving: tuple[Array, Array]):
                 at, along = self.whole(t, moving[0], moving[1], zero), self.along(t, moving[0])
                 e, jacobian = deformed(form.elements, at.x, near)
                 excess = jnp.stack(
@@ -336,7 +341,7 @@ class TreeForm(Record):
         return MotionState(u, w, memory)
 
 
-def _joined(rows):
+def _joined(rows: Sequence[Sequence[Array]]):
     """Of several blocks of beams one array of each kind."""
     return tuple(jnp.concatenate(own) for own in zip(*rows, strict=True))
 
@@ -344,7 +349,7 @@ def _joined(rows):
 def _passage_rates(one: Passages, at: Whole):
     """Way and turn of beams, rates and second rates, (beams, d + r) each."""
 
-    def rates(c, v, a, *kept):
+    def rates(c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"], *kept: Array):
         return [y for y, _ in rates_along(lambda c: (one.along(c, *kept), None), c, v, a)]
 
     return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
@@ -353,22 +358,22 @@ def _passage_rates(one: Passages, at: Whole):
 def _derived_passage_rates(one: Passages, at: Whole):
     """As :func:`_passage_rates`, and their derivatives by the coefficients."""
 
-    def rates(c, v, a, *kept):
+    def rates(c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"], *kept: Array):
         return [[y for y, _ in rows] for rows in derived_rates(lambda c: (one.along(c, *kept), None), c, v, a)]
 
     return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
 
 
-def _bent(one: Passages, c, weights):
+def _bent(one: Passages, c: Float[Array, "beams c"], weights: Float[Array, "beams k"]):
     """Second derivatives of way and turn of beams, times weights, (beams, coefficients, coefficients)."""
 
-    def gradient(c, weights, *kept):
+    def gradient(c: Float[Array, "c"], weights: Float[Array, "k"], *kept: Array):
         return jax.grad(lambda c: weights @ one.along(c, *kept))(c)
 
     return jax.vmap(jax.jacfwd(gradient))(c, weights, *one.kept)
 
 
-def _along(to: _Carried, x, squares):
+def _along(to: _Carried, x: Int[Array, "elements c"], squares: tuple[Array, Array, Array]):
     """Sum over elements of the derivatives of their forces, by what moves, its rates and second rates, (n, 3 n)."""
     by_x, by_v, mass = squares
     own = to.x[x]
@@ -379,7 +384,7 @@ def _along(to: _Carried, x, squares):
     return jnp.einsum("ekn,ekm->nm", own, jnp.concatenate(every, axis=2))
 
 
-def _rows_along(to: _Carried, x, rows):
+def _rows_along(to: _Carried, x: Int[Array, "elements c"], rows: tuple[Array, Array, Array]):
     """Derivatives of second rates of elements' deformations, by what moves, its rates and second rates."""
     d, dd, d2 = rows
     own = to.x[x]
@@ -418,7 +423,7 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
 def _mobility(found: TreeForm, form: CoordinatesForm):
     """Inverse masses of what moves, with all that it takes along, in the undeformed mechanism; as those of all."""
 
-    def moved(u):
+    def moved(u: Float[Array, "n"]):
         x = accumulate(form.parameters.reference, found.tree.kept, found.form.sizes * u)
         return found.placed(x)[form.free] / form.sizes
 

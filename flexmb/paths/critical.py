@@ -129,7 +129,7 @@ def null_vectors(
     # No symmetric mechanism has a mode orthogonal to these uneven entries.
     start = z.T @ jnp.cos(jnp.arange(1.0, topology.n_x + 1) ** 2)
 
-    def normalised(v):
+    def normalised(v: Float[Array, "n_q"]):
         if beside is not None:
             square = beside @ metric @ beside
             v = v - beside * (beside @ metric @ v) / jnp.where(square > 0, square, 1.0)
@@ -138,7 +138,7 @@ def null_vectors(
         first = jnp.argmax(jnp.abs(motion) > (1 - 1e-6) * largest)
         return v / motion[first]
 
-    def turn(_, pair):
+    def turn(_: Array, pair: tuple[Array, Array]):
         phi, psi = pair
         return normalised(factors.solve(metric @ phi)), normalised(factors.solve_transposed(metric @ psi))
 
@@ -193,7 +193,16 @@ class _Approach(NamedTuple):
     failed: Bool[Array, ""]
 
 
-def _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, max_steps) -> _Approach:
+def _walk_past_limit(
+    topology: Topology,
+    parameters: Parameters,
+    ramp: Ramp,
+    scale: Scale,
+    point: Point,
+    tangent: Direction,
+    first: Float[Array, ""],
+    max_steps: Int[Array, ""],
+) -> _Approach:
     """Steps until the next one passes a limit point; ``step`` of the result is that one."""
 
     def turn(w: _Approach) -> _Approach:
@@ -219,12 +228,14 @@ def _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, m
     return jax.lax.while_loop(lambda w: ~w.passed & ~w.failed & (w.steps < max_steps), turn, start)
 
 
-def _find_limit(topology: Topology, parameters: Parameters, first, max_steps) -> _Limit:
+def _find_limit(
+    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]
+) -> _Limit:
     ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
     walk = _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, max_steps)
     plane = normal_to(scale, walk.tangent)
 
-    def bisect(_, bracket):
+    def bisect(_: Array, bracket: tuple[Any, ...]):
         low, low_rate, high, high_rate, _ = bracket
         share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
         middle = low + share * (high - low)
@@ -250,22 +261,24 @@ def _find_limit(topology: Topology, parameters: Parameters, first, max_steps) ->
 
 
 @jax.custom_jvp
-def _find_limit_once(topology: Topology, parameters: Parameters, first, max_steps) -> _Limit:
+def _find_limit_once(
+    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]
+) -> _Limit:
     return _find_limit(topology, parameters, first, max_steps)
 
 
 @_find_limit_once.defjvp
-def _no_second_derivative(primals, tangents):
+def _no_second_derivative(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     raise NotImplementedError("The limit load can be differentiated once; its second derivative is not there.")
 
 
 @jax.custom_jvp
-def _limit_load(topology: Topology, parameters: Parameters, first, max_steps):
+def _limit_load(topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]):
     found = _find_limit(topology, parameters, first, max_steps)
     return found.load, found.result
 
 
-def _limit_load_jvp(primals, tangents):
+def _limit_load_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with psi the left null vector of K: no state changes in it."""
     topology, parameters, first, max_steps = primals
     found = _find_limit_once(topology, parameters, first, max_steps)

@@ -34,7 +34,13 @@ TOLERANCE = 1e-13
 
 
 @jit
-def _deformations(topology: Topology, parameters: Parameters, x, e, motion):
+def _deformations(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    motion: Float[Array, "n_x"],
+):
     """Deformations where the undeformed mechanism is moved along a motion of the state x, and a code of RESULTS."""
     _, jacobian = deformation_jacobian(topology, parameters, x, e)
     q = jnp.concatenate([motion[topology.x.dof], (jacobian @ motion)[topology.e.dof]])

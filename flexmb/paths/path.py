@@ -157,7 +157,9 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
 
 
 @kernel
-def _look_at(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near):
+def _look_at(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+):
     """Matrices and load multipliers of a state on the path that is no step of it."""
     at = state(topology, parameters, factors, x, near)
     zero = jnp.zeros((), jnp.int32)
@@ -290,7 +292,9 @@ def path(
     return _checked(*_dense_path(model, step, max_steps, stop, left, progress), stop, left, throw)
 
 
-def _dense_path(model, step, max_steps, stop, left, progress) -> tuple[Path, Walker]:
+def _dense_path(
+    model: Model, step: float, max_steps: int, stop: Mapping[str, float] | None, left: dict[int, int], progress: Any
+) -> tuple[Path, Walker]:
     """See :func:`path`; the path, and the walk that found it."""
 
     def found_at(step: Step) -> _Found:
@@ -322,7 +326,15 @@ def _dense_path(model, step, max_steps, stop, left, progress) -> tuple[Path, Wal
     return whole, walker
 
 
-def _sparse_path(model, step, max_steps, stop, left, progress, hanging: bool) -> tuple[SparsePath, Walker] | None:
+def _sparse_path(
+    model: Model,
+    step: float,
+    max_steps: int,
+    stop: Mapping[str, float] | None,
+    left: dict[int, int],
+    progress: Any,
+    hanging: bool,
+) -> tuple[SparsePath, Walker] | None:
     """The same by sparse factors; None of a body without stiffness where it begins, if ``hanging`` ones are left."""
 
     def largest_stress(step: Step) -> float:
@@ -337,7 +349,14 @@ def _sparse_path(model, step, max_steps, stop, left, progress, hanging: bool) ->
     return path_of(equations, walker, walker.steps, code), walker
 
 
-def _walked(walker: Walker, max_steps, stop, left, progress, largest_stress: Callable[[Step], float]) -> RESULTS:
+def _walked(
+    walker: Walker,
+    max_steps: int,
+    stop: Mapping[str, float] | None,
+    left: dict[int, int],
+    progress: Any,
+    largest_stress: Callable[[Step], float],
+) -> RESULTS:
     """Walk, and tell why the walk ended."""
     if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
         raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')

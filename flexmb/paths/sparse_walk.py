@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..errors import AnalysisError
@@ -31,10 +31,17 @@ LEFT = 0.1
 
 
 @jit
-def _at_load(topology: Topology, parameters: Parameters, factors: LoadFactors, rate: LoadFactors, x, strained):
+def _at_load(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    rate: LoadFactors,
+    x: Float[Array, "n_x"],
+    strained: Float[Array, "n_e"],
+):
     """Stress, and what is held, x and e; their change with the load factor at a constant state, and nodal forces'."""
 
-    def at(load):
+    def at(load: Float[Array, ""]):
         own = LoadFactors(factors.initial + load * rate.initial, factors.increment + load * rate.increment)
         stress = elastic_stress(topology, parameters, own, strained)
         return stress, *held_values(topology, parameters, own), nodal_forces(topology, parameters, own, x)
@@ -44,7 +51,7 @@ def _at_load(topology: Topology, parameters: Parameters, factors: LoadFactors, r
 
 
 @jit
-def _deformations(topology: Topology, parameters: Parameters, x, near):
+def _deformations(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     return deformations(topology, parameters, x, near)
 
 
@@ -194,7 +201,7 @@ class SparseEquations:
         factors = shifted(tangent.at.tangent, float(shift), sizes)
         other, weight = beside.x[self.free], 1 / sizes**2
 
-        def normalised(v):
+        def normalised(v: np.ndarray):
             square = other @ (weight * other)
             v = v - other * (other @ (weight * v)) / square if square > 0 else v
             motion = v / sizes

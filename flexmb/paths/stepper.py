@@ -14,7 +14,7 @@ from ..mechanics.residual import State, iterate, reduced_response, state
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, library_of
+from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number, library_of
 from ..statics.solve import held_values
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
@@ -99,12 +99,12 @@ class Stepped(NamedTuple):
     corrections: Array
 
 
-def can_be_taken(converged, cosine) -> Any:
+def can_be_taken(converged: Any, cosine: Number) -> Any:
     """Whether a step ends on the path that it began on, as far as one can tell from its end."""
     return converged & (cosine > SMALLEST_COSINE)
 
 
-def next_length(length, corrections, cosine) -> Any:
+def next_length(length: Number, corrections: Any, cosine: Number) -> Any:
     """Length to try after a step that was taken, by its length and how easily it was found."""
     quick = (corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT)
     return length * library_of(cosine).where(quick, 2.0, 1.0)
@@ -149,7 +149,14 @@ def load_response(
     return reduced_response(topology, at, at.jacobian @ shift - wanted_e, shift, imbalance)
 
 
-def _bordered_solve(at: State, onto, by_load, plane: Plane, residual, distance):
+def _bordered_solve(
+    at: State,
+    onto: Float[Array, "n_x"],
+    by_load: Float[Array, "n_q"],
+    plane: Plane,
+    residual: Float[Array, "n_q"],
+    distance: Float[Array, ""],
+):
     """Solve [K, r_load; plane] (dq, dload) = (-residual, -distance); regular at limit points, where K is not."""
     k = at.K0 + at.G0
     across = plane.x @ at.transfer.DFx
@@ -165,7 +172,7 @@ def _bordered_solve(at: State, onto, by_load, plane: Plane, residual, distance):
     return solved[:-1], solved[-1]
 
 
-def direction_of(at: State, dx: Float[Array, "n_x"], load) -> Direction:
+def direction_of(at: State, dx: Float[Array, "n_x"], load: Float[Array, ""]) -> Direction:
     """Direction of a change of x and the load factor, deformations to first order.
 
     Args:

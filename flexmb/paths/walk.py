@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 from ..math.linear import factorise
 from ..mechanics.blocks import kernel
@@ -129,7 +129,16 @@ def _begin(topology: Topology, parameters: Parameters):
 
 
 @kernel
-def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, begin, direction, length, plane):
+def _advance(
+    topology: Topology,
+    parameters: Parameters,
+    ramp: Ramp,
+    scale: Scale,
+    begin: Point,
+    direction: Direction,
+    length: Float[Array, ""],
+    plane: Plane,
+):
     new = step_along(topology, parameters, ramp, scale, begin, direction, length, plane)
     values = critical_values(topology, new.at, scale.sizes)
     regular = new.at.transfer.regular
@@ -138,7 +147,15 @@ def _advance(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scal
 
 
 @kernel
-def _null(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point, shift, beside: Direction):
+def _null(
+    topology: Topology,
+    parameters: Parameters,
+    ramp: Ramp,
+    scale: Scale,
+    point: Point,
+    shift: Float[Array, ""],
+    beside: Direction,
+):
     at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
     other = jnp.concatenate([beside.x[topology.x.dof], beside.strained[topology.e.dof]])
     phi, psi = null_vectors(topology, at, scale.sizes, shift, other)
@@ -374,7 +391,7 @@ class Walker:
         self.conditions, self.most, self.end = stops
         self.ended: str | None = None
 
-    def advance(self, begin: Point, direction: Direction, length, plane: Plane | None = None) -> Step:
+    def advance(self, begin: Point, direction: Direction, length: ArrayLike, plane: Plane | None = None) -> Step:
         """One step from a point along a direction, corrected across it unless another plane is given."""
         plane = normal_to(self.scale, direction) if plane is None else plane
         arguments = (self.ramp, self.scale, begin, direction, np.asarray(length, float), plane)
@@ -403,10 +420,10 @@ class Walker:
         """Point between two states, on the cubic through both with their tangents."""
         _, size = self.chord(low.point, high.point)
 
-        def straight(a, b):
+        def straight(a: Any, b: Any):
             return a + share * (b - a)
 
-        def bent(name):
+        def bent(name: str):
             a, b = getattr(low.point, name), getattr(high.point, name)
             leaving = size * getattr(low.tangent, name) - (b - a)
             arriving = size * getattr(high.tangent, name) - (b - a)
@@ -429,7 +446,7 @@ class Walker:
         begin: Step,
         length: float,
         end: Step,
-        value,
+        value: Callable[[Step], float],
         widest: float = WIDEST,
         alone: bool = False,
         ends: tuple[tuple[float, Step], ...] = (),
@@ -546,7 +563,9 @@ class Walker:
         turn = self.zero(begin, length, end, lambda s: float(s.tangent.x[entry]))
         return None if turn is None else [(turn.length, turn.step)]
 
-    def met(self, condition: Condition, begin: Step, length: float, end: Step, ends) -> Last | None:
+    def met(
+        self, condition: Condition, begin: Step, length: float, end: Step, ends: tuple[tuple[float, Step], ...]
+    ) -> Last | None:
         """Where a condition is met between two places of a step, and the state there."""
         reached = self.zero(begin, length, end, condition.excess, ends=ends)
         if reached is None:

@@ -209,7 +209,9 @@ def _kind(block: Block, companions: set[str], fixed: bool) -> str:
     return "beam" if "rotation" in parts else "bar"
 
 
-def _meeting(model: Model, block: Block, row: int, x, paired) -> Float[np.ndarray, "n d"]:
+def _meeting(
+    model: Model, block: Block, row: int, x: np.ndarray, paired: dict[str, list[str]]
+) -> Float[np.ndarray, "n d"]:
     """The one point of all bodies that an element without points joins, or one of the first body's; (0, d) if none."""
     index, starts = np.asarray(block.x)[row], [0, *block.splits]
     points = [paired.get(model.labels.x[index[k]].of, []) for k in starts]

@@ -115,7 +115,12 @@ def with_unit(labels: Labels, index: int) -> str:
     return f"{labels.x[index]} [{unit_of(labels.x[index])}]"
 
 
-def _with_critical(steps, critical, stable, found: Path | SparsePath) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _with_critical(
+    steps: tuple[np.ndarray, np.ndarray],
+    critical: tuple[np.ndarray, np.ndarray],
+    stable: np.ndarray,
+    found: Path | SparsePath,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the path with the critical ones among them, and whether each piece between two points is stable.
 
     Critical points lie between the steps at which stability changes, in the order of the path; a piece that has an end

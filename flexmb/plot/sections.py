@@ -92,7 +92,7 @@ def across_of(
     return found
 
 
-def _ends(block: Block, properties: dict[str, Any], x, reference, wanted: list[int]):
+def _ends(block: Block, properties: dict[str, Any], x: np.ndarray, reference: np.ndarray, wanted: list[int]):
     """Local x and y axes at both ends of some elements, each (ends, elements, 3)."""
     index = np.asarray(block.x)[wanted]
     kinds = list(block.element.nodes.values())
@@ -105,11 +105,13 @@ def _ends(block: Block, properties: dict[str, Any], x, reference, wanted: list[i
 
 
 @jit
-def _frames(p, q, y) -> Float[Array, "n 3 3"]:
+def _frames(p: Float[Array, "n 3"], q: Float[Array, "n 3"], y: Float[Array, "n 3"] | None) -> Float[Array, "n 3 3"]:
     return jax.vmap(initial_frame, (0, 0, None if y is None else 0))(p, q, y)
 
 
-def _carried(points: Float[np.ndarray, "n places 3"], axes, sides) -> Float[np.ndarray, "n places 3"]:
+def _carried(
+    points: Float[np.ndarray, "n places 3"], axes: Float[np.ndarray, "2 n 3"], sides: Float[np.ndarray, "2 n 3"]
+) -> Float[np.ndarray, "n places 3"]:
     """Sides of the sections along lines, from those at the ends, (ends, n, 3)."""
     tangents = _unit(np.gradient(points, axis=1, edge_order=2))
     # An arc is tilted at its ends, in its plane, from the axis that its ends turn with.
@@ -143,7 +145,9 @@ def _along(tangents: Float[np.ndarray, "n places 3"]) -> Float[np.ndarray, "n pl
     return steps
 
 
-def _bent(start, end, vectors) -> Float[np.ndarray, "n 3"]:
+def _bent(
+    start: Float[np.ndarray, "n 3"], end: Float[np.ndarray, "n 3"], vectors: Float[np.ndarray, "n 3"]
+) -> Float[np.ndarray, "n 3"]:
     """Vectors turned by the smallest rotation that takes one unit vector to another, made normal to the latter."""
     axis, cosine = _cross(start, end), np.einsum("ni,ni->n", start, end)[:, None]
     along = np.einsum("ni,ni->n", axis, vectors)[:, None] * axis

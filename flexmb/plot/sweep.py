@@ -98,7 +98,15 @@ def sweep(
     return ax
 
 
-def _against(whole: Sweep, front: Front | None, x: str | None, y: str | None, answer, over, ax: Any) -> Any:
+def _against(
+    whole: Sweep,
+    front: Front | None,
+    x: str | None,
+    y: str | None,
+    answer: str | None,
+    over: Sequence[str] | str | None,
+    ax: Any,
+) -> Any:
     """One number of each design over another, those of the front marked and joined."""
     if x is None or y is None:
         raise ValueError("Give both `x` and `y`, names of what is drawn over what.")

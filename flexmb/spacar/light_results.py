@@ -48,7 +48,13 @@ class LightResults(Result):
     """
 
     def __init__(
-        self, script: Script, builder: Builder, model: Model, releases: Releases, load_factors, linearizations
+        self,
+        script: Script,
+        builder: Builder,
+        model: Model,
+        releases: Releases,
+        load_factors: Sequence[tuple[float, float]],
+        linearizations: Sequence[Linearization],
     ):
         self.version = __version__
         self.script, self.builder, self.model = script, builder, model

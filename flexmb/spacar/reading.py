@@ -131,7 +131,7 @@ class Reading:
     drawn: list[Statement] = dataclasses.field(default_factory=list)
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
 
-    def once(self, statement: Statement, *key) -> None:
+    def once(self, statement: Statement, *key: Any) -> None:
         """Refuse what is given a second time."""
         first = self.given.setdefault((statement.keyword, *key), statement)
         if first is not statement:

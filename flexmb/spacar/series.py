@@ -113,7 +113,7 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
     own = dict(enumerate(values, 1))
     found = {n: v for n, v in own.items() if n > closure(element)}
 
-    def add(number, value):
+    def add(number: int, value: float):
         found[number] = found.get(number, 0.0) + value
 
     fields, dimension = element.fields, _dimension(element)

@@ -66,18 +66,25 @@ class _Way(NamedTuple):
     regular: Array
 
 
-def _wanted(topology, parameters, q):
+def _wanted(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]):
     """Coordinates and deformations that are given, the others as undeformed."""
     return _with_freedoms(topology, held_values(topology, parameters, LoadFactors(1.0, 0.0)), q)
 
 
-def _with_freedoms(topology, given, q):
+def _with_freedoms(topology: Topology, given: tuple[Array, Array], q: Float[Array, "n_q"]):
     x, e = given
     n = topology.x.dof.shape[0]
     return put(x, topology.x.dof, x[topology.x.dof] + q[:n]), put(e, topology.e.dof, q[n:])
 
 
-def _corrected(topology, parameters, x, near, wanted_x, wanted_e):
+def _corrected(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    wanted_x: Float[Array, "n_x"],
+    wanted_e: Float[Array, "n_e"],
+):
     """One step of Newton's method, the deformations before it, and the transfer functions there."""
     given = topology.x.given
     shift = put(jnp.zeros(topology.n_x), given, (wanted_x - x)[given])
@@ -133,7 +140,7 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
         wanted_x, wanted_e = _wanted(topology, parameters, q * ((walk.step + 1).astype(float) / steps.astype(float)))
         x, near, regular = walk.x, walk.near, walk.regular
 
-        def corrected(_, carried):
+        def corrected(_: Array, carried: tuple[Array, ...]):
             x, near, regular = carried
             x, e, tangent = _corrected(topology, parameters, x, near, wanted_x, wanted_e)
             return x, e, regular & tangent.regular

@@ -18,6 +18,8 @@ from ..mechanics.loads import LoadFactors, load_factors
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
 from ..results import RESULTS, check, told
 from .chain import is_long_chain
 from .solve import external_of, reactions_of, solve_state
@@ -67,7 +69,7 @@ class Equilibrium(ByName, Result, Record):
 
 
 @kernel
-def _equilibrium(topology, parameters, target):
+def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors):
     at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
     outside = reactions_of(topology, at), external_of(topology, parameters, at)
     return at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result

@@ -4,7 +4,8 @@ How the linear equations of a turn are answered is left to others: by sparse fac
 by blocks in the order of a chain (:mod:`.chain`).
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -84,7 +85,7 @@ def _strained(topology: Topology, parameters: Parameters, factors: LoadFactors, 
     return carried if free is None else carried + free
 
 
-def along(size: int, places, matrices, v) -> Array:
+def along(size: int, places: Sequence[tuple[Any, Any]], matrices: Sequence[Array], v: Float[Array, "n"]) -> Array:
     """Sum of element matrices times a vector of the whole."""
     pieces = [(r, jnp.einsum("eij,ej->ei", m, v[c])) for (r, c), m in zip(places, matrices, strict=True)]
     return scatter_vector(size, pieces)
@@ -134,9 +135,9 @@ def corrected(
     target: LoadFactors,
     s: Search,
     equations: LinearEquations,
-    z,
-    code,
-    still,
+    z: Float[Array, "k 2"],
+    code: Int[Array, ""],
+    still: Bool[Array, ""],
 ) -> Search:
     """The search after the solution of its linear equations."""
     free, fast, held = unknowns(topology)
@@ -155,7 +156,7 @@ def corrected(
     # The softest motion, by the power method for the largest 1/mu of K v = mu K0 v.
     softer = z[: len(free), 1]
 
-    def energy(v):
+    def energy(v: Float[Array, "n"]):
         moved = along(topology.n_e, places, equations.rows, put(jnp.zeros(topology.n_x), free, v))
         moved = put(moved, held, 0.0)
         return moved @ jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (moved,))[1]

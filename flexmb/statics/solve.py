@@ -170,7 +170,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
             jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged),
         )
 
-        def choose(if_bad, if_done, otherwise):
+        def choose(if_bad: Array, if_done: Array, otherwise: Array):
             return jnp.where(bad, if_bad, jnp.where(done, if_done, otherwise))
 
         return _Search(
@@ -256,7 +256,7 @@ def change_of_equations(
         Implicit function theorem on THEORY.md 5, eq. (5.1); THEORY.md 10, eq. (10.1).
     """
 
-    def equations(parameters, target):
+    def equations(parameters: Parameters, target: LoadFactors):
         e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
         stiffness = element_stiffness(topology, parameters)
         sigma = stress_resultants(topology, parameters, scaled_loads(parameters, target), stiffness, e)
@@ -272,7 +272,7 @@ def change_of_equations(
     return put(excess, topology.e.dof, 0.0) + at.jacobian @ shift, shift, imbalance
 
 
-def _solve_jvp(primals, tangents):
+def _solve_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """The derivative of the equations at constant x, answered by the tangent; where the search began has no part."""
     topology, parameters, target, begin = primals
     solved = _solve(topology, parameters, target, begin)
@@ -280,7 +280,7 @@ def _solve_jvp(primals, tangents):
     excess, shift, imbalance = change_of_equations(topology, solved.at, near, primals[1:3], tangents[1:3])
     dx, _ = linear_response(topology, solved.at, excess, shift, imbalance)
 
-    def evaluated(parameters, target, x):
+    def evaluated(parameters: Parameters, target: LoadFactors, x: Float[Array, "n_x"]):
         return state(topology, parameters, target, x, near)
 
     _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:3], dx))

@@ -64,7 +64,15 @@ def _answer(topology: Topology, stiff: Any, rows: Any, right: Any, *, falls: boo
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
 
 
-def _traced_answer(topology: Topology, stiff, rows, right, *, falls: bool, transposed: bool = False):
+def _traced_answer(
+    topology: Topology,
+    stiff: list[Array],
+    rows: list[Array],
+    right: Float[Array, "r *k"],
+    *,
+    falls: bool,
+    transposed: bool = False,
+):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
     call = functools.partial(_answer, falls=falls, transposed=transposed)
@@ -125,7 +133,7 @@ def lacking_at(topology: Topology, parameters: Parameters, factors: LoadFactors,
 
 
 @kernel
-def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
+def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced):
     """Element matrices of the tangent at a state, and where they stand in x."""
     sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
     found, of_rows, of_stiff, _ = pieces_at(topology, parameters, factors, at.x, near, sigma, near)
@@ -148,7 +156,7 @@ def solution_at(topology, parameters, factors, near, at: Balanced, right) -> tup
         found, code = _answer(*on_host, falls=falls(parameters))
         return jnp.asarray(found), jnp.asarray(code)
 
-    def matvec(z):
+    def matvec(z: Float[Array, "r"]):
         # As products of element matrices: JAX traces and transposes them for each derivative.
         motion, multipliers = put(jnp.zeros(topology.n_x), free, z[:n]), put(jnp.zeros(topology.n_e), held, z[n:])
         transposed = [(c, r) for r, c in of_rows], [jnp.swapaxes(d, 1, 2) for d in rows]
@@ -231,7 +239,14 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
 
 
 @kernel
-def acting(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma):
+def acting(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+):
     """What mass feels, reactions and external forces at a state."""
     fast = unknowns(topology)[1]
     _, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)

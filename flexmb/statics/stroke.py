@@ -16,9 +16,11 @@ from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
+from ..model.parameters import Parameters
+from ..model.topology import Topology
 from ..results import RESULTS, check
 from .equilibrium import Equilibrium, warn_of_increment
-from .solve import external_of, reactions_of, solve_onward, undeformed
+from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 
 
 class Equilibria(ByName, Result, Record):
@@ -103,8 +105,8 @@ class Equilibria(ByName, Result, Record):
 
 
 @kernel
-def _equilibria(topology, parameters, targets):
-    def onward(begin, target):
+def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors):
+    def onward(begin: Begin, target: LoadFactors):
         at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         # A state that was not found is no beginning: the next one is looked for from the last that was.
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)

@@ -89,7 +89,16 @@ class Pieces(NamedTuple):
         return [a + b for a, b in zip(self.elastic, self.geometric, strict=True)] + self.loads
 
 
-def pieces_at(topology, parameters, factors, x, near, sigma, strained=None, mass: bool = False):
+def pieces_at(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+    strained: Float[Array, "n_e"] | None = None,
+    mass: bool = False,
+):
     """Element matrices at a state, where they stand in x, and its deformations.
 
     Args:
@@ -121,7 +130,16 @@ def pieces_at(topology, parameters, factors, x, near, sigma, strained=None, mass
 
 
 @jit
-def _pieces(topology: Topology, parameters: Parameters, factors: LoadFactors, x, near, sigma, *, mass: bool = False):
+def _pieces(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+    *,
+    mass: bool = False,
+):
     """Element matrices for the host, with nodal forces and the stress that deformations have there."""
     found, _, _, e = pieces_at(topology, parameters, factors, x, near, sigma, mass=mass)
     force = nodal_forces(topology, parameters, factors, x)
@@ -187,7 +205,15 @@ def falls(parameters: Parameters) -> bool:
     )
 
 
-def assemble(topology, parameters, factors, x, near, sigma, mass: bool = False) -> Assembled:
+def assemble(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array | np.ndarray, "n_x"],
+    near: Float[Array | np.ndarray, "n_e"],
+    sigma: Float[Array | np.ndarray, "n_e"],
+    mass: bool = False,
+) -> Assembled:
     """Tangent of the equilibrium at a state with stress resultants ``sigma``, on the host; with its mass if asked."""
     found = _pieces(topology, parameters, factors, *(jnp.asarray(v) for v in (x, near, sigma)), mass=mass)
     return Assembled(structure_of(topology, falls(parameters)), *found)

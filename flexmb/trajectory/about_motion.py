@@ -11,6 +11,8 @@ from ..arguments import is_concrete
 from ..compilation.compile import jit_beside_options
 from ..errors import ModelError
 from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.element_forces import deformed
@@ -69,10 +71,16 @@ def freedoms_of(motion: Motion) -> tuple[Float[Array, "n_t n_q"], Float[Array, "
 
 
 @jit_beside_options
-def _freedoms(topology, parameters, x, xd, near):
+def _freedoms(
+    topology: Topology,
+    parameters: Parameters,
+    x: Float[Array, "n_t n_x"],
+    xd: Float[Array, "n_t n_x"],
+    near: Float[Array, "n_t n_e"],
+):
     form = coordinates_form(topology, parameters)
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         x, xd, near = at
         e, jacobian = deformed(form.elements, x, near)
         own = jnp.concatenate([(x - parameters.reference)[topology.x.dof], e[topology.e.dof]])
@@ -81,7 +89,7 @@ def _freedoms(topology, parameters, x, xd, near):
     return jax.lax.map(one, (x, xd, near))
 
 
-def released(model: Model, t, held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
+def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
     """Loads that cancel, at the times of a motion, what holds the degrees of freedom along it.
 
     Args:
@@ -117,11 +125,11 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
 
 
 @jit_beside_options
-def _outputs(model: Model, driven: tuple[Driven, ...], rows):
+def _outputs(model: Model, driven: tuple[Driven, ...], rows: tuple[Array, ...]):
     undriven = coordinates_form(model.topology, model.parameters, driven)
     sensors = measuring(model, undriven, None)
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         own = undriven.state_of(x, xd, near)
         # What needs no forces is told of motions without mass too.

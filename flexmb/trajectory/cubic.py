@@ -20,7 +20,7 @@ class Spline(Record):
     values: Float[Array, "n_t ..."]
     slopes: Float[Array, "n_t ..."]
 
-    def __call__(self, t) -> Float[Array, "..."]:
+    def __call__(self, t: Float[Array, ""]) -> Float[Array, "..."]:
         """Value at one time, () [s]; outside of the given times the first or last polynomial goes on."""
         i = jnp.clip(jnp.searchsorted(self.t, t, side="right") - 1, 0, self.t.shape[0] - 2)
         h = self.t[i + 1] - self.t[i]
@@ -47,7 +47,7 @@ def spline(t: Float[Array, "n_t"], values: Float[Array, "n_t ..."]) -> Spline:
     return Spline(t, values, _slopes(t, flat).reshape(values.shape))
 
 
-def _slopes(t, y):
+def _slopes(t: Float[Array, "n_t"], y: Float[Array, "n_t k"]):
     h = jnp.diff(t)
     chord = jnp.diff(y, axis=0) / h[:, None]
     if t.shape[0] == 2:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import ArrayLike, Float
+from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.record import Record, static
@@ -187,7 +187,7 @@ def _system(system: Any):
     return a, b, c, d, inputs, outputs
 
 
-def _inverse(a, b, c, d, names: list[str]) -> _Inverse:
+def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: list[str]) -> _Inverse:
     """Inverse of a system by its relative degrees.
 
     Source:
@@ -264,14 +264,14 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
             )
 
 
-def _followed(inverse: _Inverse, laws, names, grid):
+def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequence[str], grid: np.ndarray):
     """States, inputs and outputs at the times.
 
     Source:
         THEORY.md 14, eq. (14.18).
     """
 
-    def derivatives(t):
+    def derivatives(t: Float[Array, ""]):
         """Outputs and their derivatives to the relative degree, one a column, of each law."""
         found = []
         for law, own in zip(laws, inverse.degrees, strict=True):
@@ -303,11 +303,11 @@ def _followed(inverse: _Inverse, laws, names, grid):
     return z, u, y.T
 
 
-def _derivative(f):
+def _derivative(f: Callable[..., Any]):
     return lambda t: jax.jvp(f, (t,), (jnp.ones_like(t),))[1]
 
 
-def _internal(inverse: _Inverse, every, grid, at) -> np.ndarray:
+def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Internal states at the times: what decays from the first of them on, what grows from the last of them back."""
     import scipy.linalg
 
@@ -326,7 +326,7 @@ def _internal(inverse: _Inverse, every, grid, at) -> np.ndarray:
     to_powers = np.linalg.inv(np.polynomial.polynomial.polyvander(nodes - 0.5, DEGREE))
     about_middle = np.einsum("pn,ind->ipd", to_powers, wanted)
 
-    def steps(q, p, backwards: bool):
+    def steps(q: np.ndarray, p: np.ndarray, backwards: bool):
         """End of each interval from its beginning, in the direction that decays."""
         direction = -1.0 if backwards else 1.0
         # Derivatives by the share of the interval at the end where the step begins.
@@ -360,7 +360,7 @@ def _internal(inverse: _Inverse, every, grid, at) -> np.ndarray:
     return np.concatenate([forwards + back @ x.T, back], axis=1) @ z.T
 
 
-def _at_rest(values, degrees):
+def _at_rest(values: np.ndarray, degrees: list[int]):
     """The same outputs, at rest."""
     still, n_xi = np.zeros_like(values), sum(degrees)
     firsts = np.cumsum([0, *degrees[:-1]])
@@ -370,7 +370,7 @@ def _at_rest(values, degrees):
     return still
 
 
-def _transition(q, p, length) -> np.ndarray:
+def _transition(q: np.ndarray, p: np.ndarray, length: float) -> np.ndarray:
     """State after an interval by that before it and by the scaled derivatives of what is wanted there."""
     import scipy.linalg
 
@@ -381,7 +381,7 @@ def _transition(q, p, length) -> np.ndarray:
     return scipy.linalg.expm(whole)[:n]
 
 
-def _error_from_rest(a, c, z, grid) -> float:
+def _error_from_rest(a: np.ndarray, c: np.ndarray, z: np.ndarray, grid: np.ndarray) -> float:
     """Largest output of what the start from rest leaves out, followed freely."""
     import scipy.linalg
 

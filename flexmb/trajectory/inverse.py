@@ -21,7 +21,7 @@ from ..math.rotation import rotation_since
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import rotation_row
-from ..mechanics.transfer import correction, transfer
+from ..mechanics.transfer import Transfer, correction, transfer
 from ..model.by_name import TURNS
 from ..model.model import Model, Signal, as_determined
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
@@ -397,7 +397,7 @@ def _check_inputs(model: Model) -> None:
             )
 
 
-def _checked_times(times) -> Float[Array, "n_t"]:
+def _checked_times(times: ArrayLike) -> Float[Array, "n_t"]:
     check_numbers("Argument `times`", times)
     times = jnp.asarray(times, float)
     if times.ndim != 1 or times.shape[0] < 2:
@@ -425,7 +425,9 @@ def _explain(names: list[str], laws: dict[str, Callable], found: _Found, times: 
     check(codes[first], True, f"It is so at {short(times[first])} s.")
 
 
-def _measured(form: CoordinatesForm, places: Sequence[Place], x, near) -> Float[Array, "k"]:
+def _measured(
+    form: CoordinatesForm, places: Sequence[Place], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+) -> Float[Array, "k"]:
     """Quantities of a configuration, from the undeformed mechanism."""
     top, parameters = form.topology, form.parameters
     e = deformations(top, parameters, x, near) if any(p.quantity == "e" for p in places) else near
@@ -459,7 +461,7 @@ class _Corrected(NamedTuple):
     regular: Any
 
 
-def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int, ...], goal, at: _At):
+def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int, ...], goal: tuple[Any, ...], at: _At):
     """One step of Newton's method towards a configuration in which what is wanted has its values.
 
     Source:
@@ -489,7 +491,14 @@ def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int,
 
 
 @jit_beside_options
-def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
+def _nominal(
+    model: Model,
+    laws: tuple[Driven, ...],
+    wanted: tuple[Wanted, ...],
+    moved: tuple[int, ...],
+    acting: tuple[int, ...],
+    times: Float[Array, "n_t"],
+) -> _Found:
     top, parameters = model.topology, model.parameters
     form = coordinates_form(top, parameters, laws)
     places, driven = [one.place for one in wanted], jnp.array(moved, int)
@@ -497,13 +506,13 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
     none = jnp.zeros(form.size)
     start = jnp.zeros(top.n_q) if parameters.start is None else jnp.asarray(parameters.start[0])
 
-    def given(form, wanted, t):
+    def given(form: CoordinatesForm, wanted: tuple[Wanted, ...], t: Float[Array, ""]):
         """Where everything is to be: coordinates, held deformations, values of what is wanted, held freedoms."""
         whole = form.whole(t, none, none, none)
         values = [jnp.asarray(one.law(t), float) for one in wanted]
         return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), start
 
-    def far(a, b):
+    def far(a: tuple[Any, ...], b: tuple[Any, ...]):
         """Largest change from one such goal to another, as a share of the mechanism's extent or in radians."""
         change = jax.tree.map(lambda a, b: b - a, a, b)
         (x, e), target, q = change
@@ -513,28 +522,30 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
 
     fixed_form, fixed_wanted, fixed_times = jax.lax.stop_gradient((form, wanted, times))
 
-    def settled(goal, at: _At, wanted=fixed_wanted, moved=moved) -> _At:
+    def settled(
+        goal: tuple[Any, ...], at: _At, wanted: tuple[Wanted, ...] = fixed_wanted, moved: tuple[int, ...] = moved
+    ) -> _At:
         """Newton's method until nothing changes."""
 
-        def more(loop):
+        def more(loop: tuple[Any, ...]):
             i, _, change = loop
             return (i < CORRECTIONS) & (change > SETTLED)
 
-        def step(loop):
+        def step(loop: tuple[Any, ...]):
             i, at, _ = loop
             found = _closer(fixed_form, wanted, moved, goal, at)
             return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
 
         return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
 
-    def follow(carry, t):
+    def follow(carry: tuple[Any, ...], t: Float[Array, ""]):
         """To the goal of the next time, in steps that Newton's method can follow."""
         before, at = carry
         goal = jax.lax.stop_gradient(given(fixed_form, fixed_wanted, t))
         count = jnp.clip(jnp.ceil(far(before, goal) / STEP), 1, MOST_STEPS)
         count = jnp.where(jnp.isfinite(count), count, 1).astype(jnp.int32)
 
-        def step(i, at):
+        def step(i: Array, at: _At):
             share = (i + 1).astype(float) / count.astype(float)
             return settled(jax.tree.map(lambda a, b: a + share * (b - a), before, goal), at)
 
@@ -551,7 +562,7 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
         begin = jax.lax.stop_gradient((begun, jnp.zeros(0), start))
         plain = (rest[0], jnp.zeros(0), rest[2])
 
-        def step(i, at):
+        def step(i: Array, at: _At):
             share = (i + 1.0) / STEPS_TO_START
             return settled(jax.tree.map(lambda a, b: a + share * (b - a), plain, begin), at, (), ())
 
@@ -560,7 +571,7 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
     _, walked = jax.lax.scan(follow, (rest, origin), fixed_times)
     walked = jax.lax.stop_gradient(walked)
 
-    def one(row):
+    def one(row: tuple[Array, _At]):
         t, at = row
         # Through this step derivatives pass: they are those of the implicit function.
         found = _closer(form, wanted, moved, given(form, wanted, t), at)
@@ -573,7 +584,7 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
         )
         moving = _moving(form, wanted, driven, rows, tangent, t, x, near)
 
-        def residual(u):
+        def residual(u: Float[Array, "n_u"]):
             return dynamic_balance(under_inputs(model, form, u), t, moving).residual
 
         n_u = len(model.labels.inputs)
@@ -603,7 +614,16 @@ def _nominal(model, laws, wanted, moved, acting, times) -> _Found:
     return jax.lax.map(one, (times, walked))
 
 
-def _moving(form, wanted, driven, rows, tangent, t, x, near) -> Moving:
+def _moving(
+    form: CoordinatesForm,
+    wanted: tuple[Wanted, ...],
+    driven: Int[Array, "k"],
+    rows: Float[Array, "k k"],
+    tangent: Transfer,
+    t: Float[Array, ""],
+    x: Float[Array, "n_x"],
+    near: Float[Array, "n_e"],
+) -> Moving:
     """Velocities and accelerations along the trajectory.
 
     Source:
@@ -616,10 +636,10 @@ def _moving(form, wanted, driven, rows, tangent, t, x, near) -> Moving:
     _, first, second = jax.tree.map(lambda *parts: jnp.stack(parts), *[rates(one.law, t) for one in wanted])
     factors = factorise(rows)
 
-    def measured(x):
+    def measured(x: Float[Array, "n_x"]):
         return _measured(form, places, x, near)
 
-    def rate(x, v):
+    def rate(x: Float[Array, "n_x"], v: Float[Array, "n_x"]):
         return jax.jvp(measured, (x,), (v,))[1]
 
     given = carried(form, t, x, none, none, near)
@@ -630,7 +650,7 @@ def _moving(form, wanted, driven, rows, tangent, t, x, near) -> Moving:
     return given._replace(a=given.a + tangent.DFx @ qdd)
 
 
-def _output(form, signal: Signal, moving: Moving) -> Float[Array, ""]:
+def _output(form: CoordinatesForm, signal: Signal, moving: Moving) -> Float[Array, ""]:
     """Value of an output at a state of motion."""
     x, v, a, near = moving
     place = _place_of_signal(signal)
@@ -641,16 +661,18 @@ def _output(form, signal: Signal, moving: Moving) -> Float[Array, ""]:
     if place.quantity == "x" and order:
         return (v, a)[order - 1][signal.index]
 
-    def value(x):
+    def value(x: Float[Array, "n_x"]):
         return _measured(form, [place], x, near)[0]
 
-    def rate(x, v):
+    def rate(x: Float[Array, "n_x"], v: Float[Array, "n_x"]):
         return jax.jvp(value, (x,), (v,))[1]
 
     return (lambda: value(x), lambda: rate(x, v), lambda: jax.jvp(rate, (x, v), (v, a))[1])[order]()
 
 
-def _as_loads(model: Model, times, u0, f0) -> tuple[Driven, ...]:
+def _as_loads(
+    model: Model, times: Float[Array, "n_t"], u0: Float[Array, "n_t n_u"], f0: Float[Array, "n_t n_q"]
+) -> tuple[Driven, ...]:
     """Inputs and what holds the rest, as loads that depend on time: their values at the times are exact."""
     top, found = model.topology, []
     if model.labels.inputs:
@@ -665,7 +687,7 @@ def _as_loads(model: Model, times, u0, f0) -> tuple[Driven, ...]:
 
 
 @jit
-def _driven_by_inputs(model: Model, u0) -> tuple[Driven, ...]:
+def _driven_by_inputs(model: Model, u0: Float[Array, "n_t n_u"]) -> tuple[Driven, ...]:
     """What inputs drive, at all times: one program, where each operation was one."""
     plain = coordinates_form(model.topology, model.parameters)
     return jax.vmap(lambda u: under_inputs(model, plain, u).driven)(u0)

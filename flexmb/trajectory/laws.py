@@ -7,7 +7,7 @@ value before it begins, and at its last value afterwards.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -119,7 +119,7 @@ def rates(law: Callable, t: Float[ArrayLike, ""]) -> tuple[Any, Any, Any]:
     """
     t = jnp.asarray(t, float)
 
-    def first(t):
+    def first(t: Float[Array, ""]):
         return jax.jvp(lambda t: jnp.asarray(law(t), float), (t,), (jnp.ones_like(t),))
 
     (value, rate), (_, second) = jax.jvp(first, (t,), (jnp.ones_like(t),))
@@ -411,7 +411,7 @@ def _positive(xp: Any, number: Any) -> Any:
     return xp.where(number > 0, number, 1e-300)
 
 
-def _limits(given) -> list[Any]:
+def _limits(given: Sequence[Any]) -> list[Any]:
     """Limits of velocity, acceleration and jerk, of which there is one at least."""
     for name, value in zip(WORDS[1:], given, strict=True):
         if value is not None:
@@ -421,7 +421,7 @@ def _limits(given) -> list[Any]:
     return list(given)
 
 
-def _rise(degree: int, start, end, duration, limits, begin) -> Law:
+def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any], begin: Any) -> Law:
     """A move by one polynomial."""
     for name, value in (("start", start), ("end", end), ("begin", begin)):
         check_number(name, value)
@@ -451,7 +451,7 @@ def _rise(degree: int, start, end, duration, limits, begin) -> Law:
     return Law(as_array(breaks), as_array(xp.stack(coefficients)[None]))
 
 
-def _through(times, values, degree: int, ends) -> Law:
+def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[int], Any]) -> Law:
     """A spline, whose coefficients are linear in the values."""
     import scipy.interpolate
 
@@ -498,7 +498,7 @@ def _peaks(law: Law) -> Float[Array, "3"]:
     return jnp.stack(found)
 
 
-def _shaped(law, frequency, damping, shares) -> Shaped:
+def _shaped(law: Any, frequency: ArrayLike, damping: ArrayLike, shares: Callable[..., Any]) -> Shaped:
     taken = as_law("Argument `law`", law)
     check_number("frequency", frequency, above=0)
     check_number("damping", damping, least=0)

@@ -78,7 +78,7 @@ class TimeVarying(Result, Record):
     output_labels: tuple[str, ...] = static()
     one_axis = "t"
 
-    def __call__(self, t) -> StateMatrices:
+    def __call__(self, t: ArrayLike) -> StateMatrices:
         """Matrices at one time, by a cubic spline.
 
         Args:
@@ -157,12 +157,12 @@ class TimeVarying(Result, Record):
         times, u, start = self._given(times, u, initial)
         splines = self._splines()
 
-        def run(count):
+        def run(count: int | Array):
             if isinstance(count, int):
                 return _solved(splines, times, u, start, None, substeps=count)
             return _solved(splines, times, u, start, count)
 
-        def apart(fine, coarse):
+        def apart(fine: tuple[Array, Array], coarse: tuple[Array, Array]):
             seen, before = (of[0] if self.output_labels else of[1] for of in (fine, coarse))
             size = jnp.max(jnp.abs(seen), axis=1, initial=0.0)
             off = jnp.max(jnp.abs(seen - before), axis=1, initial=0.0)
@@ -291,7 +291,7 @@ class TimeVarying(Result, Record):
     def _splines(self) -> tuple[Spline, Spline, Spline, Spline]:
         return _splined(self.t, (self.A, self.B, self.C, self.D))
 
-    def _within(self, name: str, times) -> None:
+    def _within(self, name: str, times: ArrayLike) -> None:
         if not is_concrete((self.t, times)):
             return
         first, last = float(self.t[0]), float(self.t[-1])
@@ -302,7 +302,7 @@ class TimeVarying(Result, Record):
                 f" {shown(np.asarray(times).tolist())}."
             )
 
-    def _given(self, times, u, initial):
+    def _given(self, times: ArrayLike, u: Any, initial: ArrayLike | None):
         """Times, inputs (k, n_u) and initial state as arrays."""
         check_numbers("Argument `times`", times)
         times = jnp.asarray(times, float)
@@ -338,7 +338,7 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:6]) + (f", … ({len(names)})" if len(names) > 6 else "") if names else "none"
 
 
-def _frequencies_along(stiffness, mass) -> np.ndarray:
+def _frequencies_along(stiffness: Float[Array, "n_t n n"], mass: Float[Array, "n_t n n"]) -> np.ndarray:
     rows = []
     for k, m in zip(np.asarray(stiffness), np.asarray(mass), strict=True):
         values, _ = general_spectrum(k, m)
@@ -347,22 +347,30 @@ def _frequencies_along(stiffness, mass) -> np.ndarray:
 
 
 @jit
-def _splined(t, parts: tuple[Any, ...]) -> tuple[Spline, ...]:
+def _splined(t: Float[Array, "n_t"], parts: tuple[Any, ...]) -> tuple[Spline, ...]:
     return tuple(spline(t, part) for part in parts)
 
 
 @jit
-def _matrices_at(splines: tuple[Spline, ...], t) -> StateMatrices:
+def _matrices_at(splines: tuple[Spline, ...], t: Float[Array, ""]) -> StateMatrices:
     return StateMatrices(*(of(t) for of in splines))
 
 
 @jit
-def _solved(splines: tuple[Spline, ...], times, u, start, count, *, substeps: int | None = None):
+def _solved(
+    splines: tuple[Spline, ...],
+    times: Float[Array, "k"],
+    u: Float[Array, "k n_u"],
+    start: Float[Array, "n_z"],
+    count: Any,
+    *,
+    substeps: int | None = None,
+):
     """Outputs and states; z_dot = A z + B u is the equation of second order in the integral of z, without stiffness."""
     a, b, c, d = splines
     eye = jnp.eye(start.shape[0])
 
-    def equation(t):
+    def equation(t: Float[Array, ""]):
         i = jnp.clip(jnp.searchsorted(times, t, side="right") - 1, 0, times.shape[0] - 2)
         given = u[i] + (t - times[i]) / (times[i + 1] - times[i]) * (u[i + 1] - u[i])
         return eye, -a(t), jnp.zeros_like(eye), b(t) @ given

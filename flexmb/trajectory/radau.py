@@ -22,7 +22,7 @@ WEIGHTS = np.array(
 
 
 def march(
-    equation: Callable, times: Float[Array, "n_t"], q: Float[Array, "n"], v: Float[Array, "n"], substeps
+    equation: Callable, times: Float[Array, "n_t"], q: Float[Array, "n"], v: Float[Array, "n"], substeps: int | Array
 ) -> tuple[Float[Array, "n_t n"], Float[Array, "n_t n"]]:
     """Solution of M qdd + C qd + K q = f, all of which depend on time.
 
@@ -48,7 +48,7 @@ def march(
     first, second = jnp.asarray(WEIGHTS), jnp.asarray(WEIGHTS @ WEIGHTS)
     eye = jnp.eye(stages)
 
-    def step(t, h, q, v):
+    def step(t: Float[Array, ""], h: Float[Array, ""], q: Float[Array, "n"], v: Float[Array, "n"]):
         mass, damping, stiffness, force = jax.vmap(equation)(t + h * PLACES)
         blocks = (
             eye[:, :, None, None] * mass[:, None]
@@ -61,10 +61,10 @@ def march(
         a = factorise(matrix).solve(right.reshape(-1)).reshape(stages, n)
         return q + h * v + h**2 * second[-1] @ a, v + h * first[-1] @ a
 
-    def interval(state, ends):
+    def interval(state: tuple[Array, Array], ends: Float[Array, "2"]):
         begin, h = ends[0], (ends[1] - ends[0]) / jnp.asarray(substeps, float)
 
-        def once(i, state):
+        def once(i: Array, state: tuple[Array, Array]):
             return step(begin + i.astype(float) * h, h, *state)
 
         state = jax.lax.fori_loop(0, substeps, once, state)

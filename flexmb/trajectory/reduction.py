@@ -34,7 +34,20 @@ def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: 
     shapes = slow.shapes
     own, damping, stiffness = projected(slow, mass, -mass @ by_rate, -mass @ by_q)
 
-    def one(a, b, c, d, mass, own, damping, stiffness, shapes, rates, second, rest):
+    def one(
+        a: Float[Array, "z z"],
+        b: Float[Array, "z n_u"],
+        c: Float[Array, "n_y z"],
+        d: Float[Array, "n_y n_u"],
+        mass: Float[Array, "n n"],
+        own: Float[Array, "modes modes"],
+        damping: Float[Array, "modes modes"],
+        stiffness: Float[Array, "modes modes"],
+        shapes: Float[Array, "n modes"],
+        rates: Float[Array, "n modes"],
+        second: Float[Array, "n modes"],
+        rest: Float[Array, "n n"],
+    ):
         more = a.shape[0] - 2 * n
         still, beside = jnp.zeros_like(shapes), jnp.zeros((n, more))
         velocity = jnp.concatenate([rates, shapes, beside], axis=1)

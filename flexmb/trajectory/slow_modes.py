@@ -67,7 +67,7 @@ def slow_modes(
     common = candidates @ (vectors[:, -count:] / jnp.sqrt(weights[-count:]))[:, ::-1]
     others = jnp.linalg.qr(mean @ common, mode="complete")[0][:, count:]
 
-    def one(stiffness):
+    def one(stiffness: Float[Array, "n n"]):
         rest = others @ factorise(others.T @ stiffness @ others).solve(others.T)
         return common - rest @ stiffness @ common, rest
 

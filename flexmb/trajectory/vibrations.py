@@ -19,7 +19,10 @@ from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
 from ..mechanics.extent import sizes_of
 from ..model.model import Labels, Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
 from ..motion.coordinates_form import coordinates_form
+from ..motion.drive import Driven
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried
 from ..results import check
@@ -105,12 +108,22 @@ class Perturbation(Result, Record):
 
 
 @jit_beside_options
-def _placed(topology, parameters, driven, t, x, near, change, q, qd):
+def _placed(
+    topology: Topology,
+    parameters: Parameters,
+    driven: tuple[Driven, ...],
+    t: Float[Array, "n_t"],
+    x: Float[Array, "n_t n_x"],
+    near: Float[Array, "n_t n_e"],
+    change: Float[Array, "n_t n_q"],
+    q: Float[Array, "n_t n_q"],
+    qd: Float[Array, "n_t n_q"],
+):
     """Configurations, velocities and deformations at degrees of freedom that have changed along a motion."""
     form = coordinates_form(topology, parameters, driven)
     none, still = jnp.zeros(form.size), jnp.zeros(topology.n_q)
 
-    def one(at):
+    def one(at: tuple[Array, ...]):
         t, x, near, change, q, qd = at
         guess = x + carried(form, t, x, change, still, near, 0.0).v
         x, near = form.placed(form.whole(t, none, none, none), q, guess, near)
@@ -120,7 +133,15 @@ def _placed(topology, parameters, driven, t, x, near, change, q, qd):
 
 
 @jit
-def _equations(t, m: Matrices, force, start, kept: Array, *, modes: int | None):
+def _equations(
+    t: Float[Array, "n_t"],
+    m: Matrices,
+    force: Float[Array, "n_t n_q"],
+    start: tuple[Array, Array],
+    kept: Array,
+    *,
+    modes: int | None,
+):
     """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; and the modes.
 
     Args:
@@ -139,20 +160,28 @@ def _equations(t, m: Matrices, force, start, kept: Array, *, modes: int | None):
     return spline(t, jnp.concatenate([*parts, force[:, :, None]], axis=2)), start, slow
 
 
-def _kept(m: Matrices, force, kept):
+def _kept(m: Matrices, force: Float[Array, "n_t n_q"], kept: Array):
     """Mass, damping, stiffness and force of the degrees of freedom that may vibrate."""
     return *(part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K)), force[:, kept]
 
 
 @jit
-def _whole(equations: Spline, m: Matrices, force, kept, slow: SlowModes | None, p, pd):
+def _whole(
+    equations: Spline,
+    m: Matrices,
+    force: Float[Array, "n_t n_q"],
+    kept: Array,
+    slow: SlowModes | None,
+    p: Float[Array, "n_t k"],
+    pd: Float[Array, "n_t k"],
+):
     """Deviations of all degrees of freedom and their rates, (n_t, n_q) each, from those that were integrated."""
     still = jnp.zeros((p.shape[0], m.M0.shape[1]))
     if slow is not None:
         mass, damping, _, force = _kept(m, force, kept)
         count = p.shape[1]
 
-        def one(at):
+        def one(at: tuple[Array, ...]):
             p, pd, mass, damping, force, shapes, rates, second, rest, own = at
             right = own[:, 3 * count] - own[:, count : 2 * count] @ pd - own[:, 2 * count : 3 * count] @ p
             pdd = factorise(own[:, :count]).solve(right)
@@ -167,10 +196,12 @@ def _whole(equations: Spline, m: Matrices, force, kept, slow: SlowModes | None, 
 
 
 @jit
-def _vibrations(equations: Spline, q, qd, count, *, substeps: int | None = None):
+def _vibrations(
+    equations: Spline, q: Float[Array, "k"], qd: Float[Array, "k"], count: Any, *, substeps: int | None = None
+):
     n = q.shape[0]
 
-    def equation(t):
+    def equation(t: Float[Array, ""]):
         found = equations(t)
         return found[:, :n], found[:, n : 2 * n], found[:, 2 * n : 3 * n], found[:, 3 * n]
 
@@ -178,7 +209,7 @@ def _vibrations(equations: Spline, q, qd, count, *, substeps: int | None = None)
 
 
 @jit
-def _sway(topology, parameters, dfx, q):
+def _sway(topology: Topology, parameters: Parameters, dfx: Float[Array, "n_t n_x n_q"], q: Float[Array, "n_t n_q"]):
     """Displacements in extents and radians, (n_t, n_x)."""
     return jnp.einsum("tij,tj->ti", dfx, q) / sizes_of(topology, parameters)
 
@@ -245,15 +276,15 @@ def perturbation(
     start = tuple(value[kept] for value in start)
     equations, start, slow = _equations(t, m, force, start, kept, modes=modes)
 
-    def run(count):
+    def run(count: int | Array):
         if isinstance(count, int):
             return _vibrations(equations, *start, None, substeps=count)
         return _vibrations(equations, *start, count)
 
-    def whole(p, pd):
+    def whole(p: Float[Array, "n_t k"], pd: Float[Array, "n_t k"]):
         return _whole(equations, m, force, kept, slow, p, pd)
 
-    def apart(fine, coarse):
+    def apart(fine: Any, coarse: Any):
         fine, coarse = whole(*fine)[0], whole(*coarse)[0]
         change, size = (
             jnp.max(jnp.abs(_sway(model.topology, model.parameters, m.DFx, of)), initial=0.0)
@@ -291,7 +322,7 @@ def _as_inputs(u: Any, times: int, inputs: int) -> Float[Array, "n_t n_u"]:
     return found
 
 
-def _pushed(lin: Linearization, u) -> Float[Array, "n_t n_q"]:
+def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t n_q"]:
     """Forces of inputs along the degrees of freedom."""
     form = second_order(lin)
     moving = [s.name for s, moves in zip(lin.labels.inputs, form.moves, strict=True) if moves]

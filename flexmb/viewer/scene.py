@@ -185,7 +185,9 @@ def _displacement(model: Model, base: np.ndarray, move: np.ndarray, shapes: dict
     return moved, turned
 
 
-def _drawn(model: Model, x: np.ndarray, shapes: dict[str, Shape], keep) -> tuple[np.ndarray, np.ndarray]:
+def _drawn(
+    model: Model, x: np.ndarray, shapes: dict[str, Shape], keep: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
     """Points of all lines that are kept, and what lies across them."""
     drawn = lines(model, x)
     across = across_of(model, x, drawn, shapes)

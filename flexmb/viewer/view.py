@@ -97,7 +97,9 @@ def _of_shares(found: States) -> Colours:
     return Colours("largest stress resultant, relative [-]", "plasma_r", 0.0, 1.0, values)
 
 
-def _view(model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours | None, loaded, **options: Any) -> View:
+def _view(
+    model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours | None, loaded: np.ndarray, **options: Any
+) -> View:
     """``colours`` has values at all places of all lines, ``loaded`` is the state in which the loads are told."""
     if colours is not None:
         colours = colours._replace(values=kept_values(drawn, colours.values))

@@ -9,6 +9,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from ..compilation.compile import jit
 from ..design.evaluate import build_once, flat_function, layout_of
@@ -164,7 +165,7 @@ class Traced:
         function, _ = flat_function(self._linearized, functions, layout, models)
         self._refused = refusal(self._built, models, example)
 
-        def of_names(free, plain):
+        def of_names(free: Array, plain: Array):
             values, code = function(jnp.concatenate([free, plain]))
             return values, (values, code)
 
