@@ -1,7 +1,7 @@
 """Load multipliers and buckling modes of large mechanisms, by sparse factors, and derivatives of the multipliers."""
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp

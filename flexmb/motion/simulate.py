@@ -27,7 +27,6 @@ from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from .chain_form import obstacle
-from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
