@@ -1888,6 +1888,13 @@ FAULTS = [
     ),
     Fault("paths/sparse_critical.py", "(-1) ** rest * factored", "factored", "paths/test_sparse_critical.py -k sign"),
     Fault("paths/sparse_path.py", "stable[i] = is_steady", "_ = is_steady", "paths/test_sparse_path.py -k flutter"),
+    Fault(
+        "math/sparse.py",
+        "raise AnalysisError(RESULTS.out_of_memory.name, RESULTS.out_of_memory.message) from None",
+        "pass",
+        "statics/test_sparse.py -k memory_that_does_not_suffice",
+    ),
+    Fault("model/model.py", "if needed > there:", "if False:", "statics/test_sparse.py -k memory_does_not_hold"),
     Fault("math/bordered.py", "self._corner * first", "0.0 * first", "math/test_bordered.py"),
     Fault("math/bordered.py", "entire[-1] *= self._by_column", "entire[-1] *= 1.0", "math/test_bordered.py"),
     Fault("math/sparse.py", "last[0].dtype != data.dtype or", "False or", "paths/test_sparse_states.py -k response"),

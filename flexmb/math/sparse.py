@@ -5,6 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import AnalysisError
+from ..results import RESULTS
+
 # Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors. Static loads on a
 # rack take as long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
 LARGE = 300
@@ -91,7 +94,6 @@ class SparseFactors:
     Attributes:
         ordering: The order of elimination, (n,), or None where the matrix is singular and none was given.
         regular: Whether the factors can be trusted.
-        too_large: Whether the memory did not suffice for them.
         negative: Number of negative eigenvalues of a symmetric matrix; None where rows changed places, so that pivots
             tell no sign.
 
@@ -108,6 +110,9 @@ class SparseFactors:
                 one is found by minimum degree, of columns alone where the diagonal has zeros.
             on_diagonal: Whether pivots are looked for on a diagonal with zeros too: multipliers come after what they
                 constrain in the ordering.
+
+        Raises:
+            AnalysisError: out_of_memory.
         """
         import scipy.sparse
 
@@ -123,7 +128,7 @@ class SparseFactors:
         self.negative: int | None = None
         # Of multipliers the diagonal is zero. Rows that change places meanwhile fill an order that counts on
         # the diagonal: a mesh of 1900 spatial beams takes 4.4 s, in an order of columns 0.1 s.
-        self.too_large, self._by_rows = False, not on_diagonal and bool(np.any(matrix.diagonal() == 0))
+        self._by_rows = not on_diagonal and bool(np.any(matrix.diagonal() == 0))
         by = "COLAMD" if self._by_rows else "MMD_AT_PLUS_A"
         if not self._factor(by if ordering is None else "NATURAL"):
             return
@@ -162,7 +167,7 @@ class SparseFactors:
         try:
             self._factors = scipy.sparse.linalg.splu(self._matrix, permc_spec=by, **how)
         except MemoryError:
-            self.too_large = True
+            raise AnalysisError(RESULTS.out_of_memory.name, RESULTS.out_of_memory.message) from None
         except RuntimeError:
             # Exactly singular.
             pass

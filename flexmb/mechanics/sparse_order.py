@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float, Inexact, Int
 
 from ..compilation.record import Record, static
+from ..errors import AnalysisError
 from ..math.sparse import SparseFactors, SparsePattern
 from ..model.topology import Topology
 from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
@@ -55,8 +56,14 @@ class Places:
         return _host.submit(self._solution, np.asarray(entries), np.asarray(right)).result()
 
     def _solution(self, entries: np.ndarray, right: np.ndarray) -> np.ndarray:
-        factors = self._factors(entries)
-        return factors.solve(right) if factors.regular else np.full_like(right, np.nan)
+        try:
+            factors = self._factors(entries)
+        except AnalysisError:
+            self.too_large = True
+        else:
+            if factors.regular:
+                return factors.solve(right)
+        return np.full_like(right, np.nan)
 
     def _factors(self, entries: np.ndarray) -> SparseFactors:
         for known, factors in self._kept:
@@ -64,7 +71,7 @@ class Places:
                 return factors
         factors = SparseFactors(self._pattern.matrix([entries]), self._pattern.ordering)
         self._pattern.ordering = factors.ordering
-        self.too_large = factors.too_large
+        self.too_large = False
         self._kept.appendleft((entries.copy(), factors))
         return factors
 

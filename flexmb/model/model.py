@@ -14,7 +14,8 @@ from jaxtyping import Array
 from ..arguments import is_concrete
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
-from ..errors import ModelError
+from ..errors import AnalysisError, ModelError
+from ..results import RESULTS
 from .parameters import Parameters
 from .properties import with_property
 from .roles import Role
@@ -307,11 +308,12 @@ def as_model(given: Any, function: str) -> Model:
 
 
 def as_determined(given: Any, function: str) -> Model:
-    """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it.
+    """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it, for dense matrices.
 
     Raises:
         TypeError: It is no Model.
         ModelError: It has more or fewer degrees of freedom, since it was not checked.
+        AnalysisError: out_of_memory: the machine does not hold its dense matrices.
     """
     model = as_model(given, function)
     x, e = model.topology.x, model.topology.e
@@ -321,7 +323,24 @@ def as_determined(given: Any, function: str) -> Model:
             f"fm.{function}: the {model.topology.n_q} degrees of freedom of this model do not determine it, which was"
             f" built with check=False: {abs(missing)} {'more' if missing > 0 else 'fewer'} would. Build it with checks."
         )
+    n, rows = model.topology.n_x, model.topology.n_e
+    # The curvature, the constraints of the DEPENDENT coordinates with their factors, and the Jacobian, all at once.
+    needed, there = 8 * n * (3 * n + rows), memory()
+    if needed > there:
+        raise AnalysisError(
+            RESULTS.out_of_memory.name,
+            f"fm.{function}: dense matrices of {n} coordinates take {needed / 1e9:.3g} GB or more, and this machine has"
+            f" {there / 1e9:.3g} GB. Ask what sparse matrices answer (sparse=True, with count=), or use fewer elements.",
+        )
     return model
+
+
+def memory() -> float:
+    """Memory of this machine [bytes]; unlimited where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):
+        return float("inf")
 
 
 def _instead(name: str, there: list[str], thing: str) -> str:

@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..compilation.threads import one_thread
-from ..errors import ModelError
+from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..mechanics.blocks import kernel
@@ -54,13 +54,13 @@ class Balanced(NamedTuple):
 def _answer(topology: Topology, stiff: Any, rows: Any, right: Any, *, falls: bool, transposed: bool = False):
     """Solution of the linear equations on the host, and what they are: a code of RESULTS; NumPy and SciPy alone."""
     structure = structure_of(topology, falls)
-    factors = structure.tangent.factors(structure.bordered(stiff, rows))
-    if factors.regular:
-        return factors.solve(right, transposed), np.array(RESULTS.successful, np.int32)
-    if factors.too_large:
-        why = RESULTS.out_of_memory
-    else:
+    try:
+        factors = structure.tangent.factors(structure.bordered(stiff, rows))
+        if factors.regular:
+            return factors.solve(right, transposed), np.array(RESULTS.successful, np.int32)
         why = RESULTS.singular_stiffness if structure.independent(rows) else RESULTS.singular_configuration
+    except AnalysisError as fault:
+        why = RESULTS[fault.code]
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
 
 

@@ -232,11 +232,26 @@ def test_memory_that_does_not_suffice_is_named(monkeypatch):
         raise MemoryError
 
     model = arm().build(check=False)
+    lin = fm.linearize(model, sparse=True)
     monkeypatch.setattr("flexmb.statics.sparse.chain_of", lambda topology: None)
     monkeypatch.setattr("scipy.sparse.linalg.splu", full)
     monkeypatch.setattr("flexmb.statics.sparse_structure._known", type(sparse_structure._known)())
-    with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
-        fm.equilibrium(model, sparse=True)
+    asked = (
+        lambda: fm.equilibrium(model, sparse=True),
+        lambda: fm.compliance(lin, "d"),
+        lambda: fm.frequencies(lin, count=1),
+    )
+    for ask in asked:
+        with pytest.raises(fm.AnalysisError, match="memory does not suffice") as info:
+            ask()
+        assert info.value.code == "out_of_memory"
+
+
+def test_dense_matrices_that_memory_does_not_hold_are_refused(monkeypatch):
+    model = arm().build()
+    monkeypatch.setattr("flexmb.model.model.memory", lambda: 1e3)
+    with pytest.raises(fm.AnalysisError, match=r"fm\.equilibrium: dense matrices of \d+ coordinates take .* GB"):
+        fm.equilibrium(model, sparse=False)
 
 
 def test_small_pivots_on_the_diagonal():
