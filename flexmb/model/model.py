@@ -329,8 +329,8 @@ def as_determined(given: Any, function: str) -> Model:
     if needed > there:
         raise AnalysisError(
             RESULTS.out_of_memory.name,
-            f"fm.{function}: dense matrices of {n} coordinates take {needed / 1e9:.3g} GB or more, and this machine has"
-            f" {there / 1e9:.3g} GB. Ask what sparse matrices answer (sparse=True, with count=), or use fewer elements.",
+            f"fm.{function}: dense matrices of {n} coordinates take {needed / 1e9:.3g} GB or more, and there are"
+            f" {there / 1e9:.3g} GB. Ask what sparse matrices answer (sparse=True, count=), or use fewer elements.",
         )
     return model
 
