@@ -47,7 +47,14 @@ def _transfer(
     return solutions(elements, w, b, c, only_responses=True)
 
 
-def solutions(elements: ElementMatrices, w, b, c, *, only_responses: bool = False) -> Any:
+def solutions(
+    elements: ElementMatrices,
+    w: Float[Array, "n_f"],
+    b: Complex[Array, "3 n_x n_u"],
+    c: Complex[Array, "3 n_y n_x"],
+    *,
+    only_responses: bool = False,
+) -> Any:
     """Z^-1 B and Z^-T C^T at each frequency, of coordinates that move and multipliers, or responses alone.
 
     Args:
@@ -128,7 +135,7 @@ def _by_solutions(
 
 
 @_transfer.defjvp
-def _transfer_jvp(primals, tangents):
+def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """As (14.32): with X = Z^-1 B and Y = Z^-T C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
     moved = solutions(*primals)
     found, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)

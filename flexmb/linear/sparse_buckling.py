@@ -46,7 +46,9 @@ class _Growth(NamedTuple):
 
 
 @jax.custom_jvp
-def _rates(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced) -> Array:
+def _rates(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
+) -> Array:
     """Rates of the coordinates that move and of the multipliers with the factor of the incremental loads, (n + h,).
 
     About this state itself: under the same loads there may be others.
@@ -60,13 +62,20 @@ def _rates(topology: Topology, parameters: Parameters, factors: LoadFactors, nea
 
 
 @kernel
-def _imbalance(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced, rates) -> Array:
+def _imbalance(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    near: Float[Array, "n_e"],
+    at: Balanced,
+    rates: Float[Array, "r"],
+) -> Array:
     """Rate of what the equations lack, where the state changes at given rates, (n + h,)."""
     free = unknowns(topology)[0]
     n = free.shape[0]
     motion = put(jnp.zeros(topology.n_x), free, rates[:n])
 
-    def lacking(more):
+    def lacking(more: Float[Array, ""]):
         own = LoadFactors(factors.initial, factors.increment + more)
         moved = at._replace(x=at.x + more * motion, multipliers=at.multipliers + more * rates[n:])
         return lacking_at(topology, parameters, own, near, moved)
@@ -75,11 +84,11 @@ def _imbalance(topology: Topology, parameters: Parameters, factors: LoadFactors,
 
 
 @_rates.defjvp
-def _rates_jvp(primals, tangents):
+def _rates_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, own_parameters, own_factors, near, state = primals
     rates = _rates(*primals)
 
-    def equations(parameters, factors, at):
+    def equations(parameters: Parameters, factors: LoadFactors, at: Balanced):
         return _imbalance(topology, parameters, factors, near, at, rates)
 
     varied = tangents[1], tangents[2], tangents[4]
@@ -87,7 +96,9 @@ def _rates_jvp(primals, tangents):
     return rates, solution_at(topology, own_parameters, own_factors, near, state, -change)[0]
 
 
-def _growth(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced) -> _Growth | None:
+def _growth(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
+) -> _Growth | None:
     """What the incremental loads add; None where all loads are scaled."""
     if parameters.increment is None:
         return None
@@ -96,14 +107,21 @@ def _growth(topology: Topology, parameters: Parameters, factors: LoadFactors, ne
 
 
 @kernel
-def _grown(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced, rates) -> _Growth:
+def _grown(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    near: Float[Array, "n_e"],
+    at: Balanced,
+    rates: Float[Array, "r"],
+) -> _Growth:
     """Displacements and stress resultants of rates of the unknowns."""
     free, fast, held = unknowns(topology)
 
-    def moving(increment):
+    def moving(increment: Float[Array, ""]):
         return held_values(topology, parameters, LoadFactors(factors.initial, increment))[0]
 
-    def stress(increment, e):
+    def stress(increment: Float[Array, ""], e: Float[Array, "n_e"]):
         return elastic_stress(topology, parameters, LoadFactors(factors.initial, increment), e)
 
     increment, one = jnp.asarray(factors.increment, float), jnp.ones(())
@@ -116,7 +134,12 @@ def _grown(topology: Topology, parameters: Parameters, factors: LoadFactors, nea
 
 @kernel
 def _matrices(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced, growth: _Growth | None
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    near: Float[Array, "n_e"],
+    at: Balanced,
+    growth: _Growth | None,
 ) -> Matrices:
     """What stays and what is scaled as in :func:`.buckling.scaled_stiffness`, element by element."""
     x, sizes = at.x, sizes_of(topology, parameters)
@@ -124,7 +147,7 @@ def _matrices(
     found, of_rows, _, _ = pieces_at(topology, parameters, factors, x, near, sigma)
     stressed, preload, moved = [*found.geometric, *found.loads], None, sizes
 
-    def of_stress(factors, sigma):
+    def of_stress(factors: LoadFactors, sigma: Float[Array, "n_e"]):
         pieces = [own for *_, own in curvature_pieces(topology, parameters, x, near, sigma)]
         gravity = scaled_loads(parameters, factors).gravity
         heavy = [] if gravity is None else weight_pieces(topology, parameters, x, gravity)
@@ -163,7 +186,7 @@ def _found(topology: Topology, parameters: Parameters, factors: LoadFactors, at:
 
 
 @_found.defjvp
-def _no_second_derivative(primals, tangents):
+def _no_second_derivative(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     raise NotImplementedError("Load multipliers by sparse factors can be differentiated once: give sparse=False.")
 
 
@@ -180,7 +203,15 @@ def _load_multipliers(
 
 
 @jit
-def _quotients(topology, parameters, factors, near, at: Balanced, growth: _Growth | None, modes: Buckled) -> Array:
+def _quotients(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    near: Float[Array, "n_e"],
+    at: Balanced,
+    growth: _Growth | None,
+    modes: Buckled,
+) -> Array:
     """Second variations of the Lagrangian along modes, stresses scaled, whose changes are those of the multipliers."""
     free, _, held = unknowns(topology)
     loads = scaled_loads(parameters, factors)
@@ -188,20 +219,20 @@ def _quotients(topology, parameters, factors, near, at: Balanced, growth: _Growt
     sigma = put(elastic_stress(topology, parameters, factors, strained), held, at.multipliers)
     grown = scaled_loads(parameters, LoadFactors(0.0, 1.0)).gravity
 
-    def along(motion, multipliers, value):
+    def along(motion: Float[Array, "n"], multipliers: Float[Array, "h"], value: Float[Array, ""]):
         phi = put(jnp.zeros(topology.n_x), free, motion)
 
-        def rates(x):
+        def rates(x: Float[Array, "n_x"]):
             return jax.jvp(lambda x: deformations(topology, parameters, x, near), (x,), (phi,))
 
         (e, first), (_, second) = jax.jvp(rates, (at.x,), (phi,))
         stress = jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (e,), (put(first, held, 0.0),))[1]
 
-        def of_stress(sigma, gravity):
+        def of_stress(sigma: Float[Array, "n_e"], gravity: Float[Array, "axes"] | None):
             if gravity is None:
                 return sigma @ second
 
-            def slope(x):
+            def slope(x: Float[Array, "n_x"]):
                 return jax.jvp(lambda x: work_of_weight(topology, parameters, x, gravity), (x,), (phi,))[1]
 
             return sigma @ second - jax.jvp(slope, (at.x,), (phi,))[1]
@@ -222,7 +253,7 @@ def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     near = _deformed(topology, parameters, at)
     bounded = jnp.isfinite(found.values)
 
-    def quotients(parameters, factors, at):
+    def quotients(parameters: Parameters, factors: LoadFactors, at: Balanced):
         growth = _growth(topology, parameters, factors, near, at)
         return _quotients(topology, parameters, factors, near, at, growth, found)
 

@@ -103,7 +103,7 @@ def _operator(stays: Any, n: int) -> tuple[Any, Any]:
     if not factored.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
-    def moved(force):
+    def moved(force: np.ndarray):
         return factored.solve(np.concatenate([np.ravel(force), np.zeros(stays.shape[0] - n)]))[:n]
 
     linalg: Any = scipy.sparse.linalg
@@ -147,13 +147,13 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> Buckled:
             raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
     else:
 
-        def search(values, known, start):
+        def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
             how = {"which": "LM", "tol": 1e-13}
             return eigenvalues_beside(
                 -scaled, stiffness, moved.matvec, (values, known), count, moved.matvec(start), **how
             )
 
-        def passed_over(inverse):
+        def passed_over(inverse: np.ndarray):
             if abs(inverse[-1]) <= abs(inverse[0]) / UNBOUNDED:
                 return False
             limit = (1 - BEFORE) / abs(inverse[-1])

@@ -229,7 +229,7 @@ def _searched(at: _Shifted, basis: np.ndarray, count: int, number: int) -> tuple
 
     linalg: Any = scipy.sparse.linalg
 
-    def beside(z):
+    def beside(z: np.ndarray):
         z = np.ravel(z)
         z = at(z - basis @ (basis.T @ z))
         return z - basis @ (basis.T @ z)

@@ -78,7 +78,7 @@ def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int)
 def transposed(elements: ElementMatrices) -> ElementMatrices:
     """The same with stiffness, damping and loss transposed; what has no potential leaves them unsymmetric."""
 
-    def turned(pieces):
+    def turned(pieces: Pieces):
         return [(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces]
 
     own = elements

@@ -155,7 +155,7 @@ def unknowns_of(topology: Topology, moving: list[Block]) -> tuple[list[np.ndarra
 
 
 @functools.lru_cache(8)
-def _levels(key, n: int, count: int, widest: int | None) -> Any:
+def _levels(key: tuple[tuple[tuple[int, ...], bytes], ...], n: int, count: int, widest: int | None) -> Any:
     unknowns = [np.frombuffer(data, np.int64).reshape(shape) for shape, data in key]
     elements = [row[row < count] for rows in unknowns for row in rows]
     level = _level_of_each(elements, n, count)

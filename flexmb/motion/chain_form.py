@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Inexact
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
@@ -180,7 +180,7 @@ class ChainForm(Record):
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
         return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
 
-    def factors_of_step(self, pieces: Pieces, step) -> Factors:
+    def factors_of_step(self, pieces: Pieces, step: Inexact[Array, ""]) -> Factors:
         """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
 
         def of_step(z: Float[Array, "elements k k"], w: Float[Array, "elements k k"], u: Float[Array, "elements k k"]):
@@ -203,7 +203,7 @@ class ChainForm(Record):
         order: Any = self.order
         factors = order.factors(self.pieces(t, state, z).by_z)
 
-        def corrected(z, _):
+        def corrected(z: Float[Array, "r"], _: None):
             left = self.residual(t, state, z)
             return z - order.solved(factors, left), jnp.max(jnp.abs(left))
 

@@ -17,7 +17,8 @@ from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
-from ..mechanics.sparse_order import order_of
+from ..mechanics.levels import Levels
+from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
@@ -278,7 +279,16 @@ def _along(
 
 
 @jit_beside_options
-def _observe(model, driven, t, x, xd, near, u, order):
+def _observe(
+    model: Model,
+    driven: tuple[Driven, ...],
+    t: Float[Array, "n_t"],
+    x: Float[Array, "n_t n_x"],
+    xd: Float[Array, "n_t n_x"],
+    near: Float[Array, "n_t n_e"],
+    u: Float[Array, "n_t n_u"],
+    order: Levels | SparseOrder | None,
+):
     topology, parameters = model.topology, model.parameters
     undriven = coordinates_form(topology, parameters, driven)
     chain = None if order is None else chain_form(model, driven, order)

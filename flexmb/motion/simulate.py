@@ -27,6 +27,7 @@ from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from .chain_form import obstacle
+from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
@@ -229,7 +230,11 @@ def _refuse_not_finite(model: Model, drives: Drives, driven: tuple[Driven, ...],
 
 
 def _in_its_form(
-    integrator: Integrator, model: Model, driven, feedback, numbers
+    integrator: Integrator,
+    model: Model,
+    driven: tuple[Driven, ...],
+    feedback: Feedback | Sampled | None,
+    numbers: tuple[Any, ...],
 ) -> tuple[Integrator, Levels | SparseOrder | None]:
     """The integrator with the form that is taken, and the order of the unknowns where it is that of chains and nets."""
     if integrator.form not in (None, "chain"):

@@ -129,7 +129,7 @@ def _flexibility(factored: SparseFactors, rest: int, sizes: np.ndarray) -> Calla
     """Motions under forces, (n,) or (n, k), in extents and radians, with ``rest`` constraints."""
     n = len(sizes)
 
-    def moved(force):
+    def moved(force: np.ndarray):
         own = sizes if force.ndim == 1 else sizes[:, None]
         return factored.solve(np.concatenate([force / own, np.zeros((rest, *force.shape[1:]))]))[:n] / own
 

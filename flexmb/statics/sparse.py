@@ -121,7 +121,9 @@ def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -
 
 
 @kernel
-def lacking_at(topology: Topology, parameters: Parameters, factors: LoadFactors, near, at: Balanced):
+def lacking_at(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
+):
     """Forces out of balance at the coordinates that move, and excess of the held deformations."""
     free, fast, held = unknowns(topology)
     wanted_x, wanted_e = held_values(topology, parameters, factors)
@@ -140,7 +142,14 @@ def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, n
     return found.stiff, found.rows, of_stiff, of_rows
 
 
-def solution_at(topology, parameters, factors, near, at: Balanced, right) -> tuple[Array, Array]:
+def solution_at(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    near: Float[Array, "n_e"],
+    at: Balanced,
+    right: Float[Array, "r"],
+) -> tuple[Array, Array]:
     """Solution of the equations linearised about a state, with one right-hand side, and a code of RESULTS.
 
     Args:
@@ -171,14 +180,14 @@ def solution_at(topology, parameters, factors, near, at: Balanced, right) -> tup
 
 
 @_differentiable.defjvp
-def _balance_jvp(primals, tangents):
+def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors = primals
     # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
     solved = _differentiable(topology, parameters, factors)
     near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, _ = unknowns(topology)
 
-    def equations(parameters, factors):
+    def equations(parameters: Parameters, factors: LoadFactors):
         return lacking_at(topology, parameters, factors, near, solved)
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
