@@ -1,6 +1,7 @@
 """The rooms of the package: imports point one way, and nothing heavy is loaded before it is needed."""
 
 import ast
+import fnmatch
 import importlib
 import re
 import shutil
@@ -150,6 +151,13 @@ def test_the_tests_that_begin_first_are_there():
     names = (tests / "longest.txt").read_text().split()
     assert [name for name in names if not (tests / name).is_file()] == []
     assert len(set(names)) == len(names)
+
+
+def test_the_tests_of_every_room_are_collected(pytestconfig):
+    """A folder of a name that pytest passes over, such as "build", would be missed by nobody."""
+    folders = {path.parent.name for path in Path(__file__).parent.rglob("test_*.py")}
+    passed_over = pytestconfig.getini("norecursedirs")
+    assert [name for name in sorted(folders) if any(fnmatch.fnmatch(name, own) for own in passed_over)] == []
 
 
 def test_the_slow_tests_are_there():

@@ -78,7 +78,7 @@ def test_what_is_asked_along_the_path_is_as_along_the_dense_one(paths, text):
 def test_what_the_path_has_not_is_named(paths):
     dense, sparse = paths
     for ask, match in (
-        (lambda: fm.poles(dense.model, at=sparse, step=1), r"poles takes no sparse linearisation: give fm\.path"),
+        (lambda: fm.poles(dense.model, at=sparse, step=1), "give `count`, the number of poles wanted"),
         (lambda: fm.compliance(dense.model, "n1", at=sparse), "which by step="),
         (lambda: fm.frequencies(dense.model, at=sparse, step=1), "give `count`"),
         (lambda: fm.frequencies(dense.model, count=2, at=sparse, step=1, sparse=False), "sparse=False does not go"),
