@@ -57,10 +57,9 @@ def test_a_net_moves_as_the_dense_form_has_it(monkeypatch):
 def test_too_little_memory_is_named(monkeypatch):
     large(monkeypatch)
 
-    def full(factors, by):
-        factors.too_large = True
-        return False
+    def full(*_, **__):
+        raise MemoryError
 
-    monkeypatch.setattr("flexmb.math.sparse.SparseFactors._factor", full)
+    monkeypatch.setattr("scipy.sparse.linalg.splu", full)
     with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
         fm.simulate(net(), TIMES, rtol=1e-7)
