@@ -9,10 +9,13 @@ from jax import lax
 from jaxtyping import Array, Complex, Float
 
 from ..compilation.compile import jit
-from ..linear.sparse_solve import on_host, spread
-from ..math.element_matrices import ElementMatrices, Whole, times, times_transposed
-from ..math.indices import put
+from ..linear.by_deformations import forces, product, refined
+from ..linear.sparse_solve import on_host
+from ..math.element_matrices import ElementMatrices, Whole
 from .sparse_second_order import SparseSecondOrder
+
+# What round-off may leave of a solution near a resonance without damping.
+NEAR_RESONANCE = 1e-3
 
 
 def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Float[Array, "n_f"]):
@@ -31,7 +34,7 @@ def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Flo
     """
     elements, polynomials = system.elements, [part.astype(complex) for part in system[1:4]]
     if lossy is not None:
-        elements = elements._replace(loss=lossy.elements.stiffness)
+        elements = elements._replace(loss=lossy.elements.stiffness, lossy=lossy.elements.elastic)
         for part, own in zip(range(3), lossy[1:4], strict=True):
             polynomials[part] = polynomials[part] + lax.complex(jnp.zeros_like(own), own)
     b, c, d = polynomials
@@ -71,6 +74,13 @@ def solutions(
     columns = n_u if only_responses else n_u + n_y
     shape = (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], rows, columns)
 
+    def solved(elements: ElementMatrices, factors: Any, s: complex, right: np.ndarray, transposed: bool = False):
+        def exact(z: np.ndarray):
+            return forces(elements, z, transposed, s)
+
+        sizes = elements.sizes[elements.free]
+        return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, NEAR_RESONANCE)
+
     def found(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray):
         whole, answer = Whole(elements), np.full(shape, np.inf + 0j)
         for i, s in enumerate(1j * w):
@@ -82,28 +92,15 @@ def solutions(
                 answer[i] = np.inf if only_responses else 0.0
                 continue
             rest = rows - whole.n
-            moved = factors.solve(np.pad(right, ((0, rest), (0, 0))))
+            moved = solved(elements, factors, s, np.pad(right, ((0, rest), (0, 0))))
             if only_responses:
                 answer[i] = left @ moved[: whole.n]
                 continue
-            sensed = factors.solve(np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
+            sensed = solved(elements, factors, s, np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
             answer[i] = np.concatenate([moved, sensed], axis=1)
         return answer
 
     return on_host(found, jax.ShapeDtypeStruct(shape, complex), elements, w, b, c)
-
-
-def _balance(elements: ElementMatrices, s: Complex[Array, ""], z: Complex[Array, "r k"]) -> Any:
-    """Product of [[K + s C + s^2 M + i L, D^T], [D, 0]] and vectors."""
-    n_x, n_e, n = elements.sizes.shape[0], elements.kept.shape[0], elements.unknowns[0]
-    v = spread(elements, z[:n])
-    multipliers = put(jnp.zeros((n_e, z.shape[1]), z.dtype), elements.held, z[n:])
-    forces = times_transposed(elements.constraints, multipliers, size=n_x)
-    parts = (elements.stiffness, elements.damping, elements.mass, elements.loss)
-    for factor, pieces in zip((1.0, s, s**2, 1j), parts, strict=True):
-        if pieces:
-            forces = forces + factor * times(pieces, v, size=n_x)
-    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, size=n_e)[elements.held]])
 
 
 def _powers(s: Complex[Array, "*f"]) -> Complex[Array, "3 *f"]:
@@ -127,7 +124,7 @@ def _by_solutions(
         powers = _powers(s)
         right = jnp.tensordot(powers, b, 1)[elements.free]
         left = jnp.tensordot(powers, c, 1)[:, elements.free]
-        balance = _balance(elements, s, x)
+        balance = product(elements, x, None, s)
         out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
         return left @ x[:n] + y.T @ out_of_balance
 

@@ -8,8 +8,9 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..errors import AnalysisError, ModelError
+from ..linear.by_deformations import spread
 from ..linear.sparse_linearize import SparseLinearization, by_coordinates
-from ..linear.sparse_solve import solved, spread
+from ..linear.sparse_solve import solved
 from ..math.element_matrices import ElementMatrices, between, times, times_transposed, transposed
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Signal
@@ -55,7 +56,7 @@ def lossy_elements(lin: SparseLinearization, losses: Float[Array, "n_e"]) -> Ele
         for rows, columns, own in elements.elastic
     ]
     stiffness = by_coordinates(elements.constraints, elastic, lin.e.shape[0])
-    return elements._replace(stiffness=stiffness, damping=[], mass=[], elastic=elastic, viscous=[])
+    return elements._replace(stiffness=stiffness, damping=[], mass=[], curved=[], elastic=elastic, viscous=[])
 
 
 def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None = None) -> SparseSecondOrder:

@@ -182,24 +182,22 @@ def element_matrices(
     loads = scaled_loads(parameters, factors)
     elastic, viscous = _by_deformations(topology, parameters, strain_of(topology, parameters, loads, e))
 
-    curvature = curvature_pieces(topology, parameters, x, near, sigma)
-    stiffness = [
-        (at, columns, own + bent)
-        for (at, columns, own), (_, _, bent) in zip(
-            by_coordinates(jacobians, elastic, topology.n_e), curvature, strict=True
-        )
-    ]
     pulling = [] if loads.gravity is None else weight_pieces(topology, parameters, x, loads.gravity)
     pulling = [*pulling, *load_pieces(topology, parameters, factors, x)]
-    stiffness += [(rows, columns, -own) for rows, columns, own in pulling]
+    curvature = curvature_pieces(topology, parameters, x, near, sigma)
+    pulled = [(rows, columns, -own) for rows, columns, own in pulling]
+    own_stiffness = by_coordinates(jacobians, elastic, topology.n_e)
+    bent = [(at, columns, own + bend) for (at, columns, own), (*_, bend) in zip(own_stiffness, curvature, strict=True)]
     return ElementMatrices(
-        stiffness,
+        [*bent, *pulled],
         by_coordinates(jacobians, viscous, topology.n_e),
         mass_pieces(topology, parameters, x),
         [],
+        [*curvature, *pulled],
         jacobians,
         elastic,
         viscous,
+        [],
         free,
         held,
         sizes_of(topology, parameters),

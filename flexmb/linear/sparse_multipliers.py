@@ -74,14 +74,20 @@ def smallest_of_sparse(topology: Topology, given: Matrices, *, falls: bool, coun
     none = [np.zeros_like(own) for own in given.scaled[len(given.elastic) :]]
     structural = structure.bordered([*given.elastic, *none], given.rows)
     scaled, noise = (structure.stiff.matrix(pieces) for pieces in (given.scaled, given.noise))
-    stays = structural
+    stays, preload = structural, None
     if given.preload is not None:
         preload = structure.stiff.matrix(given.preload)
         if abs(preload).max() > 0:
             _refuse_unstable(structural, preload)
         parts = zip([*given.elastic, *none], given.preload, strict=True)
         stays = structure.bordered([elastic + own for elastic, own in parts], given.rows)
-    return _smallest(stays, scaled, noise, count)
+    found = _smallest(stays, scaled, noise, count)
+    # By deformations: round-off of the matrix of many short beams is in the square of what it is in the values.
+    motions, bounded = found.motions, np.isfinite(found.values)
+    elastic = structure.elastic_energies(given.rows, given.own, motions)
+    if preload is not None:
+        elastic += np.einsum("ij,ij->j", motions, preload @ motions)
+    return found._replace(values=np.where(bounded, -elastic / np.where(bounded, found.geometric, 1.0), np.inf))
 
 
 def _refuse_negative(own: list[np.ndarray]) -> None:

@@ -12,6 +12,7 @@ from jaxtyping import Complex
 from ..errors import AnalysisError, ModelError
 from ..math.element_matrices import ElementMatrices, Whole
 from ..results import RESULTS
+from .by_deformations import forces, refined
 from .lanczos import FEW, SEARCHES, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
@@ -40,7 +41,7 @@ class _Shifted:
 
     def __init__(self, whole: Whole, shift: float):
         self.shift, self.n = shift, whole.n
-        self._damping, self._mass = whole.damping, whole.mass
+        self._damping, self._mass, self._elements = whole.damping, whole.mass, whole.elements
         tangent = whole.at(shift**2, shift)
         self._rest = tangent.shape[0] - whole.n
         self.motions, self._tangent = whole.n - self._rest, tangent
@@ -55,7 +56,11 @@ class _Shifted:
         size = own + stiff / fastest
         self._scale = 1 / np.sqrt(np.where(size > 0, size, np.max(size, initial=0.0) or 1.0))
         self._unit = 1.0
-        self._unit = 1 / (np.sqrt(self._slowness(self._mass)) + self._slowness(self._damping) or 1.0)
+        try:
+            self._unit = 1 / (np.sqrt(self._slowness(self._mass)) + self._slowness(self._damping) or 1.0)
+        except AnalysisError:
+            # A pole is so near to the shift that round-off hides it.
+            self.regular = False
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
         """Of vectors (2 n,) or (2 n, k)."""
@@ -81,9 +86,15 @@ class _Shifted:
         p = p[:, sizes > MASSLESS * self.n * np.max(sizes, initial=0.0)]
         return np.block([[basis, np.zeros((self.n, p.shape[1]))], [np.zeros_like(basis), p]])
 
-    def _moved(self, forces: np.ndarray) -> np.ndarray:
-        rest = np.zeros((self._rest, *forces.shape[1:]))
-        return self._factors.solve(np.concatenate([forces, rest]))[: self.n]
+    def _moved(self, loads: np.ndarray) -> np.ndarray:
+        right = np.concatenate([loads, np.zeros((self._rest, *loads.shape[1:]))])
+
+        def exact(z: np.ndarray):
+            return forces(self._elements, z, s=self.shift)
+
+        sizes = self._elements.sizes[self._elements.free]
+        found = refined(exact, self._factors.solve, right.reshape(len(right), -1), sizes)
+        return found[: self.n].reshape(loads.shape)
 
     def _slowness(self, matrix: Any) -> float:
         """Size of what the shifted stiffness makes of forces of a matrix."""
@@ -141,7 +152,7 @@ def is_steady(elements: ElementMatrices) -> bool:
     """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive."""
     import jax
 
-    whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[])))
+    whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
     if not _Shifted(whole, 0.0).regular:
         return False
     values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)

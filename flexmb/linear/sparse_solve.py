@@ -10,20 +10,21 @@ from jax import lax
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
-from ..compilation.compile import jit
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
-from ..math.element_matrices import ElementMatrices, Whole, times, times_transposed
-from ..math.indices import put
+from ..math.element_matrices import ElementMatrices, Whole, times
 from ..math.sparse import SparseFactors
 from ..results import RESULTS
+from .by_deformations import bordered, energies, forces, product, refined, spread
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
-from .spectrum import EPS, FAINT, LOST
+from .spectrum import EPS, FAINT
 
 # Eigenvalues nearer than this, relatively, are taken to be repeated.
 NEAR = 1e-8
 # A free motion has no more elastic energy than this share of what round-off of the largest stiffness would be.
 FREE = 1e-8
+# Factors that know an eigenvalue to this share make iterations converge, by a better product than the factored one.
+KNOWN = 0.1
 
 
 def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
@@ -44,52 +45,6 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     return jax.pure_callback(called, like, *arguments, vmap_method="sequential")
 
 
-def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Array, "n_x k"]:
-    """Motions of all coordinates of those that move; what is held stays.
-
-    Args:
-        elements: Element matrices.
-        moving: Of the coordinates that move, one a column, (n, k).
-    """
-    whole = jnp.zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
-    return put(whole, elements.free, moving)
-
-
-@jit
-def product(elements: ElementMatrices, z: Float[Array, "r k"], values: Any = None) -> Float[Array, "r k"]:
-    """Product of [[K - mu M, D^T], [D, 0]] and vectors.
-
-    Args:
-        elements: Element matrices.
-        z: Motions and multipliers, one a column, (n + h, k).
-        values: mu of each, (k,); None: zero.
-    """
-    n_x, (n, _), rows = elements.sizes.shape[0], elements.unknowns, elements.kept.shape[0]
-    v = spread(elements, z[:n])
-    multipliers = put(jnp.zeros((rows, z.shape[1]), z.dtype), elements.held, z[n:])
-    forces = times(elements.stiffness, v, size=n_x) + times_transposed(elements.constraints, multipliers, size=n_x)
-    if values is not None:
-        forces = forces - times(elements.mass, v, size=n_x) * values
-    return jnp.concatenate([forces[elements.free], times(elements.constraints, v, size=rows)[elements.held]])
-
-
-def bordered(
-    elements: ElementMatrices, z: Float[Array, "r *k"], border: Float[Array, "n b"], values: Any = None
-) -> Array:
-    """As :func:`product`, with motions to which the solution is to be orthogonal and the forces along them.
-
-    Args:
-        elements: Element matrices.
-        z: Motions, multipliers and sizes of these forces, one a column, (n + h + b, k).
-        border: Of the coordinates that move, one a column.
-        values: As of :func:`product`.
-    """
-    (n, h) = elements.unknowns
-    balance = product(elements, z[: n + h], values)
-    balance = balance.at[:n].add(border @ z[n + h :])
-    return jnp.concatenate([balance, border.T @ z[:n]])
-
-
 def _false_stiffness(elements: ElementMatrices) -> float:
     """What round-off of the largest stiffness may be to any motion of extents and radians [N m]."""
     own = [np.abs(np.einsum("eii->ei", k)) * elements.sizes[at] ** 2 for at, _, k in elements.stiffness]
@@ -102,27 +57,20 @@ def _refuse_lost(lost: bool) -> None:
         raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
 
 
-def _energies(elements: ElementMatrices, motions: np.ndarray) -> np.ndarray:
-    """Twice the elastic energy of motions of all coordinates, one a column, from their deformations."""
-    changed = np.zeros((len(elements.kept), motions.shape[1]))
-    for at, columns, own in elements.constraints:
-        changed[at] = own @ motions[columns]
-    found = np.zeros(motions.shape[1])
-    for at, by, own in elements.elastic:
-        found += np.einsum("eik,eij,ejk->k", changed[at], own, changed[by])
-    return found
-
-
 def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray, transposed: bool = False) -> np.ndarray:
     whole = Whole(elements)
     factored = SparseFactors(whole.bordered(whole.at(), border)) if border.size else whole.factors(whole.at())
     if not factored.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-    found, n = factored.solve(right, transposed), elements.unknowns[0]
-    forces = np.asarray(right)[:n] * elements.sizes[elements.free, None]
-    work = np.abs(np.sum(found[:n] * right[:n], axis=0))
-    _refuse_lost(bool(np.any(_false_stiffness(elements) * work > LOST * np.sum(forces**2, axis=0))))
-    return found
+    right, rest, (n, h) = np.asarray(right), border.shape[1], elements.unknowns
+
+    def exact(z: np.ndarray):
+        held = forces(elements, z[: n + h], transposed)
+        held[:n] += border @ z[n + h :]
+        return np.concatenate([held, border.T @ z[:n]]) if rest else held
+
+    sizes = elements.sizes[elements.free]
+    return refined(exact, lambda left: factored.solve(left, transposed), right, sizes)
 
 
 def solved(
@@ -213,17 +161,21 @@ def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
         whole = Whole(elements)
         tangent, mass = whole.at(), whole.mass
         refuse_negative_masses(mass, [own for *_, own in elements.mass], tangent)
-        values, moving, multipliers = lowest_of_sparse(tangent, mass, k)
+
+        def exact(z: np.ndarray):
+            return forces(elements, z)
+
+        values, moving, multipliers = lowest_of_sparse(tangent, mass, k, exact)
         motions = np.zeros((n_x, k))
         motions[elements.free] = moving
         heaviest = np.max(mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
         false = _false_stiffness(elements) / heaviest if heaviest else 0.0
         # A free motion is as near to zero, and has no elastic energy; that of a critical state is, beside the others.
-        near = np.abs(values) < false / LOST
-        if np.any(_energies(elements, motions[:, near]) > FREE * false):
-            others = lowest_of_sparse(tangent, mass, k + 1).values if np.all(near) and k < n - h else values
+        near = np.abs(values) < false / KNOWN
+        if np.any(energies(elements, motions[:, near]) > FREE * false):
+            others = lowest_of_sparse(tangent, mass, k + 1, exact).values if np.all(near) and k < n - h else values
             others = np.abs(others[np.isfinite(others)])
-            apart = np.min(others[others >= false / LOST], initial=np.inf)
+            apart = np.min(others[others >= false / KNOWN], initial=np.inf)
             _refuse_lost(bool(np.isinf(apart) or false > FAINT * apart))
         sized = motions / elements.sizes[:, None]
         signs = np.sign(sized[np.argmax(np.abs(sized), axis=0), np.arange(k)])

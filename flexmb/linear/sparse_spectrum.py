@@ -4,6 +4,7 @@ M v = mu (K + s M) v is solved in the inner product of K + s M, with omega^2 = 1
 without mass leave no measure of, these would grow among what iterations find.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from ..errors import AnalysisError, ModelError
 from ..math.sparse import SparseFactors, negative_where_held
 from ..results import RESULTS
+from .by_deformations import refined
 from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS
 
@@ -23,6 +25,8 @@ ROUGH = 1e-4
 # Where one more iteration changes motions by more than this, whose square is the error of an eigenvalue, another shift
 # is tried.
 GOOD = 1e-6
+# So many iterations more, at most, make motions good.
+ONCE_MORE = 3
 # A mass is negative below this share of the largest, or of what its own motion has in stiffness.
 NEGATIVE = 1e-10
 
@@ -66,6 +70,21 @@ class _Shifted:
         """Motions and multipliers under forces, (n + h,) or (n + h, k)."""
         rest = np.zeros((self.tangent.shape[0] - self._n, *forces.shape[1:]))
         return self.factors.solve(np.concatenate([forces, rest]))
+
+    def once_more(self, motions: np.ndarray, inverse: np.ndarray, exact: Callable[[np.ndarray], np.ndarray] | None):
+        """Motions and multipliers one iteration on, by a product that is better than the entries where there is one."""
+        forces = self.mass @ motions / inverse
+        if exact is None:
+            return self.solved(forces)
+        n = self._n
+
+        def shifted(z: np.ndarray):
+            found = exact(z)
+            found[:n] += self.shift * (self.mass @ z[:n])
+            return found
+
+        right = np.concatenate([forces, np.zeros((self.tangent.shape[0] - n, len(inverse)))])
+        return refined(shifted, self.factors.solve, right, np.ones(n))
 
     def moved(self, forces: np.ndarray) -> np.ndarray:
         """Motions under forces, (n,) or (n, k)."""
@@ -172,12 +191,15 @@ def _of_few_masses(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndar
     return inverse, motions / np.sqrt(np.where(inverse > 0, inverse, 1.0))
 
 
-def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
+def lowest_of_sparse(
+    tangent: Any, mass: Any, count: int, exact: Callable[[np.ndarray], np.ndarray] | None = None
+) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with sparse factors.
 
     Args:
         tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
         mass: Sparse M without negative eigenvalues where D v = 0, (n, n).
+        exact: Product with the tangent that round-off spoils less than its entries do, of (n + h, k); None: none.
 
     Raises:
         ModelError: ``count`` is so large a part of very many.
@@ -199,11 +221,11 @@ def lowest_of_sparse(tangent: Any, mass: Any, count: int) -> Lowest:
     if at.shift > 0:
         # As small a shift leaves few digits to what is far above it.
         at = _better(at, tangent, _found(at, count, rough=True)[0])
-    found, wrong = _lowest_at(at, count)
+    found, wrong = _lowest_at(at, count, exact)
     if np.max(wrong, initial=0.0) > GOOD:
         # Nor does a stiffness that is far softer in one motion than in others.
         at = _better(at, tangent, 1 / (found.values[np.isfinite(found.values)] + at.shift))
-        found, wrong = _lowest_at(at, count)
+        found, wrong = _lowest_at(at, count, exact)
     check_modes(wrong, "frequencies")
     return found
 
@@ -215,7 +237,7 @@ def _better(at: _Shifted, tangent: Any, inverse: np.ndarray) -> _Shifted:
     return _Shifted(tangent, at.mass, float(np.sqrt(np.min(above) * np.max(above)))) if len(above) else at
 
 
-def _lowest_at(at: _Shifted, count: int) -> tuple[Lowest, np.ndarray]:
+def _lowest_at(at: _Shifted, count: int, exact: Callable[[np.ndarray], np.ndarray] | None) -> tuple[Lowest, np.ndarray]:
     """Eigenvalues and motions, and how far from eigenvectors these are, (count,)."""
     n, total = at.mass.shape[0], at.tangent.shape[0]
     inverse, motions = _found(at, count, rough=False)
@@ -226,11 +248,35 @@ def _lowest_at(at: _Shifted, count: int) -> tuple[Lowest, np.ndarray]:
     kept = motions[:, order[:some]]
     kept = kept / np.sqrt(np.einsum("ij,ij->j", kept, at.mass @ kept))
     # Once more, for the multipliers too: K v + D^T m = (w^2 + s) M v.
-    full = at.solved(at.mass @ kept / inverse)
+    full = at.once_more(kept, inverse, exact)
+    multipliers, wrong = full[n:], changed(full[:n] - kept, kept, at.mass)
+    for _ in range(ONCE_MORE if exact is not None else 0):
+        kept, multipliers, inverse, wrong = _told_apart(at.mass, kept, full, inverse)
+        if np.max(wrong, initial=0.0) <= GOOD:
+            break
+        full = at.once_more(kept, inverse, exact)
     found = Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
     found.values[:some] = 1 / inverse - at.shift
-    found.motions[:, :some], found.multipliers[:, :some] = kept, full[n:]
-    return found, changed(full[:n] - kept, kept, at.mass)
+    found.motions[:, :some], found.multipliers[:, :some] = kept, multipliers
+    return found, wrong
+
+
+def _told_apart(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.ndarray):
+    """Eigenvectors among motions that are one iteration on, their multipliers and inverses, and how far they moved.
+
+    Source:
+        Ritz's method in the motions K v + D^T m = M u/mu of those before, u.
+    """
+    n = len(motions)
+    ahead, before = full[:n], mass @ motions
+    size = np.sqrt(np.einsum("ij,ij->j", ahead, mass @ ahead))
+    full, ahead = full / size, ahead / size
+    elastic, massive = ahead.T @ (before / (inverse * size)), ahead.T @ (mass @ ahead)
+    roots = np.linalg.inv(np.linalg.cholesky((massive + massive.T) / 2))
+    values, turned = np.linalg.eigh(roots @ (elastic + elastic.T) @ roots.T / 2)
+    full = full @ (roots.T @ turned)
+    left = motions - full[:n] @ (full[:n].T @ before)
+    return full[:n], full[n:], 1 / values, changed(left, motions, mass)
 
 
 def asks_for_all(count: int, every: int) -> bool:

@@ -27,9 +27,11 @@ class ElementMatrices(NamedTuple):
         damping: In pieces by coordinates.
         mass: In pieces by coordinates.
         loss: Stiffness times loss factors, likewise; empty where no one asks.
+        curved: The part of the stiffness that stress resultants and loads have, not the elements' own, likewise.
         constraints: Derivatives of all deformations by the coordinates, in pieces; those of the held are constraints.
         elastic: Stress resultants by deformations, in pieces.
         viscous: Stress resultants by rates of the deformations, in pieces.
+        lossy: Elastic times loss factors, in pieces; empty where no one asks.
         free: Coordinates that move, (n,).
         held: Deformations that are held, (h,).
         sizes: What coordinates are measured by, (n_x,) [m, -].
@@ -40,9 +42,11 @@ class ElementMatrices(NamedTuple):
     damping: Pieces
     mass: Pieces
     loss: Pieces
+    curved: Pieces
     constraints: Pieces
     elastic: Pieces
     viscous: Pieces
+    lossy: Pieces
     free: Any
     held: Any
     sizes: Any
@@ -76,13 +80,14 @@ def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int)
 
 
 def transposed(elements: ElementMatrices) -> ElementMatrices:
-    """The same with stiffness, damping and loss transposed; what has no potential leaves them unsymmetric."""
+    """The same with all but mass and constraints transposed: without a potential they are unsymmetric."""
 
     def turned(pieces: Pieces):
         return [(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces]
 
     own = elements
-    return own._replace(stiffness=turned(own.stiffness), damping=turned(own.damping), loss=turned(own.loss))
+    names = ("stiffness", "damping", "loss", "curved", "elastic", "viscous", "lossy")
+    return own._replace(**{name: turned(getattr(own, name)) for name in names})
 
 
 @jit
@@ -113,6 +118,7 @@ class Whole:
 
     Attributes:
         n: Coordinates that move.
+        elements: The elements' matrices.
     """
 
     def __init__(self, elements: ElementMatrices):
@@ -122,6 +128,7 @@ class Whole:
             elements: With arrays of NumPy.
         """
         self.n, h = elements.unknowns
+        self.elements = elements
         self._size = self.n + h
         self._pattern = _pattern_of(elements)
         turned = [(columns, rows, np.swapaxes(own, 1, 2)) for rows, columns, own in elements.constraints]

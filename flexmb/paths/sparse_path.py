@@ -133,7 +133,7 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
             raise ValueError("This path has no critical points.")
         found = self.critical_states
         return SparsePath(
-            **found._replace(stable=np.zeros_like(found.stable))._asdict(),
+            **found._asdict(),
             critical_points=self.critical_points,
             critical_states=self.critical_states,
             result=self.result,
@@ -153,13 +153,14 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         return Stressed(self.x, self.sigma, self.felt, self.e)
 
 
-def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step]) -> SparseStates:
+def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critical: bool = False) -> SparseStates:
     """What a path reports of its states.
 
     Args:
         equations: Of the mechanism.
         ramp: Load factors along the path.
         steps: Of its walk, one at least.
+        critical: Whether they are critical points, which none is stable at.
     """
     topology, parameters = equations.parts
     points = [s.point for s in steps]
@@ -175,7 +176,7 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step]) -> Spar
     )
     gravity = None if felt[0].gravity is None else jnp.asarray(np.stack([own.gravity for own in felt]))
     values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
-    stable = np.all(values > 0, axis=1) & (below == 0)
+    stable = np.all(values > 0, axis=1) & (below == 0) & (not critical)
     if equations.unsymmetric:
         for i in np.flatnonzero(stable):
             own = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
@@ -209,7 +210,7 @@ def path_of(
     return SparsePath(
         **states_at(equations, walker.ramp, steps)._asdict(),
         critical_points=tuple(walker.critical),
-        critical_states=states_at(equations, walker.ramp, critical) if critical else None,
+        critical_states=states_at(equations, walker.ramp, critical, True) if critical else None,
         result=jnp.asarray(int(code), jnp.int32),
         model=equations.model,
         stopped_by=walker.ended or None,

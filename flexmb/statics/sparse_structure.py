@@ -96,6 +96,20 @@ class Structure:
         rows = [np.asarray(d) for d in rows]
         return self.tangent.matrix([*stiff, *rows, *(np.swapaxes(d, 1, 2) for d in rows)])
 
+    def elastic_energies(self, rows: Any, own: Any, motions: Any) -> Any:
+        """Twice the elastic energy of motions of the coordinates that move, one a column: by their deformations.
+
+        Args:
+            rows: D of each block that deforms.
+            own: Stress resultants by deformations of each.
+        """
+        whole, found = np.zeros((self._n_x, motions.shape[1])), np.zeros(motions.shape[1])
+        whole[self.free] = motions
+        for (x, _), d, stiffness in zip(self._deforming, rows, own, strict=True):
+            changed = np.asarray(d) @ whole[x]
+            found += np.einsum("eik,eij,ejk->k", changed, np.asarray(stiffness), changed)
+        return found
+
     def independent(self, rows: Any) -> bool:
         """Whether the held deformations constrain independently, so that the multipliers are determined."""
         import scipy.sparse

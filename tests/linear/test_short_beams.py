@@ -51,5 +51,17 @@ def test_what_round_off_hides_is_refused_by_name(gap):
     assert fault.value.code == "lost_in_round_off"
     with pytest.raises(fm.AnalysisError, match=r"round-off .* 'DE'|singular"):
         fm.frequencies(cantilever(gap), sparse=True, count=3)
+
+
+@pytest.mark.parametrize("gap", [1e-6, 1e-8, 1e-10])
+def test_a_compliance_that_round_off_hides_is_refused_by_name(gap):
     with pytest.raises(fm.AnalysisError, match=r"round-off .* 'DE'|singular"):
         fm.compliance(cantilever(gap), "E", sparse=True)
+
+
+def test_a_compliance_is_exact_beside_a_short_beam():
+    length = 0.15 + 3e-6
+    expected = length**3 / (3 * LEAF.material.E * LEAF.width * LEAF.thickness**3 / 12)
+    # Round-off, which deformations do not multiply; stiffnesses differ by 1e13.
+    found = fm.compliance(cantilever(3e-6), "E", sparse=True)
+    np.testing.assert_allclose(found[1, 1], expected, rtol=1e-13)

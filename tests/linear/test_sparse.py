@@ -251,6 +251,9 @@ def test_a_mass_on_many_beams_without_mass():
     model = light_line({40: 1.0})
     found = fm.frequencies(model, count=2, sparse=True)
     np.testing.assert_allclose(found, np.sqrt([3.0, 1e4]) / (2 * np.pi), rtol=1e-8)
+    # Of two masses that are asked for one mode, the slower.
+    both = light_line({20: 1e-6, 40: 1.0})
+    np.testing.assert_allclose(fm.frequencies(both, count=1, sparse=True), np.sqrt(3.0) / (2 * np.pi), rtol=1e-6)
     # Asked for more, it answers as dense matrices do.
     found = np.asarray(fm.frequencies(model, count=5, sparse=True))
     np.testing.assert_array_equal(np.isinf(found), [False, False, True, True, True])

@@ -1,0 +1,174 @@
+"""Forces and energies of large mechanisms by the deformations of their elements, which lose little to round-off.
+
+Of many short beams the stiffness of the whole is a small difference of large entries: round-off is a share of the
+fourth power of their number along a leaf spring. Deformations are differences of motions, and lose the square.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit
+from ..errors import AnalysisError
+from ..math.element_matrices import ElementMatrices, Pieces, times, times_transposed
+from ..math.indices import put
+from ..results import RESULTS
+
+# A correction that is so small a share of the solution ends its refinement; one that no longer falls by half, and is
+# larger than LEFT, is refused.
+DONE, LEFT = 1e-13, 1e-6
+# So many are made.
+MOST = 20
+
+
+def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Array, "n_x k"]:
+    """Motions of all coordinates of those that move; what is held stays.
+
+    Args:
+        elements: Element matrices.
+        moving: Of the coordinates that move, one a column, (n, k).
+    """
+    whole = jnp.zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
+    return put(whole, elements.free, moving)
+
+
+@jit
+def product(
+    elements: ElementMatrices, z: Float[Array, "r k"], values: Any = None, s: Any = None
+) -> Float[Array, "r k"]:
+    """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]].
+
+    Args:
+        elements: Element matrices.
+        z: Motions and multipliers, one a column, (n + h, k).
+        values: mu of each, (k,); None: zero.
+        s: i w, one for all; None: zero, without loss.
+    """
+    n_x, (n, _), n_e = elements.sizes.shape[0], elements.unknowns, elements.kept.shape[0]
+    v = spread(elements, z[:n])
+    changed = times(elements.constraints, v, size=n_e)
+    sigma = times(elements.elastic, changed, size=n_e) + put(jnp.zeros_like(changed), elements.held, z[n:])
+    if s is not None:
+        sigma = sigma + s * times(elements.viscous, changed, size=n_e)
+    if elements.lossy:
+        sigma = sigma + 1j * times(elements.lossy, changed, size=n_e)
+    found = times_transposed(elements.constraints, sigma, size=n_x) + times(elements.curved, v, size=n_x)
+    if values is not None:
+        found = found - times(elements.mass, v, size=n_x) * values
+    if s is not None:
+        found = found + s**2 * times(elements.mass, v, size=n_x)
+    return jnp.concatenate([found[elements.free], changed[elements.held]])
+
+
+def bordered(
+    elements: ElementMatrices, z: Float[Array, "r *k"], border: Float[Array, "n b"], values: Any = None
+) -> Array:
+    """As :func:`product`, with motions to which the solution is to be orthogonal and the forces along them.
+
+    Args:
+        elements: Element matrices.
+        z: Motions, multipliers and sizes of these forces, one a column, (n + h + b, k).
+        border: Of the coordinates that move, one a column.
+        values: As of :func:`product`.
+    """
+    (n, h) = elements.unknowns
+    balance = product(elements, z[: n + h], values)
+    balance = balance.at[:n].add(border @ z[n + h :])
+    return jnp.concatenate([balance, border.T @ z[:n]])
+
+
+def deformed(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "n_e k"]:
+    """Deformations of motions of all coordinates."""
+    found = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
+    for at, columns, own in elements.constraints:
+        found[at] = own @ motions[columns]
+    return found
+
+
+def forces(
+    elements: ElementMatrices, z: Float[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
+) -> Float[np.ndarray, "r k"]:
+    """As :func:`product`, on the host.
+
+    Args:
+        elements: With arrays of NumPy.
+        z: Motions and multipliers, one a column, (n + h, k).
+        transposed: Whether of the transposed matrix.
+        s: As of :func:`product`.
+    """
+
+    def of(pieces: Pieces, vectors: np.ndarray, size: int, turned: bool = transposed) -> np.ndarray:
+        found = np.zeros((size, vectors.shape[1]), vectors.dtype)
+        for rows, columns, own in pieces:
+            if turned:
+                np.add.at(found, columns, np.swapaxes(own, 1, 2) @ vectors[rows])
+            else:
+                np.add.at(found, rows, own @ vectors[columns])
+        return found
+
+    n_x, (n, _), n_e = len(elements.sizes), elements.unknowns, len(elements.kept)
+    v = np.zeros((n_x, z.shape[1]), z.dtype)
+    v[elements.free] = z[:n]
+    changed = deformed(elements, v)
+    sigma = of(elements.elastic, changed, n_e)
+    sigma[elements.held] += z[n:]
+    if s is not None:
+        sigma = sigma + s * of(elements.viscous, changed, n_e)
+    if elements.lossy:
+        sigma = sigma + 1j * of(elements.lossy, changed, n_e)
+    found = of(elements.constraints, sigma, n_x, turned=True) + of(elements.curved, v, n_x)
+    if s is not None:
+        found = found + s**2 * of(elements.mass, v, n_x)
+    return np.concatenate([found[elements.free], changed[elements.held]])
+
+
+def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "k"]:
+    """Twice the elastic energy of motions of all coordinates, one a column."""
+    changed, found = deformed(elements, motions), np.zeros(motions.shape[1])
+    for at, by, own in elements.elastic:
+        found += np.einsum("eik,eij,ejk->k", changed[at], own, changed[by])
+    return found
+
+
+def refined(
+    product: Callable[[np.ndarray], np.ndarray],
+    solve: Callable[[np.ndarray], np.ndarray],
+    right: Float[np.ndarray, "r k"],
+    sizes: Float[np.ndarray, "n"],
+    left: float = LEFT,
+) -> Float[np.ndarray, "r k"]:
+    """Solution of A z = right, corrected until it is that of a product which is less spoilt than the factors.
+
+    Args:
+        product: A z.
+        solve: By the factors, about A^-1 of its argument.
+        right: Right-hand sides, one a column.
+        sizes: What the coordinates are measured by, the first rows of z.
+        left: A last correction that is a larger share of the solution is refused.
+
+    Raises:
+        AnalysisError: lost_in_round_off: corrections do not become smaller.
+
+    Source:
+        Iterative refinement (Wilkinson 1963).
+    """
+
+    def size(z: np.ndarray) -> np.ndarray:
+        return np.max(np.abs(z[: len(sizes)]) / sizes[:, None], axis=0, initial=0.0)
+
+    z = solve(right)
+    before = np.inf
+    for _ in range(MOST):
+        step = solve(right - product(z))
+        share = np.max(size(step) / np.maximum(size(z), np.finfo(float).tiny), initial=0.0)
+        if not share < before / 2:
+            break
+        z, before = z + step, share
+        if share <= DONE:
+            break
+    if not before <= left:
+        raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
+    return z

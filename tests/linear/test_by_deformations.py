@@ -1,0 +1,97 @@
+"""Large mechanisms by the deformations of their elements: many short beams against closed forms."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from linear.test_sparse_poles import rotor
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.control.sparse_second_order import lossy_elements
+from flexmb.errors import AnalysisError
+from flexmb.linear.by_deformations import forces, product, refined
+from flexmb.math.element_matrices import Whole, transposed
+
+# Of a cantilever, times the square root of EI/(m l^4).
+ROOTS = np.array([1.8751040687119611, 4.694091132974174, 7.854757438237613])
+
+
+@pytest.fixture(scope="module")
+def strip():
+    """A thousand short beams in a row: its stiffness cannot be told from its entries beyond three digits."""
+    section = fm.Rigidity(EA=1e6, EIy=1.0, mass=1.0)
+    b = fm.Builder()
+    b.node("n0", (0, 0))
+    for i in range(1000):
+        b.node(f"n{i + 1}", ((i + 1) / 1000, 0.0))
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section)
+    b.fix("n0")
+    b.input("n1000", "y")
+    b.output("n1000", "y")
+    b.force("n1000", (-1e-3, 0.0), increment=True)
+    return b.build(check=False)
+
+
+@pytest.fixture(scope="module")
+def still(strip):
+    return fm.linearize(strip, sparse=True, increment=0.0)
+
+
+def test_many_short_beams_vibrate_as_a_cantilever(still):
+    # Discretisation, 1e-11 of the third; assembled matrices alone gave 3e-4, 8e-6 and 1e-6.
+    np.testing.assert_allclose(fm.frequencies(still, count=3), ROOTS**2 / (2 * np.pi), rtol=1e-10)
+
+
+def test_many_short_beams_have_the_poles_of_a_cantilever(still):
+    found = np.asarray(fm.poles(still, count=6))
+    # As the frequencies; assembled matrices alone gave 1e-6.
+    np.testing.assert_allclose(found[1:6:2], 1j * ROOTS**2, rtol=1e-10)
+
+
+def test_many_short_beams_respond_as_a_cantilever(still):
+    found = fm.frequency_response(still, [1.0]).response[0, 0, 0]
+    k = np.sqrt(2 * np.pi)
+    expected = np.cosh(k) * np.sin(k) - np.sinh(k) * np.cos(k)
+    expected /= k**3 * (1 + np.cos(k) * np.cosh(k))
+    # As the frequencies, 4 % above the first of which this is; assembled matrices alone gave 2e-5.
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def test_many_short_beams_bend_as_a_cantilever(still):
+    found = fm.compliance(still, "n1000")
+    # Exact for cubic beams but for round-off: deformations lose the square of their number, 1e-10.
+    np.testing.assert_allclose(found[1, 1:], [1 / 3, 1 / 2], rtol=1e-10)
+
+
+def test_many_short_beams_buckle_as_a_column(strip):
+    found = fm.buckling_loads(strip, count=3, sparse=True)
+    # Euler's loads of a column clamped at one end, of n/2 + 1/4 waves; assembled matrices alone gave 8e-6.
+    np.testing.assert_allclose(found, 1e3 * (np.pi * (np.arange(3) + 0.5)) ** 2, rtol=1e-9)
+
+
+def test_forces_are_those_of_the_assembled_matrices():
+    """Under forces that follow, with laws and held deformations; transposed too, and at a frequency."""
+    lin = fm.linearize(rotor(), sparse=True)
+    lossy = lossy_elements(lin, jnp.linspace(0.1, 0.3, lin.e.shape[0]))
+    with_loss = lin.elements._replace(loss=lossy.stiffness, lossy=lossy.elastic)
+    for s, given in ((None, lin.elements), (3j, with_loss)):
+        elements, turned = (jax.tree.map(np.asarray, own) for own in (given, transposed(given)))
+        whole = (Whole(elements).at() if s is None else Whole(elements).at_frequency(s)).toarray()
+        z = np.random.default_rng(3).standard_normal((len(whole), 2)).astype(whole.dtype)
+        # Round-off beside the largest entry.
+        close = {"rtol": 0, "atol": 1e-14 * np.max(np.abs(whole))}
+        np.testing.assert_allclose(forces(elements, z, s=s), whole @ z, **close)
+        np.testing.assert_allclose(product(given, z, None, s), whole @ z, **close)
+        np.testing.assert_allclose(forces(elements, z, transposed=True, s=s), whole.T @ z, **close)
+        np.testing.assert_allclose(forces(turned, z, s=s), whole.T @ z, **close)
+
+
+def test_factors_of_another_matrix_are_of_no_help():
+    a = np.array([[2.0, 1.0], [1.0, 3.0]])
+    near, far = np.linalg.inv(a + 0.1), -np.linalg.inv(a)
+    right = np.array([[1.0], [2.0]])
+    found = refined(lambda z: a @ z, lambda left: near @ left, right, np.ones(2))
+    np.testing.assert_allclose(a @ found, right, rtol=1e-12)
+    with pytest.raises(AnalysisError, match="round-off"):
+        refined(lambda z: a @ z, lambda left: far @ left, right, np.ones(2))
