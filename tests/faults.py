@@ -888,8 +888,10 @@ FAULTS = [
         "self.too_large = False",
         "motion/test_net.py -k memory",
     ),
+    Fault("statics/sparse.py", "on_host_thread(answer, *", "answer(*", "statics/test_sparse.py -k jit"),
+    Fault("linear/sparse_solve.py", "on_host_thread(function, *", "function(*", "linear/test_sparse.py -k thread"),
     Fault("math/sparse.py", "real + 1j * imag[0]", "real - 1j * imag[0]", "mechanics/test_sparse_order.py"),
-    Fault("motion/chain_form.py", "(left[2] <= 1e-6", "(left[1] <= 1e-6", "motion/test_net.py -k dense_form"),
+    Fault("motion/chain_form.py", "(left[2] <= 1e-6", "(left[1] <= 1e-6", "motion/test_net.py -k milligram"),
     Fault("math/block_tridiagonal.py", "jnp.roll(last, 1,", "jnp.roll(last, -1,", "math/test_block_tridiagonal.py"),
     Fault(
         "math/block_tridiagonal.py",

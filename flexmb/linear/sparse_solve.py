@@ -1,5 +1,6 @@
 """Solutions and lowest modes of large mechanisms by sparse factors on the host, with their derivatives."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +14,7 @@ from ..arguments import is_concrete
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.element_matrices import ElementMatrices, Whole, times
-from ..math.sparse import SparseFactors
+from ..math.sparse import SparseFactors, on_host_thread
 from ..results import RESULTS
 from .by_deformations import bordered, energies, forces, product, refined, spread
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
@@ -36,12 +37,19 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
         arguments: Pytrees of arrays.
     """
 
+    if is_concrete(arguments):
+        with one_thread():
+            return jax.tree.map(jnp.asarray, function(*jax.tree.map(np.asarray, arguments)))
+    return _traced(function, like, *arguments)
+
+
+def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
+    """As :func:`on_host` inside compiled code."""
+
     def called(*arguments: Any):
         with one_thread():
-            return function(*jax.tree.map(np.asarray, arguments))
+            return on_host_thread(function, *jax.tree.map(np.asarray, arguments))
 
-    if is_concrete(arguments):
-        return jax.tree.map(jnp.asarray, called(*arguments))
     return jax.pure_callback(called, like, *arguments, vmap_method="sequential")
 
 
@@ -110,14 +118,8 @@ def _solved_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     _, change = jax.jvp(balance, (elements, border), (tangents[0], tangents[2]))
 
     def solve(transposed: bool):
-        return lambda _, right: jax.pure_callback(
-            lambda *given: _solved(*jax.tree.map(np.asarray, given), transposed=transposed),
-            jax.ShapeDtypeStruct(right.shape, float),
-            elements,
-            right,
-            border,
-            vmap_method="sequential",
-        )
+        how = functools.partial(_solved, transposed=transposed)
+        return lambda _, right: _traced(how, jax.ShapeDtypeStruct(right.shape, float), elements, right, border)
 
     def matvec(z: Float[Array, "r *k"]):
         return bordered(elements, z, border)
@@ -227,16 +229,8 @@ def _lowest_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
         return found
 
     def solve(_: Any, right: Float[Array, "r *k"]):
-        return jax.pure_callback(
-            lambda *given: host(*jax.tree.map(np.asarray, given)),
-            jax.ShapeDtypeStruct(right.shape, float),
-            elements,
-            values,
-            inertia,
-            near,
-            right,
-            vmap_method="sequential",
-        )
+        like = jax.ShapeDtypeStruct(right.shape, float)
+        return _traced(host, like, elements, values, inertia, near, right)
 
     y = lax.custom_linear_solve(matvec, -change, solve, symmetric=True)
     # Of each mode the border's own entry is less the change of its eigenvalue.

@@ -1,6 +1,7 @@
 """Sparse matrices whose pattern is found once, and their factors, on the host."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,20 @@ DIAGONAL = 1e-8
 BACKWARD = 1e-10
 # How much stiffer than all else constraints are that springs stand for: critical values change by its inverse.
 FIRM = 1e4
+_host = ThreadPoolExecutor(1)
+
+
+def on_host_thread(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Result of a function that factors, called by compiled code, which calls the host in any thread.
+
+    SciPy's SuperLU gives memory back in the thread alone that took it: all such functions run in one, one after the
+    other. They do not call each other through this.
+
+    Args:
+        function: Function that calls nothing of JAX.
+        arguments: Its arguments, arrays those of NumPy.
+    """
+    return _host.submit(function, *arguments).result()
 
 
 class SparsePattern:

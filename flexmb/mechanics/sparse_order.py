@@ -2,7 +2,6 @@
 
 import hashlib
 from collections import deque
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -13,15 +12,13 @@ from jaxtyping import Array, Float, Inexact, Int
 
 from ..compilation.record import Record, static
 from ..errors import AnalysisError
-from ..math.sparse import SparseFactors, SparsePattern
+from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
 from ..model.topology import Topology
 from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
 from .turning import Turning, turning_of
 
 # Factors of so many matrices are kept: two of a step, and those that bring back onto the constraints.
 MOST = 4
-# SciPy's SuperLU gives memory back in the thread alone that took it, and compiled code calls the host in any thread.
-_host = ThreadPoolExecutor(1)
 # What a solution is found from: BlockFactors of levels, or the entries that the host factors.
 Factors = Any
 
@@ -53,7 +50,7 @@ class Places:
             entries: Of the element matrices, one after the other, then those of the diagonal.
             right: Right-hand side, (unknowns,).
         """
-        return _host.submit(self._solution, np.asarray(entries), np.asarray(right)).result()
+        return on_host_thread(self._solution, np.asarray(entries), np.asarray(right))
 
     def _solution(self, entries: np.ndarray, right: np.ndarray) -> np.ndarray:
         try:

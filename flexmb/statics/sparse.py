@@ -18,6 +18,7 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
+from ..math.sparse import on_host_thread
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight
@@ -75,7 +76,11 @@ def _traced_answer(
 ):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
-    call = functools.partial(_answer, falls=falls, transposed=transposed)
+    answer = functools.partial(_answer, falls=falls, transposed=transposed)
+
+    def call(*given: Any):
+        return on_host_thread(answer, *jax.tree.map(np.asarray, given))
+
     return jax.pure_callback(call, shapes, topology, stiff, rows, right, vmap_method="sequential")
 
 

@@ -1,5 +1,7 @@
 """Large mechanisms by sparse matrices: modes, compliance and stress are those of dense ones, and so are derivatives."""
 
+import threading
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,6 +9,8 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.linear.sparse_solve import on_host
+from flexmb.math.sparse import on_host_thread
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
 
@@ -290,3 +294,12 @@ def test_a_negative_mass_is_refused():
     """As by dense matrices; where masses of beams make up for it, it is one of theirs."""
     with pytest.raises(fm.AnalysisError, match="a negative one"):
         fm.frequencies(light_line({40: 1.0}, inertia=-1e-6), count=2, sparse=True)
+
+
+def test_the_host_works_for_compiled_code_in_one_thread():
+    # SuperLU gives memory back in the thread alone that took it.
+    def where(_):
+        return np.array(threading.get_ident())
+
+    like = jax.ShapeDtypeStruct((), int)
+    assert int(jax.jit(lambda a: on_host(where, like, a))(1.0)) == on_host_thread(threading.get_ident)

@@ -2,11 +2,14 @@
 
 import functools
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.mechanics.sparse_order import order_of
+from flexmb.motion.chain_form import chain_form
 
 TIMES = np.linspace(0.0, 0.1, 3)
 
@@ -63,3 +66,26 @@ def test_too_little_memory_is_named(monkeypatch):
     monkeypatch.setattr("scipy.sparse.linalg.splu", full)
     with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
         fm.simulate(net(), TIMES, rtol=1e-7)
+
+
+def test_a_bob_of_a_milligram_falls_along_its_circle():
+    """Closed form: g sin(a) along the tangent, m g cos(a) in the rod, at rest at an angle a from below."""
+    angle, mass, g = 1.0, 1e-6, 9.81
+    b = fm.Builder()
+    b.node("a", (0.0, 0.0))
+    b.node("bob", (np.sin(angle), -np.cos(angle)))
+    b.add(planar.truss, "a", "bob")
+    b.fix("a")
+    b.mass("bob", mass)
+    b.gravity((0.0, -g))
+    model = b.build(check=False)
+    form = chain_form(model, (), order_of(model.topology))
+    still = form.state_of(model.parameters.reference, jnp.zeros(model.topology.n_x), None)
+    found, massive = form.acceleration(jnp.zeros(()), still)
+    assert massive
+    # Coordinates are in extents.
+    found = np.asarray(found) * np.append(form.form.sizes, 1.0)
+    tangential = -g * np.sin(angle)
+    wanted = [tangential * np.cos(angle), tangential * np.sin(angle), mass * g * np.cos(angle)]
+    # What keeps redundant constraints solvable, 1e-8, is gone to its third power; round-off is left.
+    np.testing.assert_allclose(found, wanted, rtol=1e-12)

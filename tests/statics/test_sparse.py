@@ -1,14 +1,17 @@
 """The sparse path: answers and derivatives of the dense one, and closed forms where that one does not reach."""
 
+import threading
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.sparse
+import scipy.sparse.linalg
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.math.sparse import SparseFactors
+from flexmb.math.sparse import SparseFactors, on_host_thread
 from flexmb.statics import sparse_structure
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
@@ -170,9 +173,18 @@ def test_laws_and_loads_that_follow():
     np.testing.assert_allclose(sparse.reactions, dense.reactions, atol=1e-9)
 
 
-def test_derivatives_under_jit_are_those_of_central_differences():
-    h = 1e-4
-    found = jax.jit(jax.grad(end))(NUMBERS)
+def test_derivatives_under_jit_are_those_of_central_differences(monkeypatch):
+    h, splu, threads = 1e-4, scipy.sparse.linalg.splu, []
+
+    def seen(*given, **how):
+        threads.append(threading.get_ident())
+        return splu(*given, **how)
+
+    with monkeypatch.context() as patched:
+        patched.setattr("scipy.sparse.linalg.splu", seen)
+        found = jax.jit(jax.grad(end))(NUMBERS)
+    # SuperLU gives memory back in the thread alone that took it.
+    assert set(threads) == {on_host_thread(threading.get_ident)}
     for i, number in enumerate(NUMBERS):
         step = h * number * np.eye(3)[i]
         difference = (float(end(NUMBERS + step)) - float(end(NUMBERS - step))) / (2 * h * number)
