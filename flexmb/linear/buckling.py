@@ -337,7 +337,12 @@ def _by_sparse(
             return found(model, factors, int(count), about)
         increment = 0.0 if where.increment is None else where.increment
         return found(model, load_factors_of(model, 1.0, increment, function), int(count))
-    except ModelError:
+    except ModelError as refused:
+        try:
+            as_determined(model, function)
+        except ModelError:
+            # Dense matrices cannot answer either: why sparse ones do not is what to tell.
+            raise refused from None
         if sparse:
             raise
     return None

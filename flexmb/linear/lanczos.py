@@ -1,6 +1,7 @@
 """Eigenvalues by Lanczos iterations with sparse factors: none of repeated ones is passed over, none is round-off."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,28 @@ TRUE = 1e-4
 BEFORE = 1e-6
 # Searches for what others passed over; each finds one copy of every repeated eigenvalue at least.
 SEARCHES = 100
+
+
+@contextlib.contextmanager
+def named(try_this: str = "Ask for fewer") -> Iterator[None]:
+    """Within, iterations of ARPACK that find nothing end in a result with a name.
+
+    Args:
+        try_this: What to do instead, or else by dense matrices.
+
+    Raises:
+        AnalysisError: not_converged.
+    """
+    import scipy.sparse.linalg
+
+    try:
+        yield
+    except scipy.sparse.linalg.ArpackError as fault:
+        raise AnalysisError(
+            RESULTS.not_converged.name,
+            f"Eigenvalues were not found by sparse factors: {fault} {try_this}, or give sparse=False and a model with"
+            " degrees of freedom.",
+        ) from None
 
 
 def with_all_copies(
@@ -43,16 +66,10 @@ def with_all_copies(
     Raises:
         AnalysisError: not_converged.
     """
-    import scipy.sparse.linalg
 
     def searched(*given: np.ndarray):
-        try:
+        with named():
             return search(*given)
-        except scipy.sparse.linalg.ArpackError as fault:
-            raise AnalysisError(
-                RESULTS.not_converged.name,
-                f"{fault} Ask for fewer, or give sparse=False and a model with degrees of freedom.",
-            ) from None
 
     n, count = size
     start = np.cos(np.arange(n) ** 2)

@@ -9,7 +9,17 @@ from ..math.sparse import SparseFactors
 from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.sparse_structure import structure_of
-from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
+from .lanczos import (
+    BEFORE,
+    FEW,
+    AllowedMotions,
+    changed,
+    check_modes,
+    eigenvalues_beside,
+    more_below,
+    named,
+    with_all_copies,
+)
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -127,7 +137,8 @@ def _refuse_unstable(structural: Any, geometric: Any) -> None:
         most = AllowedMotions(structural, factored, n).largest(-geometric, left)[0]
     else:
         start = moved.matvec(np.cos(np.arange(n) ** 2))
-        most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
+        with named("Lower the constant loads"):
+            most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
     if np.max(most, initial=0.0) >= 1:
         raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
 

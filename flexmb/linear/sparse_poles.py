@@ -13,7 +13,7 @@ from ..errors import AnalysisError, ModelError
 from ..math.element_matrices import ElementMatrices, Whole
 from ..results import RESULTS
 from .by_deformations import forces, refined
-from .lanczos import FEW, SEARCHES, orthonormal_allowed
+from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
 
@@ -249,10 +249,5 @@ def _searched(at: _Shifted, basis: np.ndarray, count: int, number: int) -> tuple
     start = beside(at.start(number))
     if not np.linalg.norm(start) > 0:
         return np.zeros(0), np.zeros((2 * at.n, 0))
-    try:
+    with named():
         return linalg.eigs(operator, k=count, v0=start / np.linalg.norm(start), tol=TRUE * 1e-4)
-    except linalg.ArpackError as fault:
-        raise AnalysisError(
-            RESULTS.not_converged.name,
-            f"{fault} Ask for fewer, or give sparse=False and a model with degrees of freedom.",
-        ) from None

@@ -36,7 +36,6 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
         like: Shapes and types of what it returns.
         arguments: Pytrees of arrays.
     """
-
     if is_concrete(arguments):
         with one_thread():
             return jax.tree.map(jnp.asarray, function(*jax.tree.map(np.asarray, arguments)))

@@ -284,7 +284,7 @@ def path(
     if large:
         with one_thread():
             bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
-            found = _sparse_path(bent, step, max_steps, stop, left, progress, hanging=sparse is None)
+            found = _sparse_path(bent, step, max_steps, stop, left, progress, throw, hanging=sparse is None)
         if found is not None:
             return _checked(*found, stop, left, throw)
     model = as_determined(model, "path")
@@ -333,9 +333,13 @@ def _sparse_path(
     stop: Mapping[str, float] | None,
     left: dict[int, int],
     progress: Any,
+    throw: bool,
     hanging: bool,
 ) -> tuple[SparsePath, Walker] | None:
-    """The same by sparse factors; None of a body without stiffness where it begins, if ``hanging`` ones are left."""
+    """The same by sparse factors; None of a body without stiffness where it begins, if ``hanging`` ones are left.
+
+    What fails on the way leaves the states before it, in the error too.
+    """
 
     def largest_stress(step: Step) -> float:
         return _largest_stress(model, path_of(equations, walker, [step]))
@@ -345,7 +349,13 @@ def _sparse_path(
     if hanging and walker.code == RESULTS.singular_stiffness:
         # Dense matrices take what meets no stiffness not to move at first.
         return None
-    code = _walked(walker, max_steps, stop, left, progress, largest_stress)
+    try:
+        code = _walked(walker, max_steps, stop, left, progress, largest_stress)
+    except AnalysisError as fault:
+        path = fault.path = path_of(equations, walker, walker.steps, RESULTS[fault.code])
+        if throw:
+            raise
+        return path, walker
     return path_of(equations, walker, walker.steps, code), walker
 
 

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..linear.lanczos import named
 from ..math.sparse import SparseFactors, negative_where_held
 
 # Critical values that are told: those nearest to zero.
@@ -110,7 +111,8 @@ def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.nd
     n, linalg = len(sizes), scipy.sparse.linalg
     flexibility = linalg.LinearOperator((n, n), matvec=_flexibility(factored, rest, sizes), dtype=float)
     how = {"ncv": max(BASIS, 2 * count + 1), "v0": _near(start), "tol": RESIDUAL}
-    soft, motions = linalg.eigsh(flexibility, k=count, **how)
+    with named("Take other steps (step)"):
+        soft, motions = linalg.eigsh(flexibility, k=count, **how)
     values = 1 / soft - shift
     order = np.argsort(values)
     return values[order], np.sum(motions, axis=1)
@@ -122,7 +124,8 @@ def _softest(moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, start
 
     n, linalg = len(sizes), scipy.sparse.linalg
     flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
-    return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=RESIDUAL**2)
+    with named("Take other steps (step)"):
+        return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=RESIDUAL**2)
 
 
 def _flexibility(factored: SparseFactors, rest: int, sizes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import scipy.sparse.linalg
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.results import RESULTS
 
 
 def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, follower=False, **options):
@@ -148,6 +150,33 @@ def test_what_a_sparse_path_refuses():
     # Without stress it has no stiffness across.
     with pytest.raises(fm.AnalysisError, match="meets no stiffness"):
         fm.path(b.build(check=False), sparse=True)
+
+
+def test_multipliers_about_a_path_without_a_potential_are_refused_by_name():
+    path = fm.path(arch(beams=4, sparse=True, follower=True), sparse=True, stop={"load_factor": 0.05})
+    with pytest.raises(fm.ModelError, match="loads that follow a body"):
+        fm.buckling_loads(path.model, count=2, at=path, step=-1)
+
+
+def test_iterations_that_find_no_critical_values_are_named(monkeypatch):
+    calls, eigsh = [], scipy.sparse.linalg.eigsh
+
+    def lost(*given, **how):
+        calls.append(how)
+        if len(calls) < 3:
+            return eigsh(*given, **how)
+        raise scipy.sparse.linalg.ArpackNoConvergence("No convergence (240 iterations).", np.zeros(0), np.zeros((0, 0)))
+
+    monkeypatch.setattr("scipy.sparse.linalg.eigsh", lost)
+    model = arch(beams=12, sparse=True)
+    with pytest.raises(fm.AnalysisError, match=r"Take other steps.*sparse=False") as caught:
+        fm.path(model, sparse=True)
+    assert caught.value.code == "not_converged"
+    assert len(caught.value.path.load_factor) == 2
+    calls.clear()
+    found = fm.path(model, sparse=True, throw=False)
+    assert int(found.result) == RESULTS.not_converged
+    np.testing.assert_allclose(found.load_factor, caught.value.path.load_factor, rtol=1e-12)
 
 
 def strut(load, moment, sparse, beams=4):
