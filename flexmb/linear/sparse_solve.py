@@ -211,8 +211,8 @@ def _lowest_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
         return jnp.concatenate([balance, jnp.where(near, inertia.T @ own[:n], border)])
 
     def host(elements: ElementMatrices, values: np.ndarray, inertia: np.ndarray, near: np.ndarray, right: np.ndarray):
-        whole = Whole(elements)
-        found, ordering = np.array(right), None
+        whole, sizes = Whole(elements), elements.sizes[elements.free]
+        mass, found, ordering = whole.mass, np.array(right), None
         for i, value in enumerate(values):
             own = np.flatnonzero(near[:, i])
             if not len(own):
@@ -220,11 +220,17 @@ def _lowest_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
                 found[:, i] = 0.0
                 continue
             rows = np.concatenate([np.arange(n + h), n + h + own])
-            bordered = whole.bordered(whole.at(mass=-value), inertia[:, own])
-            alike = ordering is not None and len(ordering) == bordered.shape[0]
-            factored = SparseFactors(bordered, ordering if alike else None)
+            matrix = whole.bordered(whole.at(mass=-value), inertia[:, own])
+            alike = ordering is not None and len(ordering) == matrix.shape[0]
+            factored = SparseFactors(matrix, ordering if alike else None)
             ordering = factored.ordering
-            found[rows, i] = factored.solve(right[rows, i])
+
+            def exact(y: np.ndarray, border: np.ndarray = inertia[:, own], value: float = value):
+                held = forces(elements, y[: n + h])
+                held[:n] += border @ y[n + h :] - value * (mass @ y[:n])
+                return np.concatenate([held, border.T @ y[:n]])
+
+            found[rows, i] = refined(exact, factored.solve, right[rows, i : i + 1], sizes)[:, 0]
         return found
 
     def solve(_: Any, right: Float[Array, "r *k"]):

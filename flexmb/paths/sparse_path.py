@@ -131,9 +131,8 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         """The critical points as states of a path of their own, in their order; at least one."""
         if self.critical_states is None:
             raise ValueError("This path has no critical points.")
-        found = self.critical_states
         return SparsePath(
-            **found._asdict(),
+            **self.critical_states._asdict(),
             critical_points=self.critical_points,
             critical_states=self.critical_states,
             result=self.result,

@@ -50,10 +50,11 @@ def test_a_path_by_sparse_factors_is_that_of_dense_matrices(case):
     for one, other in zip(sparse.critical_points, dense.critical_points, strict=True):
         assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
         np.testing.assert_allclose(one.phi, other.phi, atol=1e-6)
-    if case is ASIDE:
+    if case is HALF:
         # There a pole is zero but for the root of round-off, which must not hide the others.
-        wanted, found = (fm.poles(of.model, count=4, at=of.at_critical_points(), step=0) for of in (dense, sparse))
-        np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(wanted)), rtol=1e-9, atol=1e-3)
+        for i in range(len(sparse.critical_points)):
+            wanted, found = (fm.poles(of.model, count=4, at=of.at_critical_points(), step=i) for of in (dense, sparse))
+            np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(wanted)), rtol=1e-7, atol=1e-3)
 
 
 def frame(bays, floors, load, sparse, **options):
