@@ -15,6 +15,8 @@ LARGEST = 1e100
 
 def is_concrete(tree: Any) -> bool:
     """Whether no leaf of a pytree is traced."""
+    if type(tree) in (int, float):
+        return True
     return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
 
 

@@ -201,8 +201,10 @@ def check(result: Any, throw: bool, about: str = "") -> None:
         _collect(result)
         return
     codes = np.asarray(result)
-    worst = int(np.max(np.where(codes == RESULTS.critical_state, RESULTS.successful, codes)))
-    if worst != RESULTS.successful:
+    # One code is what nearly all are, and takes no operations on arrays.
+    batch = codes.ndim > 0
+    worst = int(np.max(np.where(codes == RESULTS.critical_state, RESULTS.successful, codes)) if batch else codes)
+    if worst not in (RESULTS.successful, RESULTS.critical_state):
         member = RESULTS(worst)
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))
 

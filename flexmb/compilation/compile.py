@@ -124,9 +124,8 @@ def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         return jax.jit(program, compiler_options=OPTIONS[mode])
 
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
-        # A number whose type is weak, such as a float of Python's, is another type: a program of its own.
-        leaves = [_strong(leaf) for leaf in leaves]
-        if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+        leaves, traced = _as_taken(leaves)
+        if traced:
             return compiled(structure, fixed, "nested")(*leaves)
         with one_thread():
             known = compiled.cache_info().misses
@@ -155,6 +154,27 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
 def _name(function: Callable[..., Any]) -> str:
     """Under which programs are listed."""
     return f"{getattr(function, '__module__', '')}.{getattr(function, '__name__', 'function')}"
+
+
+def _as_taken(leaves: list[Any]) -> tuple[list[Any], bool]:
+    """Leaves as compiled code takes them, and whether any is traced: one pass over all of them, at every call.
+
+    A number whose type is weak, such as a float of Python's, is another type: a program of its own.
+    """
+    known, traced = _known(), False
+    for place, leaf in enumerate(leaves):
+        kind = type(leaf)
+        if kind is np.ndarray or (kind is known and not leaf.weak_type):
+            continue
+        traced = traced or isinstance(leaf, jax.core.Tracer)
+        leaves[place] = _strong(leaf)
+    return leaves, traced
+
+
+@functools.cache
+def _known() -> type:
+    """The class of JAX's arrays of numbers: it is seen quicker than an instance of ``jax.Array``."""
+    return type(jax.device_put(np.zeros(())))
 
 
 def _strong(number: Any) -> Any:

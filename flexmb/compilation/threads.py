@@ -4,7 +4,7 @@ import contextlib
 import functools
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -15,39 +15,48 @@ from .alone import find_lapack
 
 _lock = threading.Lock()
 _inside = 0
-_limit: Any = None
+_before: list[tuple[Any, int]] = []
 
 
 @functools.cache
-def _controller() -> Any:
+def _libraries() -> tuple[Any, ...]:
+    """The BLAS libraries that are loaded, found once: looking for them takes longer than most kernels run."""
     from threadpoolctl import ThreadpoolController
 
     # What it finds are the libraries that are loaded; SciPy's LAPACK is that of jax.
     with no_garbage_looked_for():
         find_lapack()
 
-    return ThreadpoolController()
+    return tuple(ThreadpoolController().select(user_api="blas").lib_controllers)
 
 
-@contextlib.contextmanager
-def one_thread() -> Iterator[None]:
+class one_thread(contextlib.ContextDecorator):
     """Within, LAPACK works in the thread that calls it, in the whole process; after the last one, as before.
 
     Matrices of a mechanism are too small for more (``benchmarks/threads.py``): two threads gain nothing, and as soon as
     anything else runs on the machine they wait for each other ten to fifty times as long as they work.
     """
-    global _inside, _limit
-    with _lock:
-        _inside += 1
-        if _inside == 1:
-            _limit = _controller().limit(limits=1, user_api="blas")
-    try:
-        yield
-    finally:
+
+    def __enter__(self) -> None:
+        global _inside
+        with _lock:
+            _inside += 1
+            if _inside == 1:
+                _before[:] = [(one, one.get_num_threads()) for one in _libraries()]
+                _set((one, 1) for one, _ in _before)
+
+    def __exit__(self, *fault: object) -> None:
+        global _inside
         with _lock:
             _inside -= 1
             if _inside == 0:
-                _limit.restore_original_limits()
+                _set(_before)
+
+
+def _set(numbers: Iterable[tuple[Any, int]]) -> None:
+    """Give libraries so many threads each."""
+    for library, number in numbers:
+        library.set_num_threads(number)
 
 
 def cores() -> int:

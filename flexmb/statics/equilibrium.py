@@ -157,8 +157,10 @@ def equilibrium(
     solve: Any = sparse_equilibrium if sparse else _equilibrium
     found: Any = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
-    failed = throw and is_concrete((model, solved.result)) and int(solved.result) in STIFFNESS_MISSING
-    check(solved.result, throw, without_stiffness(model) if failed else "")
+    about = ""
+    if throw and is_concrete(solved.result) and int(solved.result) in STIFFNESS_MISSING and is_concrete(model):
+        about = without_stiffness(model)
+    check(solved.result, throw, about)
     return solved
 
 
