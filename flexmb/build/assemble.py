@@ -32,10 +32,21 @@ def is_option(value: Any) -> bool:
 
 
 def stack(values: Sequence[Any]) -> Any:
-    """Stack scalars or arrays to float64, on the host where none is traced."""
+    """Stack scalars or arrays to float64, on the host where none is traced.
+
+    What many elements share is traced once: each operation of a trace takes a millisecond.
+    """
     if is_concrete(values):
         return np.stack([np.asarray(v, float) for v in values])
-    return jnp.stack([jnp.asarray(v, float) for v in values])
+    distinct = list({id(v): v for v in values}.values())
+    traced = [v for v in distinct if not is_concrete(v)]
+    known = [v for v in distinct if is_concrete(v)]
+    found = jnp.stack([jnp.asarray(v, float) for v in traced])
+    if known:
+        found = jnp.concatenate([np.stack([np.asarray(v, float) for v in known]), found])
+    order = {id(v): i for i, v in enumerate([*known, *traced])}
+    places = np.array([order[id(v)] for v in values])
+    return found if np.array_equal(places, np.arange(len(distinct))) else found[places]
 
 
 def assemble(builder: Description) -> Model:

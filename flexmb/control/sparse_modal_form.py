@@ -8,11 +8,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_whole, check_number, check_whole, is_concrete, shown
-from ..linear.by_deformations import spread
 from ..linear.modes import refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved
 from ..linear.spectrum import to_frequency
+from ..math.by_deformations import spread
 from ..math.element_matrices import between, times
 from .second_order_form import SecondOrder
 from .sparse_response import solutions

@@ -9,8 +9,8 @@ from jax import lax
 from jaxtyping import Array, Complex, Float
 
 from ..compilation.compile import jit
-from ..linear.by_deformations import forces, product, refined
 from ..linear.sparse_solve import on_host
+from ..math.by_deformations import forces, product, refined
 from ..math.element_matrices import ElementMatrices, Whole
 from .sparse_second_order import SparseSecondOrder
 

@@ -8,9 +8,9 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..errors import AnalysisError, ModelError
-from ..linear.by_deformations import spread
 from ..linear.sparse_linearize import SparseLinearization, by_coordinates
 from ..linear.sparse_solve import solved
+from ..math.by_deformations import spread
 from ..math.element_matrices import ElementMatrices, between, times, times_transposed, transposed
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Signal

@@ -19,14 +19,13 @@ from ..mechanics.deformation import curvature_pieces, deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, scaled_loads
-from ..mechanics.stress_resultants import strain_of
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.solve import held_values
 from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_sparse, solution_at
-from ..statics.tangent import elastic_stress, falls, pieces_at, stiffness_rows, unknowns
+from ..statics.tangent import elastic_stress, falls, pieces_at, unknowns
 from .linearize import Linearization
 from .sparse_linearize import SparseLinearization
 from .sparse_multipliers import Buckled, Matrices, smallest_of_sparse
@@ -156,21 +155,16 @@ def _matrices(
     if growth is not None:
         moved, sigma, preload = growth.x, growth.sigma, stressed
         stressed = of_stress(LoadFactors(0.0, 1.0), sigma)
-    strain = strain_of(topology, parameters, scaled_loads(parameters, factors), near)
-    stiffness = stiffness_rows(topology, parameters, strain)
-    places = [at for at, _ in of_rows]
-    own = [stiffness[at][:, :, : at.shape[1]] for at in places]
-
     sized = [(r, c, jnp.abs(d) * sizes[c][:, None, :]) for (r, c), d in zip(of_rows, found.rows, strict=True)]
     forces = times_transposed(sized, jnp.abs(sigma)[:, None], size=topology.n_x)
     reach, elastic = jnp.zeros(topology.n_e), jnp.zeros(topology.n_e)
     stretched = times(sized, (jnp.abs(moved) / sizes)[:, None], size=topology.n_e)[:, 0]
-    for (r, _, d), s in zip(sized, own, strict=True):
+    for (r, _, d), s in zip(sized, found.own, strict=True):
         reach = accumulate(reach, r, jnp.max(d, axis=2, initial=0.0))
         elastic = accumulate(elastic, r, jnp.einsum("eij,ej->ei", jnp.abs(s), stretched[r]))
     share = jnp.where(reach > 0, jnp.max(forces, initial=0.0) / jnp.where(reach > 0, reach, 1.0), 0.0)
     noise = of_stress(LoadFactors(0.0, 0.0), ROUND_OFF * (elastic + share))
-    return Matrices(found.rows, found.elastic, preload, stressed, noise, own)
+    return Matrices(found.rows, found.elastic, preload, stressed, noise, found.own)
 
 
 @jax.custom_jvp

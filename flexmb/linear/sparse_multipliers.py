@@ -94,7 +94,7 @@ def smallest_of_sparse(topology: Topology, given: Matrices, *, falls: bool, coun
     found = _smallest(stays, scaled, noise, count)
     # By deformations: round-off of the matrix of many short beams is in the square of what it is in the values.
     motions, bounded = found.motions, np.isfinite(found.values)
-    elastic = structure.elastic_energies(given.rows, given.own, motions)
+    elastic = np.diagonal(structure.elastic_between(given.rows, given.own, motions, motions)).copy()
     if preload is not None:
         elastic += np.einsum("ij,ij->j", motions, preload @ motions)
     return found._replace(values=np.where(bounded, -elastic / np.where(bounded, found.geometric, 1.0), np.inf))

@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Complex
 
 from ..errors import AnalysisError, ModelError
+from ..math.by_deformations import forces, refined, softness
 from ..math.element_matrices import ElementMatrices, Whole
 from ..results import RESULTS
-from .by_deformations import forces, refined
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
@@ -23,6 +23,8 @@ TRUE = 1e-9
 MORE = 2
 # So many are looked for beside those that are known.
 BESIDE = 4
+# Iterations begin anew at most so often; where digits settle at all, ten times are many.
+RESTARTS = 100
 # So many eigenvalues of stiffness and mass tell whether a state is steady.
 STEADY = 8
 # Turns of the power method for the unit of time; its size is all that matters.
@@ -56,6 +58,8 @@ class _Shifted:
         size = own + stiff / fastest
         self._scale = 1 / np.sqrt(np.where(size > 0, size, np.max(size, initial=0.0) or 1.0))
         self._unit = 1.0
+        sizes = self._elements.sizes[self._elements.free]
+        self._soft = softness(self._factors.solve, sizes, tangent.shape[0], float)
         try:
             self._unit = 1 / (np.sqrt(self._slowness(self._mass)) + self._slowness(self._damping) or 1.0)
         except AnalysisError:
@@ -93,7 +97,7 @@ class _Shifted:
             return forces(self._elements, z, s=self.shift)
 
         sizes = self._elements.sizes[self._elements.free]
-        found = refined(exact, self._factors.solve, right.reshape(len(right), -1), sizes)
+        found = refined(exact, self._factors.solve, right.reshape(len(right), -1), sizes, soft=self._soft)
         return found[: self.n].reshape(loads.shape)
 
     def _slowness(self, matrix: Any) -> float:
@@ -249,5 +253,12 @@ def _searched(at: _Shifted, basis: np.ndarray, count: int, number: int) -> tuple
     start = beside(at.start(number))
     if not np.linalg.norm(start) > 0:
         return np.zeros(0), np.zeros((2 * at.n, 0))
+    how = {"k": count, "v0": start / np.linalg.norm(start), "tol": TRUE * 1e-4, "maxiter": RESTARTS}
     with named():
-        return linalg.eigs(operator, k=count, v0=start / np.linalg.norm(start), tol=TRUE * 1e-4)
+        try:
+            return linalg.eigs(operator, **how)
+        except linalg.ArpackNoConvergence as fault:
+            # Round-off may keep the last digits from settling: how far these are off is seen to later.
+            if len(fault.eigenvalues) < count:
+                raise
+            return fault.eigenvalues, fault.eigenvectors

@@ -13,10 +13,10 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
+from ..math.by_deformations import bordered, energies, forces, product, refined, spread
 from ..math.element_matrices import ElementMatrices, Whole, times
 from ..math.sparse import SparseFactors, on_host_thread
 from ..results import RESULTS
-from .by_deformations import bordered, energies, forces, product, refined, spread
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
 from .spectrum import EPS, FAINT
 

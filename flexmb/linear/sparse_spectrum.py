@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import AnalysisError, ModelError
+from ..math.by_deformations import refined
 from ..math.sparse import SparseFactors, negative_where_held
 from ..results import RESULTS
-from .by_deformations import refined
 from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS
 

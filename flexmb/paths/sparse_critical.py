@@ -17,6 +17,9 @@ RESIDUAL = 1e-7
 # What makes an exactly singular stiffness regular, as share of its largest entry.
 SHIFT = 1e-13
 
+# Stiffness between motions that constraints allow, of (n, k) and (n, m): (k, m).
+Between = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
 
 class CriticalValues(NamedTuple):
     """Critical values at a state; of a stiffness that is not symmetric one that stands for all.
@@ -32,14 +35,20 @@ class CriticalValues(NamedTuple):
     start: np.ndarray
 
 
-def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray) -> CriticalValues:
+def critical_values_of(
+    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, between: Between
+) -> CriticalValues:
     """Eigenvalues of the stiffness against the square of motions in extents and radians, where constraints hold.
+
+    They are found and counted by factors, of which round-off of many short beams spoils some digits, and then told
+    apart in their motions by a better product.
 
     Args:
         tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
         factored: Its factors.
         sizes: What the coordinates that move are measured against, (n,) [m, rad].
         start: Any motion, (n,); near to those that are looked for if it can be.
+        between: Stiffness between motions, which round-off spoils less than the factors.
 
     Source:
         Shift-inverted Lanczos method of ARPACK.
@@ -52,20 +61,27 @@ def critical_values_of(tangent: Any, factored: SparseFactors, sizes: np.ndarray,
         shift = SHIFT * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
     negative = negative_where_held(tangent, factored, len(sizes))
+
+    def told(motions: np.ndarray, more: int):
+        own = sizes[:, None] * motions
+        return _told(np.linalg.eigvalsh(between(own, own)), np.sum(motions, axis=1), more)
+
     if negative is not None:
-        values, start = _nearest(factored, rest, sizes, start, TOLD, shift)
-        return _told(values, start, negative - int(np.sum(values < -shift)))
+        values, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
+        return told(motions, negative - int(np.sum(values < -shift)))
     # Values become negative through zero: few are farther than those that are found, where the farthest are positive.
     count = 2 * TOLD
     while 2 * count < every:
-        values, start = _nearest(factored, rest, sizes, start, count, shift)
+        values, motions = _nearest(factored, rest, sizes, start, count, shift)
         if np.all(values[np.argsort(np.abs(values))[-2:]] > 0):
-            return _told(values, start, 0)
+            return told(motions, 0)
         count *= 2
     return _told(*_all_of(tangent, sizes), 0)
 
 
-def value_of_determinant(tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray) -> CriticalValues:
+def value_of_determinant(
+    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, between: Between
+) -> CriticalValues:
     """Smallest modulus of the eigenvalues where the stiffness is not symmetric, with the sign of the determinant.
 
     Arguments as of :func:`critical_values_of`.
@@ -77,16 +93,24 @@ def value_of_determinant(tangent: Any, factored: SparseFactors, sizes: np.ndarra
     rest = tangent.shape[0] - len(sizes)
     if not factored.regular:
         return CriticalValues(np.zeros(1), 0, start)
-    moved = _flexibility(factored, rest, sizes)
+    moved, sign = _flexibility(factored, rest, sizes), (-1) ** rest * factored.sign
     if len(sizes) - rest <= 2 * BASIS:
         motions = _allowed(tangent, sizes)
         soft = np.linalg.eigvals(motions.T @ moved(motions))
-    else:
-        soft, shapes = _softest(moved, sizes, start)
-        start = np.sum(shapes.real, axis=1)
-    largest = np.max(np.abs(soft), initial=0.0)
-    value = (-1) ** rest * factored.sign / largest if largest > 0 else np.inf
-    return CriticalValues(np.array([value]), 0, start)
+        largest = np.max(np.abs(soft), initial=0.0)
+        return CriticalValues(np.array([sign / largest if largest > 0 else np.inf]), 0, start)
+    soft, shapes = _softest(moved, sizes, start)
+    i = int(np.argmax(np.abs(soft)))
+    value, begin = sign / abs(soft[i]), np.sum(shapes.real, axis=1)
+    if abs(soft[i].imag) <= RESIDUAL * abs(soft[i]):
+        # A simple one: by the quotient with its left eigenvector, sign and all.
+        others, left = _softest(_flexibility(factored, rest, sizes, transposed=True), sizes, start)
+        j = int(np.argmin(np.abs(others - soft[i])))
+        v, w = (sizes[:, None] * of[:, [k]].real for of, k in ((shapes, i), (left, j)))
+        apart = float(np.sum(w * v / sizes[:, None] ** 2))
+        if apart != 0:
+            value = sign * np.sign(soft[i].real) * float(between(w, v)[0, 0]) / apart
+    return CriticalValues(np.array([value]), 0, begin)
 
 
 def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:
@@ -105,7 +129,7 @@ def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:
 
 
 def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.ndarray, count: int, shift: float):
-    """Values nearest to zero, ascending, and the sum of their motions, with ``rest`` constraints."""
+    """Values nearest to zero, and their motions in extents and radians, orthonormal, with ``rest`` constraints."""
     import scipy.sparse.linalg
 
     n, linalg = len(sizes), scipy.sparse.linalg
@@ -113,9 +137,7 @@ def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.nd
     how = {"ncv": max(BASIS, 2 * count + 1), "v0": _near(start), "tol": RESIDUAL}
     with named("Take other steps (step)"):
         soft, motions = linalg.eigsh(flexibility, k=count, **how)
-    values = 1 / soft - shift
-    order = np.argsort(values)
-    return values[order], np.sum(motions, axis=1)
+    return 1 / soft - shift, motions
 
 
 def _softest(moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, start: np.ndarray) -> tuple[Any, Any]:
@@ -128,13 +150,15 @@ def _softest(moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, start
         return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=RESIDUAL**2)
 
 
-def _flexibility(factored: SparseFactors, rest: int, sizes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _flexibility(
+    factored: SparseFactors, rest: int, sizes: np.ndarray, transposed: bool = False
+) -> Callable[[np.ndarray], np.ndarray]:
     """Motions under forces, (n,) or (n, k), in extents and radians, with ``rest`` constraints."""
     n = len(sizes)
 
     def moved(force: np.ndarray):
         own = sizes if force.ndim == 1 else sizes[:, None]
-        return factored.solve(np.concatenate([force / own, np.zeros((rest, *force.shape[1:]))]))[:n] / own
+        return factored.solve(np.concatenate([force / own, np.zeros((rest, *force.shape[1:]))]), transposed)[:n] / own
 
     return moved
 

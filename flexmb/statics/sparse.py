@@ -16,11 +16,14 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
+from ..math.by_deformations import forces, product, refined
 from ..math.derivative import jvp_of_varied
+from ..math.element_matrices import ElementMatrices
 from ..math.indices import put
 from ..math.sparse import on_host_thread
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
+from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import Felt, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear_at_rest
@@ -28,7 +31,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from .chain import balanced_chain, chain_of
-from .search import Search, along, corrected, linear_equations, start
+from .search import Search, corrected, linear_equations, start
 from .solve import held_values
 from .sparse_structure import structure_of
 from .tangent import elastic_stress, falls, pieces_at, unknowns
@@ -52,13 +55,38 @@ class Balanced(NamedTuple):
     result: Any = 0
 
 
-def _answer(topology: Topology, stiff: Any, rows: Any, right: Any, *, falls: bool, transposed: bool = False):
-    """Solution of the linear equations on the host, and what they are: a code of RESULTS; NumPy and SciPy alone."""
+def _answer(
+    topology: Topology,
+    stiff: Any,
+    rows: Any,
+    right: Any,
+    elements: ElementMatrices | None = None,
+    *,
+    falls: bool,
+    transposed: bool = False,
+):
+    """Solution of the linear equations on the host, and what they are: a code of RESULTS; NumPy and SciPy alone.
+
+    Args:
+        topology: Structure.
+        stiff, rows: Element matrices, see :class:`.tangent.Pieces`.
+        right: (n + h,) or (n + h, k).
+        elements: What the solution is refined with; None: it is but a correction, which a next one will mend.
+        falls: See :func:`.tangent.falls`.
+        transposed: Whether of the transposed equations.
+    """
     structure = structure_of(topology, falls)
     try:
         factors = structure.tangent.factors(structure.bordered(stiff, rows))
         if factors.regular:
-            return factors.solve(right, transposed), np.array(RESULTS.successful, np.int32)
+            if elements is None:
+                found = factors.solve(right, transposed)
+            else:
+                columns, sizes = right.reshape(len(right), -1), elements.sizes[elements.free]
+                found = refined(
+                    lambda z: forces(elements, z, transposed), lambda z: factors.solve(z, transposed), columns, sizes
+                ).reshape(right.shape)
+            return found, np.array(RESULTS.successful, np.int32)
         why = RESULTS.singular_stiffness if structure.independent(rows) else RESULTS.singular_configuration
     except AnalysisError as fault:
         why = RESULTS[fault.code]
@@ -70,6 +98,7 @@ def _traced_answer(
     stiff: list[Array],
     rows: list[Array],
     right: Float[Array, "r *k"],
+    elements: ElementMatrices | None = None,
     *,
     falls: bool,
     transposed: bool = False,
@@ -81,7 +110,7 @@ def _traced_answer(
     def call(*given: Any):
         return on_host_thread(answer, *jax.tree.map(np.asarray, given))
 
-    return jax.pure_callback(call, shapes, topology, stiff, rows, right, vmap_method="sequential")
+    return jax.pure_callback(call, shapes, topology, stiff, rows, right, elements, vmap_method="sequential")
 
 
 def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
@@ -141,10 +170,20 @@ def lacking_at(
 
 @kernel
 def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced):
-    """Element matrices of the tangent at a state, and where they stand in x."""
-    sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
+    """Element matrices of the tangent at a state."""
+    free, _, held = unknowns(topology)
+    sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
     found, of_rows, of_stiff, _ = pieces_at(topology, parameters, factors, at.x, near, sigma, near)
-    return found.stiff, found.rows, of_stiff, of_rows
+    elements: dict[str, Any] = {name: [] for name in ElementMatrices._fields}
+    elements["stiffness"] = [(*place, own) for place, own in zip(of_stiff, found.stiff, strict=True)]
+    curved = [*found.geometric, *found.loads]
+    elements["curved"] = [(*place, own) for place, own in zip(of_stiff, curved, strict=True)]
+    elements["constraints"] = [(*place, own) for place, own in zip(of_rows, found.rows, strict=True)]
+    elements["elastic"] = [(rows, rows, own) for (rows, _), own in zip(of_rows, found.own, strict=True)]
+    kept = put(jnp.ones(topology.n_e), held, 0.0)
+    return ElementMatrices(
+        **elements | {"free": free, "held": held, "sizes": sizes_of(topology, parameters), "kept": kept}
+    )
 
 
 def solution_at(
@@ -162,24 +201,21 @@ def solution_at(
         at: The state, known.
         right: Forces and deformations, in which alone it is differentiable, (n + h,).
     """
-    free, _, held = unknowns(topology)
-    stiff, rows, of_stiff, of_rows = _tangent(topology, parameters, factors, near, at)
-    n = free.shape[0]
-    if is_concrete((stiff, rows, right)):
-        on_host = jax.tree.map(np.asarray, (topology, stiff, rows, right))
+    elements = _tangent(topology, parameters, factors, near, at)
+    given = [[own for *_, own in of] for of in (elements.stiffness, elements.constraints)]
+    if is_concrete((elements, right)):
+        on_host = jax.tree.map(np.asarray, (topology, *given, right, elements))
         found, code = _answer(*on_host, falls=falls(parameters))
         return jnp.asarray(found), jnp.asarray(code)
 
+    fixed: Any = jax.lax.stop_gradient((*given, elements))
+
     def matvec(z: Float[Array, "r"]):
-        # As products of element matrices: JAX traces and transposes them for each derivative.
-        motion, multipliers = put(jnp.zeros(topology.n_x), free, z[:n]), put(jnp.zeros(topology.n_e), held, z[n:])
-        transposed = [(c, r) for r, c in of_rows], [jnp.swapaxes(d, 1, 2) for d in rows]
-        pulled = along(topology.n_x, of_stiff, stiff, motion) + along(topology.n_x, *transposed, multipliers)
-        return jnp.concatenate([pulled[free], along(topology.n_e, of_rows, rows, motion)[held]])
+        return product(elements, z[:, None])[:, 0]
 
     def solve(transposed: bool):
         how = functools.partial(_traced_answer, falls=falls(parameters), transposed=transposed)
-        return lambda _, right: how(topology, *jax.lax.stop_gradient((stiff, rows)), right)
+        return lambda _, right: how(topology, fixed[0], fixed[1], right, fixed[2])
 
     return jax.lax.custom_linear_solve(matvec, right, solve(False), solve(True), has_aux=True)
 
@@ -197,7 +233,8 @@ def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    z = solution_at(topology, parameters, factors, near, solved, -change)[0]
+    z, code = solution_at(topology, parameters, factors, near, solved, -change)
+    check(code, True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)

@@ -96,18 +96,22 @@ class Structure:
         rows = [np.asarray(d) for d in rows]
         return self.tangent.matrix([*stiff, *rows, *(np.swapaxes(d, 1, 2) for d in rows)])
 
-    def elastic_energies(self, rows: Any, own: Any, motions: Any) -> Any:
-        """Twice the elastic energy of motions of the coordinates that move, one a column: by their deformations.
+    def elastic_between(self, rows: Any, own: Any, left: Any, right: Any) -> Any:
+        """Elastic stiffness between motions of the coordinates that move, (k, m): by their deformations.
 
         Args:
             rows: D of each block that deforms.
             own: Stress resultants by deformations of each.
+            left: Motions, one a column, (n, k).
+            right: Others, (n, m).
         """
-        whole, found = np.zeros((self._n_x, motions.shape[1])), np.zeros(motions.shape[1])
-        whole[self.free] = motions
+        found, whole = np.zeros((left.shape[1], right.shape[1])), []
+        for motions in (left, right):
+            whole.append(np.zeros((self._n_x, motions.shape[1])))
+            whole[-1][self.free] = motions
         for (x, _), d, stiffness in zip(self._deforming, rows, own, strict=True):
-            changed = np.asarray(d) @ whole[x]
-            found += np.einsum("eik,eij,ejk->k", changed, np.asarray(stiffness), changed)
+            before, behind = (np.asarray(d) @ motions[x] for motions in whole)
+            found += np.tensordot(before, np.asarray(stiffness) @ behind, ((0, 1), (0, 1)))
         return found
 
     def independent(self, rows: Any) -> bool:

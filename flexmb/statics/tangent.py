@@ -75,6 +75,7 @@ class Pieces(NamedTuple):
         geometric: Curvature of each under its stress resultants, (elements, c, c).
         loads: Less the derivative of weight and of load elements, block by block, (elements, c, c).
         masses: Of each block with inertia, (elements, c, c), or None.
+        own: S of each block that deforms, zero for held deformations, (elements, k, k).
     """
 
     rows: list[Array]
@@ -82,6 +83,7 @@ class Pieces(NamedTuple):
     geometric: list[Array]
     loads: list[Array]
     masses: list[Array] | None
+    own: list[Array]
 
     @property
     def stiff(self) -> list[Array]:
@@ -116,16 +118,13 @@ def pieces_at(
     strain = strain_of(topology, parameters, loads, e if strained is None else strained)
     stiffness = stiffness_rows(topology, parameters, strain)
     curved = curvature_pieces(topology, parameters, x, near, sigma)
-    elastic = []
-    for at, _, d in jacobian:
-        s = stiffness[at][:, :, : at.shape[1]]
-        elastic.append(jnp.einsum("eki,ekl,elj->eij", d, s, d))
+    own = [stiffness[at][:, :, : at.shape[1]] for at, *_ in jacobian]
+    elastic = [jnp.einsum("eki,ekl,elj->eij", d, s, d) for (*_, d), s in zip(jacobian, own, strict=True)]
     pulling = [] if loads.gravity is None else weight_pieces(topology, parameters, x, loads.gravity)
     pulling = [*pulling, *load_pieces(topology, parameters, factors, x)]
     masses = [m for _, _, m in mass_pieces(topology, parameters, x)] if mass else None
-    found = Pieces(
-        [d for *_, d in jacobian], elastic, [m for *_, m in curved], [-matrices for *_, matrices in pulling], masses
-    )
+    rows, geometric, loads_own = ([own for *_, own in of] for of in (jacobian, curved, pulling))
+    found = Pieces(rows, elastic, geometric, [-matrices for matrices in loads_own], masses, own)
     return found, [(r, c) for r, c, _ in jacobian], [(r, c) for r, c, _ in (*curved, *pulling)], e
 
 
@@ -186,6 +185,11 @@ class Assembled:
     def geometric(self) -> Any:
         """Part of the tangent that stress resultants and loads have, of the coordinates that move."""
         return self.structure.stiff.matrix([*self._pieces.geometric, *self._pieces.loads])
+
+    def between(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Stiffness between motions of the coordinates that move, (n, k) and (n, m), little spoilt by round-off."""
+        elastic = self.structure.elastic_between(self._pieces.rows, self._pieces.own, left, right)
+        return elastic + left.T @ (self.geometric @ right)
 
     @functools.cached_property
     def mass(self) -> Any:

@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.build.assemble import assemble
+from flexmb.build.assemble import assemble, stack
 from flexmb.elements import beams
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
@@ -409,3 +409,19 @@ def test_whatever_is_a_number_may_be_traced():
     alone = built(1.0)
     for one, other in zip(jax.tree.leaves(from_traced), jax.tree.leaves(alone), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-15, atol=1e-15)
+
+
+def test_what_elements_share_is_traced_once():
+    """Numbers that several elements share, and such that are known, stand where they do without a trace."""
+
+    def stacked(a, b):
+        return stack([a, 2.0, b, a, 3.0, b, 2.0])
+
+    np.testing.assert_array_equal(jax.jit(stacked)(5.0, 7.0), stacked(5.0, 7.0))
+    slopes = jax.jacobian(stacked, argnums=(0, 1))(5.0, 7.0)
+    np.testing.assert_array_equal(slopes, [[1, 0, 0, 1, 0, 0, 0], [0, 0, 1, 0, 0, 1, 0]])
+
+    def operations(elements):
+        return len(jax.make_jaxpr(lambda a: stack([a] * elements))(5.0).eqns)
+
+    assert operations(1000) == operations(10)

@@ -21,7 +21,7 @@ def test_values_nearest_to_zero_and_number_below(constraints, softer):
         rows[i, [6 * i, 6 * i + 3]] = 2.0, 0.5 * (i % 2)
     tangent = scipy.sparse.csc_array(np.block([[stiffness, rows.T], [rows, np.zeros((constraints, constraints))]]))
     sizes = 1 + np.arange(n) / n
-    found = critical_values_of(tangent, SparseFactors(tangent), sizes, np.zeros(n))
+    found = critical_values_of(tangent, SparseFactors(tangent), sizes, np.zeros(n), lambda w, v: w.T @ (stiffness @ v))
     free = scipy.linalg.null_space(rows * sizes) if constraints else np.eye(n)
     exact = np.linalg.eigvalsh(free.T @ (sizes[:, None] * stiffness * sizes) @ free)
     nearest = np.sort(exact[np.argsort(np.abs(exact))[:TOLD]])
@@ -37,7 +37,9 @@ def test_smallest_modulus_and_sign_of_the_determinant(n, constraints, softer):
     rows = random.standard_normal((constraints, n)) * (random.random((constraints, n)) < 0.1) + np.eye(constraints, n)
     tangent = scipy.sparse.csc_array(np.block([[stiffness, rows.T], [rows, np.zeros((constraints, constraints))]]))
     sizes = 1 + np.arange(n) / n
-    found = value_of_determinant(tangent, SparseFactors(tangent), sizes, np.zeros(n))
+    found = value_of_determinant(
+        tangent, SparseFactors(tangent), sizes, np.zeros(n), lambda w, v: w.T @ (stiffness @ v)
+    )
     free = scipy.linalg.null_space(rows * sizes) if constraints else np.eye(n)
     exact = free.T @ (sizes[:, None] * stiffness * sizes) @ free
     smallest = np.min(np.abs(np.linalg.eigvals(exact)))

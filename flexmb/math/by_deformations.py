@@ -13,15 +13,17 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
 from ..errors import AnalysisError
-from ..math.element_matrices import ElementMatrices, Pieces, times, times_transposed
-from ..math.indices import put
 from ..results import RESULTS
+from .element_matrices import ElementMatrices, Pieces, times, times_transposed
+from .indices import put
 
 # A correction that is so small a share of the solution ends its refinement; one that no longer falls by half, and is
 # larger than LEFT, is refused.
 DONE, LEFT = 1e-13, 1e-6
 # So many are made.
 MOST = 20
+# Round-off of forces, as share of the largest.
+NOISE = 10 * float(np.finfo(float).eps)
 
 
 def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Array, "n_x k"]:
@@ -133,12 +135,27 @@ def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> 
     return found
 
 
+def softness(solve: Callable[[np.ndarray], np.ndarray], sizes: Float[np.ndarray, "n"], rows: int, kind: Any) -> float:
+    """How far uneven forces of about one move, both in extents and radians.
+
+    Args:
+        solve: Motions and multipliers under forces, (r, k) of (r, k).
+        sizes: What the coordinates are measured by.
+        rows: r.
+        kind: Type of the numbers.
+    """
+    forces, n = np.zeros((rows, 1), kind), len(sizes)
+    forces[:n, 0] = np.cos(np.arange(n) ** 2) / sizes
+    return float(np.max(np.abs(solve(forces)[:n, 0]) / sizes, initial=0.0))
+
+
 def refined(
     product: Callable[[np.ndarray], np.ndarray],
     solve: Callable[[np.ndarray], np.ndarray],
     right: Float[np.ndarray, "r k"],
     sizes: Float[np.ndarray, "n"],
     left: float = LEFT,
+    soft: float | None = None,
 ) -> Float[np.ndarray, "r k"]:
     """Solution of A z = right, corrected until it is that of a product which is less spoilt than the factors.
 
@@ -148,6 +165,7 @@ def refined(
         right: Right-hand sides, one a column.
         sizes: What the coordinates are measured by, the first rows of z.
         left: A last correction that is a larger share of the solution is refused.
+        soft: What :func:`softness` finds of these, or None: it is found here.
 
     Raises:
         AnalysisError: lost_in_round_off: corrections do not become smaller.
@@ -155,15 +173,20 @@ def refined(
     Source:
         Iterative refinement (Wilkinson 1963).
     """
+    n = len(sizes)
 
     def size(z: np.ndarray) -> np.ndarray:
-        return np.max(np.abs(z[: len(sizes)]) / sizes[:, None], axis=0, initial=0.0)
+        return np.max(np.abs(z[:n]) / sizes[:, None], axis=0, initial=0.0)
 
     z = solve(right)
+    # What round-off of the forces moves: constraints may leave no more of a solution.
+    soft = softness(solve, sizes, len(right), right.dtype) if soft is None else soft
+    still = NOISE * soft * np.max(np.abs(right[:n]) * sizes[:, None], axis=0, initial=0.0)
     before = np.inf
     for _ in range(MOST):
         step = solve(right - product(z))
-        share = np.max(size(step) / np.maximum(size(z), np.finfo(float).tiny), initial=0.0)
+        found = size(step)
+        share = np.max(np.where(found <= still, 0.0, found / np.maximum(size(z), np.finfo(float).tiny)), initial=0.0)
         if not share < before / 2:
             break
         z, before = z + step, share

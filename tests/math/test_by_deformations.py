@@ -5,21 +5,22 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from linear.test_sparse_poles import rotor
+from scipy.optimize import brentq
 
 import flexmb as fm
 from flexmb import planar
 from flexmb.control.sparse_second_order import lossy_elements
 from flexmb.errors import AnalysisError
-from flexmb.linear.by_deformations import forces, product, refined
+from flexmb.math.by_deformations import forces, product, refined
 from flexmb.math.element_matrices import Whole, transposed
 
 # Of a cantilever, times the square root of EI/(m l^4).
 ROOTS = np.array([1.8751040687119611, 4.694091132974174, 7.854757438237613])
 
 
-def row(beams, tip=None):
+def row(beams, tip=None, stiffness=1.0, load=None, press=1e-3):
     """A cantilever of short beams in a row."""
-    section = fm.Rigidity(EA=1e6, EIy=1.0, mass=1.0)
+    section = fm.Rigidity(EA=1e6, EIy=stiffness, mass=1.0)
     b = fm.Builder()
     b.node("n0", (0, 0))
     for i in range(beams):
@@ -28,9 +29,11 @@ def row(beams, tip=None):
     b.fix("n0")
     b.input(f"n{beams}", "y")
     b.output(f"n{beams}", "y")
-    b.force(f"n{beams}", (-1e-3, 0.0), increment=True)
+    b.force(f"n{beams}", (-press, 0.0), increment=True)
     if tip is not None:
         b.mass(f"n{beams}", tip)
+    if load is not None:
+        b.force(f"n{beams}", (0.0, load))
     return b.build(check=False)
 
 
@@ -48,6 +51,13 @@ def still(strip):
 def test_many_short_beams_vibrate_as_a_cantilever(still):
     # Discretisation, 1e-11 of the third; assembled matrices alone gave 3e-4, 8e-6 and 1e-6.
     np.testing.assert_allclose(fm.frequencies(still, count=3), ROOTS**2 / (2 * np.pi), rtol=1e-10)
+
+
+def test_more_poles_whose_last_digits_do_not_settle(still):
+    # Iterations end with all that is asked for, but for digits beyond the tolerance of 1e-9.
+    found = np.asarray(fm.poles(still, count=12))[1::2]
+    roots = np.array([brentq(lambda x: np.cos(x) + 1 / np.cosh(x), np.pi * k, np.pi * (k + 1)) for k in range(6)])
+    np.testing.assert_allclose(found, 1j * roots**2, rtol=1e-8)
 
 
 def test_shapes_of_many_short_beams_change_as_those_of_fewer():
@@ -78,6 +88,49 @@ def test_many_short_beams_bend_as_a_cantilever(still):
     found = fm.compliance(still, "n1000")
     # Exact for cubic beams but for round-off: deformations lose the square of their number, 1e-10.
     np.testing.assert_allclose(found[1, 1:], [1 / 3, 1 / 2], rtol=1e-10)
+
+
+def test_derivatives_of_many_short_beams_under_load():
+    """What a bending stiffness makes of a large deflection, of which 100 and 200 beams tell the error of more."""
+
+    def height(stiffness, beams):
+        model = row(beams, stiffness=stiffness, load=0.5)
+        return fm.equilibrium(model, sparse=True).position(f"n{beams}")[1]
+
+    few, more = (jax.jvp(lambda s, n=n: height(s, n), (1.0,), (1.0,))[1] for n in (100, 200))
+    exact = more + (more - few) / 3
+    forward = jax.jvp(lambda s: height(s, 1000), (1.0,), (1.0,))[1]
+    # The next term of the error is 1e-10; by assembled matrices alone 4e-6, and reverse as far from forward.
+    np.testing.assert_allclose(forward, exact + (more - exact) / 25, rtol=1e-9)
+    np.testing.assert_allclose(jax.grad(lambda s: height(s, 1000))(1.0), forward, rtol=1e-10)
+
+
+def test_forces_that_constraints_bear_alone_move_nothing():
+    """A push along a leaf spring that cannot be shortened, and one across it: the first leaves round-off alone."""
+    stiffness, axis = np.diag([0.0, 3.0]), np.array([np.cos(0.3), np.sin(0.3)])
+    turned = np.array([[axis[0], -axis[1]], [axis[1], axis[0]]])
+    a = np.block([[turned @ stiffness @ turned.T, axis[:, None]], [axis[None, :], np.zeros((1, 1))]])
+    right = np.concatenate([np.stack([axis, turned[:, 1]], axis=1), np.zeros((1, 2))])
+    noise = np.random.default_rng(0)
+
+    def product(z: np.ndarray):
+        # Round-off as where the forces of many elements are added up.
+        found = a @ z
+        return found + 1e-16 * noise.standard_normal(found.shape) * np.max(np.abs(z))
+
+    found = refined(product, lambda left: np.linalg.solve(a, left), right, np.ones(2))
+    np.testing.assert_allclose(found, [[0, -axis[1] / 3], [0, axis[0] / 3], [1, 0]], atol=1e-14)
+
+
+def test_many_short_beams_bifurcate_along_a_path_as_fewer():
+    """Pressed columns bend aside at the same load, however finely they are divided."""
+    few, many = (
+        fm.path(row(beams, press=40.0), sparse=True, step=0.02, stop={"load_factor": 0.07}).critical_points[0]
+        for beams in (100, 1000)
+    )
+    assert few.kind == many.kind == "bifurcation"
+    # Discretisation of 100 beams is 5e-9; entries of the stiffness alone gave 3e-6.
+    assert many.load_factor == pytest.approx(few.load_factor, rel=5e-8)
 
 
 def test_many_short_beams_buckle_as_a_column(strip):
