@@ -1897,7 +1897,10 @@ FAULTS = [
         "math/test_by_deformations.py -k bifurcate",
     ),
     Fault(
-        "paths/sparse_critical.py", "sign * np.sign(soft[i].real) * float", "sign * float", "paths/test_sparse_critical.py"
+        "paths/sparse_critical.py",
+        "sign * np.sign(soft[i].real) * float",
+        "sign * float",
+        "paths/test_sparse_critical.py",
     ),
     Fault(
         "math/by_deformations.py",

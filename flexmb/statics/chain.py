@@ -23,14 +23,17 @@ from .tangent import falls
 FAR, UNMET = 1e13, 1e-3
 
 
-# From so many coordinates on a chain is solved in its order: there it takes a fifth of the time of dense matrices, and
-# compiles half a second longer.
-LONG = 120
+# From so many coordinates and so many links on a chain is solved in its order: its program takes a third of the time of
+# dense matrices, and up to a second longer to compile, which a guide of two short chains side by side does not pay back.
+LONG, LINKS = 120, 20
 
 
 def is_long_chain(model: Model) -> bool:
     """Whether a model of known numbers is solved in the order of a chain though not so large as to be sparse."""
-    return model.topology.n_x >= LONG and is_concrete(model) and chain_of(model.topology) is not None
+    if model.topology.n_x < LONG or not is_concrete(model):
+        return False
+    levels = chain_of(model.topology)
+    return levels is not None and levels.place.shape[1] > LINKS
 
 
 def chain_of(topology: Topology) -> Levels | None:
