@@ -24,7 +24,7 @@ FAR, UNMET = 1e13, 1e-3
 
 
 # From so many coordinates and so many links on a chain is solved in its order: its program takes a third of the time of
-# dense matrices, and up to a second longer to compile, which a guide of two short chains side by side does not pay back.
+# dense matrices, and up to a second longer to compile, which two short chains side by side do not pay back.
 LONG, LINKS = 120, 20
 
 
