@@ -5,7 +5,6 @@ results/large.png. Each question runs in a process of its own, whose memory is m
 """
 
 import json
-import resource
 import subprocess
 import sys
 import time
@@ -115,6 +114,7 @@ def questions(beams: int, sparse: bool = True) -> dict:
 def measured(question: str, beams: int, sparse: bool = True) -> dict:
     """Times of one question in this process, and what it took of memory."""
     import numpy as np
+    from record import peak_memory
 
     import flexmb as fm
 
@@ -136,7 +136,7 @@ def measured(question: str, beams: int, sparse: bool = True) -> dict:
         "first_processor_s": runs[0][1],
         "time_s": best[0],
         "processor_s": min(run[1] for run in runs[1:]),
-        "peak_GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+        "peak_GB": peak_memory(),
         "answer": np.atleast_1d(answer).tolist() if question != "gradient" else [],
     }
 

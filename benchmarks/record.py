@@ -75,6 +75,12 @@ def once(call: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
     return found, _of([time.process_time() - begin])
 
 
+def peak_memory() -> float:
+    """Largest memory of this process since it began its program [GB]; ``resource`` counts that of its parent in."""
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+    return int(status["VmHWM"].split()[0]) * 1024 / 1e9
+
+
 def processor() -> str:
     """Model name of the processor."""
     try:

@@ -5,7 +5,6 @@ Times are those of the processor.
 """
 
 import importlib.util
-import resource
 import sys
 import time
 from pathlib import Path
@@ -84,7 +83,7 @@ def main() -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     import numpy as np
-    from record import PACKAGES, RESULTS, SLOW, once, processor_times, save, show
+    from record import PACKAGES, RESULTS, SLOW, once, peak_memory, processor_times, save, show
 
     import flexmb as fm
 
@@ -132,7 +131,7 @@ def main() -> None:
                 run[f"static, PyNite: {beams}"] = solve
             else:
                 slow[f"static, PyNite: {beams}"] = took
-        entry["peak_GB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+        entry["peak_GB"] = peak_memory()
         found[beams] = entry
         print(f"{beams:6d} beams: " + ", ".join(f"{name} {value:.2g}" for name, value in entry.items()), flush=True)
     timed = processor_times(run, RUNS) | slow
