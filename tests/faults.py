@@ -1892,14 +1892,27 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_critical.py",
-        "return _told(np.linalg.eigvalsh(between(own, own)),",
-        "return _told(np.sort(values),",
+        "np.concatenate([motions, step], axis=1)",
+        "motions",
+        "paths/test_sparse_critical.py",
+    ),
+    Fault("paths/sparse_critical.py", "if not left <= LOST:", "if False:", "paths/test_sparse_critical.py"),
+    Fault(
+        "paths/sparse_critical.py",
+        "            _refuse_lost(float",
+        "            (float",
+        "paths/test_sparse_critical.py",
+    ),
+    Fault(
+        "paths/sparse_critical.py",
+        "values, motions = ritz(motions)",
+        "values = np.sort(np.einsum('ij,ij->j', motions, motions))",
         "math/test_by_deformations.py -k bifurcate",
     ),
     Fault(
         "paths/sparse_critical.py",
-        "sign * np.sign(soft[i].real) * float",
-        "sign * float",
+        "sign * np.sign(soft[i].real) * quotient",
+        "sign * quotient",
         "paths/test_sparse_critical.py",
     ),
     Fault(

@@ -1,12 +1,14 @@
 """Critical values of large mechanisms: how many are negative by the factors' pivots, the nearest to zero iterated."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ..errors import AnalysisError
 from ..linear.lanczos import named
 from ..math.sparse import SparseFactors, negative_where_held
+from ..results import RESULTS
 
 # Critical values that are told: those nearest to zero.
 TOLD = 4
@@ -17,8 +19,22 @@ RESIDUAL = 1e-7
 # What makes an exactly singular stiffness regular, as share of its largest entry.
 SHIFT = 1e-13
 
-# Stiffness between motions that constraints allow, of (n, k) and (n, m): (k, m).
-Between = Callable[[np.ndarray, np.ndarray], np.ndarray]
+# What the factors make of a residual is to be so small beside a motion, its square being the error of the value, after
+# so many turns; where it is more than the last share at first, round-off hides where the path goes beside a critical
+# point.
+SETTLED, TURNS, LOST = 1e-5, 4, 1e-3
+
+
+class Stiffness(Protocol):
+    """Stiffness by the deformations of elements, which round-off spoils less than the factors."""
+
+    def between(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Between motions that constraints allow, (n, k) and (n, m): (k, m)."""
+        ...
+
+    def forces(self, motions: np.ndarray) -> np.ndarray:
+        """On motions, (n, k)."""
+        ...
 
 
 class CriticalValues(NamedTuple):
@@ -36,7 +52,7 @@ class CriticalValues(NamedTuple):
 
 
 def critical_values_of(
-    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, between: Between
+    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Stiffness
 ) -> CriticalValues:
     """Eigenvalues of the stiffness against the square of motions in extents and radians, where constraints hold.
 
@@ -48,10 +64,14 @@ def critical_values_of(
         factored: Its factors.
         sizes: What the coordinates that move are measured against, (n,) [m, rad].
         start: Any motion, (n,); near to those that are looked for if it can be.
-        between: Stiffness between motions, which round-off spoils less than the factors.
+        stiffness: The same by deformations.
+
+    Raises:
+        AnalysisError: lost_in_round_off.
 
     Source:
-        Shift-inverted Lanczos method of ARPACK.
+        Shift-inverted Lanczos method of ARPACK; Ritz's method in motions and in what factors make of their residuals
+        (Davidson 1975).
     """
     rest = tangent.shape[0] - len(sizes)
     every, shift = len(sizes) - rest, 0.0
@@ -63,8 +83,8 @@ def critical_values_of(
     negative = negative_where_held(tangent, factored, len(sizes))
 
     def told(motions: np.ndarray, more: int):
-        own = sizes[:, None] * motions
-        return _told(np.linalg.eigvalsh(between(own, own)), np.sum(motions, axis=1), more)
+        values, motions = _settled(stiffness, _flexibility(factored, rest, sizes), sizes, motions)
+        return _told(values, np.sum(motions, axis=1), more)
 
     if negative is not None:
         values, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
@@ -80,7 +100,7 @@ def critical_values_of(
 
 
 def value_of_determinant(
-    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, between: Between
+    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Stiffness
 ) -> CriticalValues:
     """Smallest modulus of the eigenvalues where the stiffness is not symmetric, with the sign of the determinant.
 
@@ -106,10 +126,13 @@ def value_of_determinant(
         # A simple one: by the quotient with its left eigenvector, sign and all.
         others, left = _softest(_flexibility(factored, rest, sizes, transposed=True), sizes, start)
         j = int(np.argmin(np.abs(others - soft[i])))
-        v, w = (sizes[:, None] * of[:, [k]].real for of, k in ((shapes, i), (left, j)))
-        apart = float(np.sum(w * v / sizes[:, None] ** 2))
+        own, v, w = sizes[:, None], shapes[:, [i]].real, left[:, [j]].real
+        apart = float(np.sum(w * v))
         if apart != 0:
-            value = sign * np.sign(soft[i].real) * float(between(w, v)[0, 0]) / apart
+            quotient = float(stiffness.between(own * w, own * v)[0, 0]) / apart
+            step = moved(own * stiffness.forces(own * v) - quotient * v)
+            _refuse_lost(float(np.linalg.norm(step - v * (np.sum(w * step) / apart)) / np.linalg.norm(v)))
+            value = sign * np.sign(soft[i].real) * quotient
     return CriticalValues(np.array([value]), 0, begin)
 
 
@@ -119,6 +142,36 @@ def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:
 
     padded = np.concatenate([shift / sizes**2, np.zeros(tangent.shape[0] - len(sizes))])
     return SparseFactors((tangent + scipy.sparse.diags_array(padded)).tocsc())
+
+
+def _settled(
+    stiffness: Stiffness, moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, motions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values, ascending, and motions in extents and radians of a stiffness that factors know with some error."""
+    own, count = sizes[:, None], motions.shape[1]
+
+    def ritz(basis: np.ndarray):
+        values, turned = np.linalg.eigh(stiffness.between(own * basis, own * basis))
+        nearest = np.sort(np.argsort(np.abs(values))[:count])
+        return values[nearest], basis @ turned[:, nearest]
+
+    values, motions = ritz(motions)
+    for _ in range(TURNS):
+        step = moved(own * stiffness.forces(own * motions) - values * motions)
+        for _ in range(2):
+            step = step - motions @ (motions.T @ step)
+        left = _refuse_lost(float(np.max(np.linalg.norm(step, axis=0))))
+        if left <= SETTLED:
+            break
+        values, motions = ritz(np.linalg.qr(np.concatenate([motions, step], axis=1))[0])
+    return values, motions
+
+
+def _refuse_lost(left: float) -> float:
+    """What the factors make of a residual, refused where it is large."""
+    if not left <= LOST:
+        raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
+    return left
 
 
 def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:

@@ -281,7 +281,7 @@ class SparseEquations:
     def _critical(self, at: Assembled, factored: SparseFactors) -> tuple[np.ndarray, int]:
         """Critical values nearest to zero, ascending, and how many more are negative."""
         find = value_of_determinant if self.unsymmetric else critical_values_of
-        found = find(at.tangent, factored, self.sizes[self.free], self._soft, at.between)
+        found = find(at.tangent, factored, self.sizes[self.free], self._soft, at)
         self._soft = found.start
         return found.values, found.below
 

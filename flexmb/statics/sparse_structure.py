@@ -114,6 +114,20 @@ class Structure:
             found += np.tensordot(before, np.asarray(stiffness) @ behind, ((0, 1), (0, 1)))
         return found
 
+    def elastic_forces(self, rows: Any, own: Any, motions: Any) -> Any:
+        """Elastic forces on the coordinates that move, of motions of them, (n, k), by deformations.
+
+        Args:
+            rows, own: As of :meth:`elastic_between`.
+            motions: One a column, (n, k).
+        """
+        whole, found = np.zeros((2, self._n_x, motions.shape[1]))
+        whole[self.free] = motions
+        for (x, _), d, stiffness in zip(self._deforming, rows, own, strict=True):
+            d = np.asarray(d)
+            np.add.at(found, x, np.swapaxes(d, 1, 2) @ (np.asarray(stiffness) @ (d @ whole[x])))
+        return found[self.free]
+
     def independent(self, rows: Any) -> bool:
         """Whether the held deformations constrain independently, so that the multipliers are determined."""
         import scipy.sparse

@@ -191,6 +191,11 @@ class Assembled:
         elastic = self.structure.elastic_between(self._pieces.rows, self._pieces.own, left, right)
         return elastic + left.T @ (self.geometric @ right)
 
+    def forces(self, motions: np.ndarray) -> np.ndarray:
+        """Forces of the stiffness on motions of the coordinates that move, (n, k), as little spoilt."""
+        elastic = self.structure.elastic_forces(self._pieces.rows, self._pieces.own, motions)
+        return elastic + self.geometric @ motions
+
     @functools.cached_property
     def mass(self) -> Any:
         """Mass of the coordinates that move, or None."""

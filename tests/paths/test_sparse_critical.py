@@ -5,8 +5,22 @@ import pytest
 import scipy.linalg
 import scipy.sparse
 
+from flexmb.errors import AnalysisError
 from flexmb.math.sparse import SparseFactors
 from flexmb.paths.sparse_critical import TOLD, critical_values_of, value_of_determinant
+
+
+class Plain:
+    """A stiffness of few digits' loss."""
+
+    def __init__(self, matrix):
+        self.matrix = matrix
+
+    def between(self, left, right):
+        return left.T @ (self.matrix @ right)
+
+    def forces(self, motions):
+        return self.matrix @ motions
 
 
 @pytest.mark.parametrize("constraints", [0, 10])
@@ -21,7 +35,7 @@ def test_values_nearest_to_zero_and_number_below(constraints, softer):
         rows[i, [6 * i, 6 * i + 3]] = 2.0, 0.5 * (i % 2)
     tangent = scipy.sparse.csc_array(np.block([[stiffness, rows.T], [rows, np.zeros((constraints, constraints))]]))
     sizes = 1 + np.arange(n) / n
-    found = critical_values_of(tangent, SparseFactors(tangent), sizes, np.zeros(n), lambda w, v: w.T @ (stiffness @ v))
+    found = critical_values_of(tangent, SparseFactors(tangent), sizes, np.zeros(n), Plain(stiffness))
     free = scipy.linalg.null_space(rows * sizes) if constraints else np.eye(n)
     exact = np.linalg.eigvalsh(free.T @ (sizes[:, None] * stiffness * sizes) @ free)
     nearest = np.sort(exact[np.argsort(np.abs(exact))[:TOLD]])
@@ -37,11 +51,31 @@ def test_smallest_modulus_and_sign_of_the_determinant(n, constraints, softer):
     rows = random.standard_normal((constraints, n)) * (random.random((constraints, n)) < 0.1) + np.eye(constraints, n)
     tangent = scipy.sparse.csc_array(np.block([[stiffness, rows.T], [rows, np.zeros((constraints, constraints))]]))
     sizes = 1 + np.arange(n) / n
-    found = value_of_determinant(
-        tangent, SparseFactors(tangent), sizes, np.zeros(n), lambda w, v: w.T @ (stiffness @ v)
-    )
+    found = value_of_determinant(tangent, SparseFactors(tangent), sizes, np.zeros(n), Plain(stiffness))
     free = scipy.linalg.null_space(rows * sizes) if constraints else np.eye(n)
     exact = free.T @ (sizes[:, None] * stiffness * sizes) @ free
     smallest = np.min(np.abs(np.linalg.eigvals(exact)))
     np.testing.assert_allclose(found.values, np.linalg.slogdet(exact)[0] * smallest, rtol=1e-9)
     assert found.below == 0
+
+
+@pytest.mark.parametrize("find", [critical_values_of, value_of_determinant])
+def test_what_factors_do_not_know_well_is_mended_or_refused(find):
+    """Factors of a stiffness with some error: values are those of the better one; of a large error nothing is told."""
+    n, random = 60, np.random.default_rng(1)
+    stiffness = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    wrong = random.standard_normal((n, n)) * (np.abs(np.subtract.outer(range(n), range(n))) < 2)
+    wrong, sizes = wrong + wrong.T, 1 + np.arange(n) / n
+    exact = np.linalg.eigvalsh(sizes[:, None] * stiffness * sizes)
+
+    def found(share):
+        tangent = scipy.sparse.csc_array(stiffness + share * wrong)
+        return find(tangent, SparseFactors(tangent), sizes, np.zeros(n), Plain(stiffness)).values
+
+    # The square of what a symmetric motion is off, 1e-5; else what is left of 1e-3 on either side, with errors of 3e-6.
+    np.testing.assert_allclose(found(1e-5), exact[: len(found(1e-5))], rtol=1e-8)
+    assert (
+        np.max(np.abs(np.linalg.eigvalsh(sizes[:, None] * (stiffness + 1e-5 * wrong) * sizes)[0] / exact[0] - 1)) > 1e-6
+    )
+    with pytest.raises(AnalysisError, match="round-off"):
+        found(1e-2)
