@@ -112,7 +112,8 @@ class RESULTS(enum.IntEnum):
         16,
         "Stiffnesses are so far apart that round-off of the largest hides the softest motions, and the answer would be"
         " wrong. Make rigid what is that stiff, such as a very short beam: leave out its section, or join its nodes. Of"
-        " thousands of beams in a row take fewer. Degrees of freedom that are deformations, as build() finds them, lose fewer digits than positions.",
+        " thousands of beams in a row take fewer. Degrees of freedom that are deformations, as build() finds them, lose"
+        " fewer digits than positions.",
     )
     impossible_design = (
         20,

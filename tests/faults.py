@@ -1896,11 +1896,10 @@ FAULTS = [
         "motions",
         "paths/test_sparse_critical.py",
     ),
-    Fault("paths/sparse_critical.py", "if not left <= LOST:", "if False:", "paths/test_sparse_critical.py"),
     Fault(
         "paths/sparse_critical.py",
-        "            _refuse_lost(float",
-        "            (float",
+        "if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST:",
+        "if False:",
         "paths/test_sparse_critical.py",
     ),
     Fault(

@@ -20,8 +20,8 @@ RESIDUAL = 1e-7
 SHIFT = 1e-13
 
 # What the factors make of a residual is to be so small beside a motion, its square being the error of the value, after
-# so many turns; where it is more than the last share at first, round-off hides where the path goes beside a critical
-# point.
+# so many turns; where it is more than the last share after the first one, which finds what copies of a value iterations
+# have passed over, round-off hides where the path goes beside a critical point.
 SETTLED, TURNS, LOST = 1e-5, 4, 1e-3
 
 
@@ -130,8 +130,6 @@ def value_of_determinant(
         apart = float(np.sum(w * v))
         if apart != 0:
             quotient = float(stiffness.between(own * w, own * v)[0, 0]) / apart
-            step = moved(own * stiffness.forces(own * v) - quotient * v)
-            _refuse_lost(float(np.linalg.norm(step - v * (np.sum(w * step) / apart)) / np.linalg.norm(v)))
             value = sign * np.sign(soft[i].real) * quotient
     return CriticalValues(np.array([value]), 0, begin)
 
@@ -156,22 +154,18 @@ def _settled(
         return values[nearest], basis @ turned[:, nearest]
 
     values, motions = ritz(motions)
-    for _ in range(TURNS):
+    for turn in range(TURNS):
         step = moved(own * stiffness.forces(own * motions) - values * motions)
         for _ in range(2):
             step = step - motions @ (motions.T @ step)
-        left = _refuse_lost(float(np.max(np.linalg.norm(step, axis=0))))
-        if left <= SETTLED:
+        left = np.linalg.norm(step, axis=0)
+        if np.all(left <= SETTLED):
             break
+        # Beside one near to zero iterations do not settle the others.
+        if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST:
+            raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
         values, motions = ritz(np.linalg.qr(np.concatenate([motions, step], axis=1))[0])
     return values, motions
-
-
-def _refuse_lost(left: float) -> float:
-    """What the factors make of a residual, refused where it is large."""
-    if not left <= LOST:
-        raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
-    return left
 
 
 def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:
