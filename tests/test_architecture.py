@@ -1,6 +1,7 @@
 """The rooms of the package: imports point one way, and nothing heavy is loaded before it is needed."""
 
 import ast
+import collections
 import fnmatch
 import importlib
 import re
@@ -136,6 +137,15 @@ def test_names_of_a_room_are_no_modules_of_it():
 
 def test_a_small_surface():
     assert 50 <= len(offered("flexmb")) <= 70
+
+
+def test_no_two_classes_have_one_name():
+    where = collections.defaultdict(list)
+    for module in MODULES:
+        for node in ast.walk(ast.parse(module.read_text())):
+            if isinstance(node, ast.ClassDef):
+                where[node.name].append(str(module.relative_to(PACKAGE)))
+    assert {name: files for name, files in where.items() if len(files) > 1} == {}
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="git alone knows which files are tracked")

@@ -14,7 +14,7 @@ from ..elements.element import Element
 from ..errors import ModelError
 from .assemble import is_option
 from .properties import complete, element_type, number_of_deformations, with_options
-from .tried import KINKED, STEP, State, abs_or_one, compiled, drawn, moved, rigidly, sizes, weights
+from .tried import KINKED, STEP, ElementState, abs_or_one, compiled, drawn, moved, rigidly, sizes, weights
 
 REFERENCES = 3
 # How far states are from their reference: in it, near it, away from it; of the distance of nodes, and radians.
@@ -97,16 +97,16 @@ class _Tried:
         self.kinds = list(element.nodes.values())
         random = np.random.default_rng(0)
         pairs = [(drawn(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
-        self.states = [State(moved(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
+        self.states = [ElementState(moved(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
         self.references = [i for i, (_, away) in enumerate(pairs) if not away]
         for i in self.references:
             self._check_reference(self.states[i], properties)
         turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
-        rigid = [State(rigidly(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)]
+        rigid = [ElementState(rigidly(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)]
         self.turns = [turn for turn, _ in turns]
         points = [self._flat(state) for state in self.states]
         # Each number by its own size; coordinates, and numbers that are zero, by what is usual.
-        self.sizes = self._flat(State(*(sizes(self.kinds, apart) for _ in range(2))), abs_or_one)
+        self.sizes = self._flat(ElementState(*(sizes(self.kinds, apart) for _ in range(2))), abs_or_one)
         ways = random.standard_normal((len(points), len(points[0]))) * self.sizes
         batch = [*points, *map(self._flat, rigid)]
         steps = [p + sign * STEP * way for sign in (1, -1) for p, way in zip(points, ways, strict=True)]
@@ -121,13 +121,13 @@ class _Tried:
             jax.tree.map(lambda leaf, i=i: leaf[i * n : (i + 1) * n], answers) for i in range(4)
         )
 
-    def _tree(self, state: State, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> Any:
+    def _tree(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> Any:
         return [np.asarray(v, float) for v in state.x], list(state.ref), jax.tree.map(change, self.numbers)
 
-    def _flat(self, state: State, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> np.ndarray:
+    def _flat(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> np.ndarray:
         return np.asarray(ravel_pytree(self._tree(state, change))[0])
 
-    def _check_reference(self, state: State, properties: dict[str, Any]) -> None:
+    def _check_reference(self, state: ElementState, properties: dict[str, Any]) -> None:
         check = self.element.check
         if check is not None:
             own = self.element.arguments(check, properties) or {}

@@ -11,7 +11,7 @@ from jaxtyping import Array
 from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR, SECTIONAL
-from ..elements.tie import Part, tie
+from ..elements.tie import TiePart, tie
 from ..math.subspace import independent_rows
 from ..mechanics.blocks import deforming
 from ..model.model import Entry, Labels, Model
@@ -111,7 +111,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
         for i in places:
             block = top.blocks[i]
             rows = np.searchsorted(used, np.asarray(block.x))
-            parts.append(Part(block.element, block.options, block.splits, tuple(map(tuple, rows.tolist()))))
+            parts.append(TiePart(block.element, block.options, block.splits, tuple(map(tuple, rows.tolist()))))
             order += np.asarray(block.e).ravel().tolist()
         columns = np.zeros((ties, len(order)))
         columns[:, [order.index(j) for j in tied]] = weights

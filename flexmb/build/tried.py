@@ -18,7 +18,7 @@ KINKED = ("law", "energy", "dissipation")
 STEP = float(np.cbrt(np.finfo(float).eps))
 
 
-class State(NamedTuple):
+class ElementState(NamedTuple):
     """Coordinates of an element, and those of the undeformed mechanism, node by node."""
 
     x: list[np.ndarray]

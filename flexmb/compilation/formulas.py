@@ -71,7 +71,7 @@ def formulas(
         For each number or array an array of the same shape of :class:`Formula`, as objects; and the values.
     """
     program = jax.make_jaxpr(lambda numbers: function(numbers))({name: float(value) for name, value in names.items()})
-    reader = _Reader()
+    reader = _FormulaReader()
     # A dictionary is flattened in the order of its keys.
     ordered = sorted(names)
     given = [np.asarray(reader.place(Formula(name)), float) for name in ordered]
@@ -86,7 +86,7 @@ class _Known(NamedTuple):
     value: Any
 
 
-class _Reader:
+class _FormulaReader:
     """One reading: a table of formulas, and arrays of places in it in place of numbers."""
 
     def __init__(self):

@@ -21,19 +21,19 @@ from ..mechanics.loads import has_loads
 from ..model.model import Model
 from ..results import RESULTS
 from .objectives import AXES
-from .stroke import AtStroke, Driven, unit_of_driven
+from .stroke import AtStroke, StrokeDrive, unit_of_driven
 
 # A node is rigid along an axis where it gives way less than this share of the node that does so most.
 RIGID = 1e-20
 
 
-class Asked:
+class StrokeQuestions:
     """The questions about one mechanism, and the states that were looked at.
 
     A question is a function of a state, and of the coordinates at zero stroke, that gives numbers by name.
     """
 
-    def __init__(self, model: Model, what: Driven, node: str | None, count: int):
+    def __init__(self, model: Model, what: StrokeDrive, node: str | None, count: int):
         self.model, self.driven, self.count = model, what, count
         own = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
         if own is None and what.entry.of.startswith("turn of "):

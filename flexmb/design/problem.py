@@ -33,7 +33,7 @@ class Rows:
 
 
 @dataclasses.dataclass(frozen=True)
-class Problem:
+class TuningProblem:
     """Minimise weights . a + |targets(a)|^2/2 with equal(a) = 0 and limits(a) <= 0.
 
     In its methods answers are (m,), multipliers those of equal and of limits, the weight that of the penalty, () [-].
@@ -115,7 +115,7 @@ def make_problem(
     equal: Mapping[str, Any],
     limits: Mapping[str, Any],
     margin: float,
-) -> Problem:
+) -> TuningProblem:
     """Problem from the user's words.
 
     Args:
@@ -186,7 +186,7 @@ def make_problem(
     pairs = [(name, *_limits(name, pair, entries)) for name, pair in limits.items()]
     below = [(n, upper, 1.0, "upper limit") for n, _, upper in pairs if upper is not None]
     above = [(n, lower, -1.0, "lower limit") for n, lower, _ in pairs if lower is not None]
-    return Problem(
+    return TuningProblem(
         weights,
         rows([(n, v, 1.0, "target") for n, v in targets.items()], 0.0),
         rows([(n, v, 1.0, "value") for n, v in equal.items()], 0.0),

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit
 from ..errors import clean
 from ..results import RESULTS
-from .problem import Problem
+from .problem import TuningProblem
 
 Kernel = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]]
 History = list[tuple[np.ndarray, np.ndarray]]
@@ -60,7 +60,7 @@ class _Stop(Exception):
 class _Evaluations:
     """Answers and derivatives with a budget, a history, and a memory of the last."""
 
-    def __init__(self, problem: Problem, kernel: Kernel, budget: int, progress: Callable[..., Any] | None):
+    def __init__(self, problem: TuningProblem, kernel: Kernel, budget: int, progress: Callable[..., Any] | None):
         self.problem, self.kernel, self.budget, self.progress = problem, kernel, budget, progress
         self.history: History = []
         self.count = 0
@@ -92,7 +92,7 @@ class _Evaluations:
 
 
 def search(
-    problem: Problem,
+    problem: TuningProblem,
     kernel: Kernel,
     of_unit: Callable[[Any], Any],
     refused: Callable[[np.ndarray], np.ndarray],
@@ -161,7 +161,7 @@ def _is_least_squares_solver(optimizer: Any) -> bool:
 Outcome = tuple[np.ndarray, str, RESULTS]
 
 
-def _best(problem: Problem, history: History, tolerance: float) -> np.ndarray:
+def _best(problem: TuningProblem, history: History, tolerance: float) -> np.ndarray:
     """Scaled dimensions of the best design so far: feasible first."""
 
     def rank(pair: tuple[np.ndarray, np.ndarray]):
@@ -171,7 +171,7 @@ def _best(problem: Problem, history: History, tolerance: float) -> np.ndarray:
     return min(history, key=rank)[0]
 
 
-def _least_squares(problem: Problem, evaluate: _Evaluations, start: np.ndarray) -> Outcome:
+def _least_squares(problem: TuningProblem, evaluate: _Evaluations, start: np.ndarray) -> Outcome:
     import scipy.optimize
 
     count = len(problem.targets.names)
@@ -207,7 +207,7 @@ def _least_squares(problem: Problem, evaluate: _Evaluations, start: np.ndarray) 
 
 
 def _by_optimistix(
-    problem: Problem, of_unit: Callable[..., Any], start: np.ndarray, solver: Any, budget: int
+    problem: TuningProblem, of_unit: Callable[..., Any], start: np.ndarray, solver: Any, budget: int
 ) -> Outcome:
     """Within the bounds by u = (1 + sin v)/2, since its solvers know none."""
     import optimistix
@@ -234,7 +234,7 @@ def _projected(unit: np.ndarray, gradient: np.ndarray) -> float:
 
 
 def _augmented(
-    problem: Problem, evaluate: _Evaluations, start: np.ndarray, inner: Callable[..., Any], tolerance: float
+    problem: TuningProblem, evaluate: _Evaluations, start: np.ndarray, inner: Callable[..., Any], tolerance: float
 ) -> Outcome:
     """Rounds of a bounded minimisation, each with better multipliers or a larger weight."""
     multipliers = np.zeros(len(problem.equal.names)), np.zeros(len(problem.limits.names))
@@ -307,7 +307,9 @@ def _by_scipy(evaluate: _Evaluations):
     return inner
 
 
-def _by_optax(problem: Problem, evaluate: _Evaluations, of_unit: Callable[..., Any], refused: Any, optimizer: Any):
+def _by_optax(
+    problem: TuningProblem, evaluate: _Evaluations, of_unit: Callable[..., Any], refused: Any, optimizer: Any
+):
     import optax
 
     if not isinstance(optimizer, optax.GradientTransformation):

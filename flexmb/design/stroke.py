@@ -46,7 +46,7 @@ class AtStroke(NamedTuple):
 
 
 @dataclasses.dataclass(frozen=True)
-class Driven:
+class StrokeDrive:
     """What is driven in a model, for models of the same structure.
 
     Attributes:
@@ -163,7 +163,7 @@ def name_of(entry: Entry) -> str:
     return f"{entry.of.removesuffix('.rotation')}.{entry.symbol}"
 
 
-def driven(model: Model, name: str | None) -> Driven:
+def driven(model: Model, name: str | None) -> StrokeDrive:
     """What is driven in a model, with the structures in which it is held and let go.
 
     Args:
@@ -197,7 +197,7 @@ def driven(model: Model, name: str | None) -> Driven:
         rest: RoleIndices = getattr(free.topology, k)
         dependent = np.setdiff1d(np.asarray(rest.dependent), chosen)
         roles[k] = dataclasses.replace(rest, dependent=jnp.asarray(dependent, int), dof=jnp.asarray(chosen, int))
-    return Driven(entry, kind, index, index in given, structure, dataclasses.replace(free.topology, **roles))
+    return StrokeDrive(entry, kind, index, index in given, structure, dataclasses.replace(free.topology, **roles))
 
 
 def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
@@ -246,7 +246,7 @@ def _what_moves(model: Model) -> str:
     return f"What moves is such as {listed(moving)}." if moving else "Nothing of it moves."
 
 
-def unit_of_driven(model: Model, what: Driven) -> str:
+def unit_of_driven(model: Model, what: StrokeDrive) -> str:
     """Unit of a stroke, "m" or "rad": a mechanism of twice the size has the same derivatives of its angles by angles.
 
     Args:

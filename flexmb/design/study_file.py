@@ -14,7 +14,7 @@ from ..errors import StudyError, clean
 from .designs import MOST
 from .evaluate import check_dimensions, check_names
 from .study import Study
-from .study_parts import KINDS, Asked, Called, FromFile, content_of, function_of
+from .study_parts import KINDS, Called, FromFile, NamedAnswer, content_of, function_of
 
 # Keys of the file, and of its tables where they are fixed.
 TABLES: dict[str, tuple[str, ...] | None] = {
@@ -234,7 +234,7 @@ class _Reader:
             more = self.text(f"{key}: axis", given["axis"])
         elif kind == "coordinate":
             more = self.whole(f"{key}: component", given["component"])
-        return Asked(f"{self.name}: {key}", kind, value, more)
+        return NamedAnswer(f"{self.name}: {key}", kind, value, more)
 
     def wanted(self, answers: tuple[str, ...]) -> dict[str, Any]:
         """Arguments of tune."""

@@ -178,7 +178,7 @@ def _module(folder: Path, name: str) -> ModuleType:
 
 
 @dataclasses.dataclass(frozen=True)
-class Asked:
+class NamedAnswer:
     """An answer by its name.
 
     Attributes:

@@ -32,7 +32,7 @@ from .evaluate import (
 )
 from .lockstep import in_lockstep
 from .possible import refusal
-from .problem import Problem, make_problem
+from .problem import TuningProblem, make_problem
 from .scaling import Scaling
 from .search import Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
@@ -313,7 +313,7 @@ def _check_start(of_answers: Layout, at_start: Any) -> None:
             raise _StartError(text, RESULTS.not_finite)
 
 
-def _ignored(problem: Problem, kernel: Kernel, unit: np.ndarray, slopes: np.ndarray, seed: int) -> np.ndarray:
+def _ignored(problem: TuningProblem, kernel: Kernel, unit: np.ndarray, slopes: np.ndarray, seed: int) -> np.ndarray:
     """Dimensions that nothing depends on, (n,); looked at twice, since a symmetric start may be stationary."""
     asked = np.abs(problem.weights) > 0
     for rows in (problem.targets, problem.equal, problem.limits):
@@ -342,7 +342,7 @@ def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:
 def _found(
     best: Attempt,
     runs: list[Attempt],
-    problem: Problem,
+    problem: TuningProblem,
     scaling: Scaling,
     of_answers: Layout,
     start: np.ndarray,

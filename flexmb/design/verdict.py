@@ -16,7 +16,7 @@ from ..progress import reporting
 from .designs import numbers
 from .evaluate import Build, check_dimensions
 from .judgement import Limit, Verdict, most
-from .over_stroke import Asked, unit_of_curve
+from .over_stroke import StrokeQuestions, unit_of_curve
 from .sensitivities import Sensitivities, sensitivities
 from .stroke import driven
 
@@ -83,7 +83,7 @@ def verdict(
         raise TypeError("Argument `dimensions` goes with a function of them: give it in place of the model.")
     model = as_determined(model, "verdict")
     name, (low, high) = _ends(stroke)
-    asked = Asked(model, driven(model, name), node, count)
+    asked = StrokeQuestions(model, driven(model, name), node, count)
     sides = [np.linspace(0, end, steps + 1)[1:].tolist() for end in (low, high) if end]
     with reporting(progress, "strokes", 1 + sum(map(len, sides))) as report:
         asked.look(0.0, throw=True)
@@ -128,7 +128,7 @@ def _ends(stroke: Any) -> tuple[str | None, tuple[float, float]]:
 
 
 def _limits(
-    asked: Asked, strokes: np.ndarray, curves: dict[str, np.ndarray], given: Mapping[str, Any]
+    asked: StrokeQuestions, strokes: np.ndarray, curves: dict[str, np.ndarray], given: Mapping[str, Any]
 ) -> tuple[Limit, ...]:
     """Limits with where they are reached, the first of them first."""
     wanted = {name: value for name, value in USUAL.items() if np.any(np.isfinite(curves.get(name, np.nan)))}
@@ -151,7 +151,7 @@ def _order(limit: Limit) -> tuple[float, float]:
     return np.inf if limit.stroke is None else abs(limit.stroke), -float(np.nanmax(limit.used))
 
 
-def _reached(asked: Asked, limit: Limit, strokes: np.ndarray) -> float | None:
+def _reached(asked: StrokeQuestions, limit: Limit, strokes: np.ndarray) -> float | None:
     """The stroke nearest to zero at which a limit is reached."""
 
     def excess(stroke: float) -> float:
@@ -172,7 +172,7 @@ def _reached(asked: Asked, limit: Limit, strokes: np.ndarray) -> float | None:
 
 
 def _sensitivities(
-    asked: Asked, build: Build, dimensions: Mapping[str, Any], limits: tuple[Limit, ...], strokes: np.ndarray
+    asked: StrokeQuestions, build: Build, dimensions: Mapping[str, Any], limits: tuple[Limit, ...], strokes: np.ndarray
 ) -> Sensitivities:
     """Of all curves by the dimensions, at the stroke where the first limit is reached, or most used, or at the end."""
     stroke = float(max(strokes, key=abs))

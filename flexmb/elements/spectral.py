@@ -48,7 +48,7 @@ def fields_after(closure: int, count: int, order: int) -> tuple[tuple[int, ...],
     return tuple(tuple(range(first, first + order)) for first in firsts)
 
 
-class Pieces(NamedTuple):
+class BeamPieces(NamedTuple):
     """Smooth pieces of a beam, from its first end to a place.
 
     Attributes:
@@ -89,12 +89,12 @@ class Pieces(NamedTuple):
         return jnp.einsum("i,in,nm,imk->k", self.sizes, left, coefficients, loads)
 
 
-WHOLE = Pieces(np.zeros(1), np.ones(1))
+WHOLE = BeamPieces(np.zeros(1), np.ones(1))
 
 
 def pieces_of(
     section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None, pairs: bool = False
-) -> Pieces:
+) -> BeamPieces:
     """Smooth pieces of a beam.
 
     Args:
@@ -110,7 +110,7 @@ def pieces_of(
     ends = jnp.stack([jnp.clip(one, 0.0, 1.0) for one in breaks] + [jnp.ones(())] * (count - len(breaks)))
     ends = ends if end is None else jnp.minimum(ends, end)
     starts = jnp.concatenate([jnp.zeros(1), ends[:-1]])
-    return Pieces(starts, ends - starts)
+    return BeamPieces(starts, ends - starts)
 
 
 def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]):

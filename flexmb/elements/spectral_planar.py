@@ -17,7 +17,7 @@ from .section import Scalar
 from .sections import Damping, Section
 from .spectral import (
     WHOLE,
-    Pieces,
+    BeamPieces,
     arc_length,
     check_curvature,
     check_section,
@@ -51,7 +51,7 @@ def _constant_rule(order: int) -> SimpleNamespace:
     return rule
 
 
-def _rule_on(order: int, section: Section | None, length: Any, pieces: Pieces) -> SimpleNamespace:
+def _rule_on(order: int, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
     nodes, weights = gauss(2 * order + 8)
     places = pieces.spread(nodes).ravel()
     shapes = strains(order, section, places, length, FIELDS)

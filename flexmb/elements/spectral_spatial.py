@@ -19,7 +19,7 @@ from .nodes import Point3, Reference, Rotation3, Series3, Static
 from .sections import Damping, Section
 from .spectral import (
     WHOLE,
-    Pieces,
+    BeamPieces,
     arc_length,
     check_curvature,
     check_section,
@@ -59,7 +59,7 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
     return _rule_on(order, shear, None, 1.0, WHOLE)
 
 
-def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: Pieces) -> SimpleNamespace:
+def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
     # In each piece: the ends of fewer steps would not integrate its mass exactly.
     steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
     ends, weights = lobatto(steps + 1)

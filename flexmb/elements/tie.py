@@ -11,7 +11,7 @@ from .element import Element
 from .nodes import NodeKind, Reference
 
 
-class Part(NamedTuple):
+class TiePart(NamedTuple):
     """Elements of one type among those that are tied.
 
     Attributes:
@@ -27,7 +27,7 @@ class Part(NamedTuple):
     rows: tuple[tuple[int, ...], ...]
 
 
-def _part_deformations(part: Part, x: Float[Array, "n_x"], ref: Float[Array, "n_x"], properties: dict[str, Any]):
+def _part_deformations(part: TiePart, x: Float[Array, "n_x"], ref: Float[Array, "n_x"], properties: dict[str, Any]):
     """Deformations of the elements of a part, (elements, n)."""
 
     def one(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
@@ -40,7 +40,7 @@ def _part_deformations(part: Part, x: Float[Array, "n_x"], ref: Float[Array, "n_
 
 
 @functools.cache
-def tie(parts: tuple[Part, ...], size: int, dimension: int) -> Element:
+def tie(parts: tuple[TiePart, ...], size: int, dimension: int) -> Element:
     """Element type whose deformations are weighted sums of the deformations of other elements.
 
     It has one node of all coordinates that those elements have, and two properties: ``weights``, (n, m), of the m

@@ -52,7 +52,7 @@ def _atom(variable: Any, depth: int) -> Atom:
     return Atom(variable.aval.shape, variable.aval.dtype, depth)
 
 
-class Block(NamedTuple):
+class Body(NamedTuple):
     """Body of a loop or branch.
 
     Attributes:
@@ -82,11 +82,11 @@ class Equation(NamedTuple):
     params: dict[str, Any]
     inputs: list[Atom]
     outputs: list[Atom]
-    blocks: tuple[Block, ...]
+    blocks: tuple[Body, ...]
     origin: tuple[Any, ...]
 
 
-class Program(NamedTuple):
+class FlatProgram(NamedTuple):
     """A function whose constants are numbers.
 
     Attributes:
@@ -94,11 +94,11 @@ class Program(NamedTuple):
         constants: Numbers of the values of depth 0 that it reads.
     """
 
-    block: Block
+    block: Body
     constants: dict[Atom, np.ndarray]
 
 
-def flattened(function: Callable[..., Any], *like: Any) -> Program:
+def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
     """Trace a function of arrays and open all that it calls.
 
     Args:
@@ -114,7 +114,7 @@ def flattened(function: Callable[..., Any], *like: Any) -> Program:
     inputs = [_atom(v, 1) for v in program.jaxpr.invars]
     outputs = opener.opened(program.jaxpr, program.consts, inputs)
     equations = _needed(opener.lists[1], set(outputs))
-    return Program(Block(inputs, equations, outputs), opener.numbers(read_by(equations, outputs)))
+    return FlatProgram(Body(inputs, equations, outputs), opener.numbers(read_by(equations, outputs)))
 
 
 def read_by(equations: list[Equation], also: list[Atom]) -> list[Atom]:
@@ -234,7 +234,7 @@ class _Opener:
         body = self.block(params["body_jaxpr"], inputs[first:second])
         return self.placed(name, {}, carry, origin, (unfinished, body))
 
-    def block(self, program: ClosedJaxpr, fixed: list[Atom], branch: bool = False) -> Block:
+    def block(self, program: ClosedJaxpr, fixed: list[Atom], branch: bool = False) -> Body:
         """A body; what it reads from outside is read where it stands."""
         depth = len(self.lists)
         self.lists.append([])
@@ -244,7 +244,7 @@ class _Opener:
         outputs = self.opened(program.jaxpr, program.consts, [*fixed, *own])
         self.floors.pop()
         self.known.pop()
-        return Block(own, self.lists.pop(), outputs)
+        return Body(own, self.lists.pop(), outputs)
 
     def numbers(self, wanted: list[Atom]) -> dict[Atom, np.ndarray]:
         """Numbers of values that follow from constants."""
@@ -286,7 +286,7 @@ def _needed(equations: list[Equation], wanted: set[Atom]) -> list[Equation]:
     return found[::-1]
 
 
-def _signature(block: Block) -> tuple:
+def _signature(block: Body) -> tuple:
     """Equal for bodies that do the same with what stands outside."""
     places: dict[Atom, Any] = {atom: i for i, atom in enumerate(block.inputs)}
     found: list[Any] = [len(block.inputs)]

@@ -54,7 +54,7 @@ static int plant(const double *p, double t, const double *x, const double *u, do
 """
 
 
-class Plant(NamedTuple):
+class PlantSource(NamedTuple):
     """A mechanism in C.
 
     Attributes:
@@ -79,7 +79,7 @@ class Plant(NamedTuple):
 
 def plant(
     model: Model, *, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
-) -> Plant:
+) -> PlantSource:
     """Translate the equations of motion of a mechanism, with all their nonlinearity, to C.
 
     What :func:`flexmb.control.to_nonlinear_system` computes, in C without libraries: states are the degrees of freedom
@@ -128,7 +128,7 @@ def plant(
     (w, n), m = done.work, memory.size
     call = CALL % {"w": w, "m": m, "x": 2 * n_q, "q": n_q, "found": FOUND}
     names = tuple(model.q_labels)
-    return Plant(
+    return PlantSource(
         "\n".join([unit.source(), table, call]),
         names + tuple(f"d {name}" for name in names),
         tuple(signal.name for signal in labels.inputs),

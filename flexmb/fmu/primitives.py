@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .flatten import Atom, Equation
-from .terms import Lazy, Place, Value, View, compact, literal, reshaped, variable
+from .terms import ArrayView, Lazy, Place, Value, compact, literal, reshaped, variable
 from .writer import Writer, counters
 
 # So many terms of a sum are written out; more make a loop.
@@ -207,7 +207,7 @@ def _broadcast(w: Writer, equation: Equation, values: list[Value]) -> list[Value
     axes = tuple(map(int, equation.params["broadcast_dimensions"]))
     if np.prod(out.shape, dtype=int) > np.prod(x.shape, dtype=int):
         x = w.cheap(x)
-    if isinstance(x, View):
+    if isinstance(x, ArrayView):
         strides = [0] * len(out.shape)
         for axis, length, stride in zip(axes, x.shape, x.strides, strict=True):
             strides[axis] = stride if length > 1 else 0
@@ -251,7 +251,7 @@ def in_shape(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
 def _transpose(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), (out,) = values, equation.outputs
     order = tuple(map(int, equation.params["permutation"]))
-    if isinstance(x, View):
+    if isinstance(x, ArrayView):
         return [x._replace(strides=tuple(x.strides[axis] for axis in order), shape=out.shape)]
     return [Lazy(lambda index: x.at([index[order.index(i)] for i in range(len(order))]), x.cost, out.shape, out.dtype)]
 
@@ -264,9 +264,9 @@ def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]
         steps: The same; they may be negative.
         shape: Of the part.
     """
-    if isinstance(x, View):
+    if isinstance(x, ArrayView):
         strides = tuple(stride * step for stride, step in zip(x.strides, steps, strict=True))
-        return View(x.pool, x.place(starts), strides, shape, x.dtype)
+        return ArrayView(x.pool, x.place(starts), strides, shape, x.dtype)
 
     def at(index: list[Place]) -> str:
         return x.at([start + one * step for start, one, step in zip(starts, index, steps, strict=True)])
@@ -315,7 +315,7 @@ def _joined(w: Writer, equation: Equation, pieces: list[Value], axis: int) -> li
     for piece in pieces:
         starts = [Place(at if i == axis else 0) for i in range(len(out.shape))]
         to = part(whole, starts, [1] * len(out.shape), piece.shape)
-        assert isinstance(to, View)
+        assert isinstance(to, ArrayView)
         w.store(piece, to)
         at += piece.shape[axis]
     return [whole]
@@ -361,7 +361,7 @@ def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     steps = [one[2] + 1 for one in config]
     inside = part(x, [Place(one) for one in first], [1] * len(first), tuple(count))
     target = part(whole, to, steps, tuple(count))
-    assert isinstance(target, View)
+    assert isinstance(target, ArrayView)
     w.store(inside, target)
     return [whole]
 
@@ -474,13 +474,15 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
     return [reduced(w, product, axes, "sum") if axes else product]
 
 
-def _in_order(view: View, axes: list[int]) -> View:
+def _in_order(view: ArrayView, axes: list[int]) -> ArrayView:
     """The same numbers with their axes in another order."""
     shape, strides = (tuple(kind[axis] for axis in axes) for kind in (view.shape, view.strides))
     return view._replace(shape=shape, strides=strides)
 
 
-def _sparse(w: Writer, out: Atom, array: np.ndarray, summed: int, other: View, axes: list[int], batch: int) -> View:
+def _sparse(
+    w: Writer, out: Atom, array: np.ndarray, summed: int, other: ArrayView, axes: list[int], batch: int
+) -> ArrayView:
     """A product with a constant matrix, row by row of what is not zero in it.
 
     Args:
@@ -553,7 +555,7 @@ def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         return list(found)
     loops, index = counters("i", tuple(1 if i == axis else n for i, n in enumerate(shape)))
 
-    def at(view: View, place: Place) -> str:
+    def at(view: ArrayView, place: Place) -> str:
         return view.at([*index[:axis], place, *index[axis + 1 :]])
 
     upper, lower = variable("k"), variable("k") + (-1)
@@ -579,7 +581,7 @@ def _batched(w: Writer, shape: tuple[int, ...]) -> tuple[str, list[Place]]:
     return loops, [*index, Place(), Place()]
 
 
-def _pointer(view: View, index: list[Place]) -> str:
+def _pointer(view: ArrayView, index: list[Place]) -> str:
     return f"{view.pool} + {view.place(index[: len(view.shape)])}"
 
 
@@ -661,7 +663,7 @@ def _dynamic_update_slice(w: Writer, equation: Equation, values: list[Value]) ->
     places = [_start(w, one, n - size) for one, n, size in zip(starts, x.shape, change.shape, strict=True)]
     found = w.copied(x)
     to = part(found, places, [1] * len(places), change.shape)
-    assert isinstance(to, View)
+    assert isinstance(to, ArrayView)
     w.store(change, to)
     return [found]
 
@@ -694,7 +696,7 @@ class _Indices:
         column = self.columns[axis]
         if not self.known:
             return variable(f"{self.w.helper('fx_clip')}({column.at([*batch, Place()])}, {self.most[axis]})")
-        if isinstance(column, View):
+        if isinstance(column, ArrayView):
             return variable(column.at(batch))
         even = column.at([Place()] * len(batch)).strip("()")
         start = Place(int(even))
@@ -752,7 +754,7 @@ def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.n
         return text if guard is None else f"({guard} ? {text} : {filling})"
 
     filling = _filling(params.get("fill_value"), out.dtype)
-    if where.known and where.guarded is None and isinstance(source, View):
+    if where.known and where.guarded is None and isinstance(source, ArrayView):
         even = _even(source, lambda index: _places(
             where, [index[axis] for axis in batch_axes],
             {axis: index[own] for axis, own in zip(along, offsets, strict=True)}, paired, len(source.shape),
@@ -762,7 +764,7 @@ def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.n
     return [Lazy(at, 0 if where.known else 1, out.shape, out.dtype)]
 
 
-def _even(source: View, places: Callable[[list[Place]], list[Place]], shape: tuple[int, ...]) -> View | None:
+def _even(source: ArrayView, places: Callable[[list[Place]], list[Place]], shape: tuple[int, ...]) -> ArrayView | None:
     """A gather as a view, where its places grow evenly."""
     names = [f"i{axis}" for axis in range(len(shape))]
     place = source.place(places([variable(name) for name in names]))
@@ -770,7 +772,7 @@ def _even(source: View, places: Callable[[list[Place]], list[Place]], shape: tup
     if any(key.startswith("I[") for key in rest):
         return None
     strides = tuple(place.terms.get(name, 0) for name in names)
-    return View(source.pool, Place(place.constant, rest, place.buffer), strides, shape, source.dtype)
+    return ArrayView(source.pool, Place(place.constant, rest, place.buffer), strides, shape, source.dtype)
 
 
 def _filling(given: Any, dtype: np.dtype) -> str:

@@ -53,7 +53,7 @@ def variable(name: str) -> Place:
     return Place(0, {name: 1})
 
 
-class View(NamedTuple):
+class ArrayView(NamedTuple):
     """Numbers in memory.
 
     Attributes:
@@ -103,7 +103,7 @@ class Lazy(NamedTuple):
     dtype: np.dtype
 
 
-Value = View | Lazy
+Value = ArrayView | Lazy
 
 
 def compact(shape: tuple[int, ...]) -> tuple[int, ...]:
@@ -132,7 +132,7 @@ def linear(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
     return (first, tuple(strides)) if np.array_equal(np.broadcast_to(grown, numbers.shape), numbers) else None
 
 
-def reshaped(view: View, shape: tuple[int, ...]) -> View | None:
+def reshaped(view: ArrayView, shape: tuple[int, ...]) -> ArrayView | None:
     """The same numbers in another shape; None where one stride an axis cannot say it.
 
     Args:

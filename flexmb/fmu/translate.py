@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import ModelError
-from .flatten import Atom, Block, Equation, Program, flattened, origin_of, read_by
+from .flatten import Atom, Body, Equation, FlatProgram, flattened, origin_of, read_by
 from .primitives import BY_CONSTANTS, RULES
-from .terms import Place, Value, View, variable
+from .terms import ArrayView, Place, Value, variable
 from .writer import Compound, Tables, Writer
 
 RUNTIME = Path(__file__).with_name("runtime.c")
@@ -146,13 +146,13 @@ class _Emitter:
         at: Where each value is, or how it is worked out.
     """
 
-    def __init__(self, w: Writer, program: Program):
+    def __init__(self, w: Writer, program: FlatProgram):
         self.w, self.known = w, program.constants
         self.at: dict[Atom, Value] = {atom: w.tables.value(array) for atom, array in program.constants.items()}
         self.uses: dict[Atom, int] = {}
         self._count(program.block)
 
-    def _count(self, block: Block) -> None:
+    def _count(self, block: Body) -> None:
         for equation in block.equations:
             for atom in equation.inputs:
                 self.uses[atom] = self.uses.get(atom, 0) + 1
@@ -192,18 +192,18 @@ class _Emitter:
                 " by others of jax.numpy."
             ) from None
 
-    def _body(self, block: Block) -> list:
+    def _body(self, block: Body) -> list:
         """Statements of a body."""
         outside, self.w.statements = self.w.statements, []
         self.run(block.equations)
         inside, self.w.statements = self.w.statements, outside
         return inside
 
-    def _carried(self, values: list[Value]) -> list[View]:
+    def _carried(self, values: list[Value]) -> list[ArrayView]:
         """What a loop changes, in buffers of its own."""
         return [self.w.copied(value) for value in values]
 
-    def _renewed(self, block: Block, atoms: list[Atom], carried: list[View]) -> None:
+    def _renewed(self, block: Body, atoms: list[Atom], carried: list[ArrayView]) -> None:
         """Hand the results of a round to the next, all at once."""
         news = [self.at[atom] for atom in atoms]
         moving = [(new, old) for new, old in zip(news, carried, strict=True) if new is not old]
@@ -213,10 +213,10 @@ class _Emitter:
         for new, (_, old) in zip(fresh, moving, strict=True):
             self.w.store(new, old)
 
-    def _is_own(self, value: Value, block: Block) -> bool:
+    def _is_own(self, value: Value, block: Body) -> bool:
         """Whether a value stands where no carried value does."""
-        carried = {view.start.buffer for view in map(self.at.get, block.inputs) if isinstance(view, View)}
-        return isinstance(value, View) and value.start.buffer not in carried
+        carried = {view.start.buffer for view in map(self.at.get, block.inputs) if isinstance(view, ArrayView)}
+        return isinstance(value, ArrayView) and value.start.buffer not in carried
 
     def _scan(self, equation: Equation, values: list[Value]) -> list[Value]:
         (block,), params = equation.blocks, equation.params
@@ -277,9 +277,9 @@ def _unknown(*_: Any) -> list[Value]:
     raise NotImplementedError
 
 
-def _row(view: View, place: Place) -> View:
+def _row(view: ArrayView, place: Place) -> ArrayView:
     """One row of an array, whose number is known when it runs."""
-    return View(view.pool, view.start + place * view.strides[0], view.strides[1:], view.shape[1:], view.dtype)
+    return ArrayView(view.pool, view.start + place * view.strides[0], view.strides[1:], view.shape[1:], view.dtype)
 
 
 def _check_type(equation: Equation, atom: Atom) -> None:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .terms import Lazy, Place, Value, View, compact, linear, literal, variable
+from .terms import ArrayView, Lazy, Place, Value, compact, linear, literal, variable
 
 # So many statements make a function of C: compilers take more than twice the time for one that is twice as long.
 STATEMENTS = 50
@@ -50,7 +50,7 @@ class Tables:
             start, strides = even
 
             def grown(index: list[Place]) -> str:
-                return f"({View('', Place(start), strides, shape, dtype).place(index)})"
+                return f"({ArrayView('', Place(start), strides, shape, dtype).place(index)})"
 
             return Lazy(grown, 0, shape, dtype)
         # An axis along which nothing changes is not written out.
@@ -59,7 +59,7 @@ class Tables:
         pool = "K" if dtype.kind == "f" else "I"
         own = compact(short.shape)
         strides = tuple(own[axis] if axis in moving else 0 for axis in range(array.ndim))
-        return View(pool, self.start(pool, short), strides, shape, dtype)
+        return ArrayView(pool, self.start(pool, short), strides, shape, dtype)
 
     def start(self, pool: str, array: np.ndarray) -> Place:
         """Where an array begins in a table, "K" of numbers or "I" of whole numbers."""
@@ -141,27 +141,27 @@ class Writer:
         self.helpers[name] = None
         return name
 
-    def new(self, shape: tuple[int, ...], dtype: np.dtype) -> View:
+    def new(self, shape: tuple[int, ...], dtype: np.dtype) -> ArrayView:
         """A buffer for an array."""
         pool = "w" if dtype.kind == "f" else "n"
         self._buffers.append((pool, int(np.prod(shape, dtype=int))))
-        return View(pool, Place(buffer=len(self._buffers) - 1), compact(shape), shape, dtype)
+        return ArrayView(pool, Place(buffer=len(self._buffers) - 1), compact(shape), shape, dtype)
 
-    def store(self, value: Value, to: View) -> None:
+    def store(self, value: Value, to: ArrayView) -> None:
         """Write an array into memory."""
         loops, index = counters("i", to.shape)
         if 0 not in to.shape:
             self.add(f"{loops}{to.at(index)} = {value.at(index)};")
 
-    def copied(self, value: Value) -> View:
+    def copied(self, value: Value) -> ArrayView:
         """An array in a buffer of its own."""
         found = self.new(value.shape, value.dtype)
         self.store(value, found)
         return found
 
-    def stored(self, value: Value) -> View:
+    def stored(self, value: Value) -> ArrayView:
         """An array in memory, where it is or in a buffer of its own."""
-        return value if isinstance(value, View) else self.copied(value)
+        return value if isinstance(value, ArrayView) else self.copied(value)
 
     def cheap(self, value: Value) -> Value:
         """An array that may be read as often as one likes."""

@@ -28,7 +28,7 @@ from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_
 from ..statics.tangent import elastic_stress, falls, pieces_at, unknowns
 from .linearize import Linearization
 from .sparse_linearize import SparseLinearization
-from .sparse_multipliers import Buckled, Matrices, smallest_of_sparse
+from .sparse_multipliers import Buckled, MultiplierMatrices, smallest_of_sparse
 from .sparse_solve import on_host
 from .sparse_spectrum import asks_for_all
 
@@ -139,7 +139,7 @@ def _matrices(
     near: Float[Array, "n_e"],
     at: Balanced,
     growth: _Growth | None,
-) -> Matrices:
+) -> MultiplierMatrices:
     """What stays and what is scaled as in :func:`.buckling.scaled_stiffness`, element by element."""
     x, sizes = at.x, sizes_of(topology, parameters)
     sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
@@ -164,7 +164,7 @@ def _matrices(
         elastic = accumulate(elastic, r, jnp.einsum("eij,ej->ei", jnp.abs(s), stretched[r]))
     share = jnp.where(reach > 0, jnp.max(forces, initial=0.0) / jnp.where(reach > 0, reach, 1.0), 0.0)
     noise = of_stress(LoadFactors(0.0, 0.0), ROUND_OFF * (elastic + share))
-    return Matrices(found.rows, found.elastic, preload, stressed, noise, found.own)
+    return MultiplierMatrices(found.rows, found.elastic, preload, stressed, noise, found.own)
 
 
 @jax.custom_jvp

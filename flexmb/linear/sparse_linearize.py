@@ -11,7 +11,7 @@ from ..arguments import is_concrete
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, short
-from ..math.element_matrices import Assembled, ElementMatrices, Pieces, Whole
+from ..math.element_matrices import ElementMatrices, Pieces, SparseMatrices, Whole
 from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
@@ -87,7 +87,7 @@ class SparseLinearization(ByName, Result, Record):
         """Whether the stiffness is symmetric by the nature of the loads and laws."""
         return not lacks_potential(self.model.topology)
 
-    def sparse(self) -> Assembled:
+    def sparse(self) -> SparseMatrices:
         """Matrices M v'' + C v' + K v + D^T m = f, D v = 0 of the coordinates v that move, as SciPy's sparse ones.
 
         Returns:

@@ -27,7 +27,7 @@ UNBOUNDED = 1e9
 NEGATIVE = 1e-9
 
 
-class Matrices(NamedTuple):
+class MultiplierMatrices(NamedTuple):
     """Matrices of elements, in the order in which :class:`.Structure` places them.
 
     Attributes:
@@ -64,7 +64,7 @@ class Buckled(NamedTuple):
     geometric: Any
 
 
-def smallest_of_sparse(topology: Topology, given: Matrices, *, falls: bool, count: int) -> Buckled:
+def smallest_of_sparse(topology: Topology, given: MultiplierMatrices, *, falls: bool, count: int) -> Buckled:
     """Multipliers of smallest size, and their motions.
 
     Args:

@@ -31,7 +31,7 @@ STEADY = 8
 TURNS = 8
 
 
-class _Shifted:
+class _ShiftedPoles:
     """(v, p) to (v, p)/(lambda - s), in units in which masses and rates are about one.
 
     Attributes:
@@ -157,36 +157,36 @@ def is_steady(elements: ElementMatrices) -> bool:
     import jax
 
     whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
-    if not _Shifted(whole, 0.0).regular:
+    if not _ShiftedPoles(whole, 0.0).regular:
         return False
     values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
     return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
 
-def _regular(whole: Whole) -> _Shifted:
+def _regular(whole: Whole) -> _ShiftedPoles:
     """Shifted by as little as makes it regular: by nothing, but where a motion meets no stiffness."""
-    at = _Shifted(whole, 0.0)
+    at = _ShiftedPoles(whole, 0.0)
     if at.regular:
         return at
     stiff = np.max(np.abs(whole.at().diagonal()[: whole.n]), initial=0.0) or 1.0
     heavy, viscous = (np.max(np.abs(of.diagonal()), initial=0.0) for of in (whole.mass, whole.damping))
     first = np.sqrt(FIRST_SHIFT * stiff / heavy) if heavy > 0 else FIRST_SHIFT * stiff / viscous if viscous > 0 else 0.0
     for i in range(MAX_SHIFTS if first > 0 else 0):
-        at = _Shifted(whole, float(first * GROWTH**i))
+        at = _ShiftedPoles(whole, float(first * GROWTH**i))
         if at.regular:
             return at
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
-def _better(at: _Shifted, whole: Whole, found: np.ndarray) -> _Shifted:
+def _better(at: _ShiftedPoles, whole: Whole, found: np.ndarray) -> _ShiftedPoles:
     """Shifted by as much as the slowest pole that is no zero beside the shift before."""
     sizes = np.abs(found)
     sizes = sizes[sizes > at.shift]
-    better = _Shifted(whole, float(np.min(sizes))) if len(sizes) else at
+    better = _ShiftedPoles(whole, float(np.min(sizes))) if len(sizes) else at
     return better if better.regular else at
 
 
-def _complete(at: _Shifted, count: int) -> tuple[np.ndarray, float]:
+def _complete(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, float]:
     """Poles of which the nearest to zero are known one and all, ``count`` if there are, and how far these are off."""
     every, wanted = 2 * at.motions, min(count + MORE, 2 * at.motions)
     while True:
@@ -199,7 +199,7 @@ def _complete(at: _Shifted, count: int) -> tuple[np.ndarray, float]:
         wanted = min(2 * wanted, every)
 
 
-def _nearest(at: _Shifted, count: int) -> tuple[np.ndarray, np.ndarray, float]:
+def _nearest(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Poles nearest to the shift, how far their motions are from such, and the least of their inverse distances."""
     every = at.motions <= FEW or 3 * count >= 2 * at.motions
     basis = at.allowed() if every else _all_copies(at, count)
@@ -218,7 +218,7 @@ def _nearest(at: _Shifted, count: int) -> tuple[np.ndarray, np.ndarray, float]:
     return at.shift + 1 / inverse, wrong, rest
 
 
-def _all_copies(at: _Shifted, count: int) -> np.ndarray:
+def _all_copies(at: _ShiftedPoles, count: int) -> np.ndarray:
     """Orthonormal basis of the motions of the ``count`` largest values, as many of each as there are.
 
     From one start iterations see one motion of each value: others are looked for beside those that are known.
@@ -238,7 +238,7 @@ def _all_copies(at: _Shifted, count: int) -> np.ndarray:
     raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
 
 
-def _searched(at: _Shifted, basis: np.ndarray, count: int, number: int) -> tuple[Any, Any]:
+def _searched(at: _ShiftedPoles, basis: np.ndarray, count: int, number: int) -> tuple[Any, Any]:
     """Largest values and vectors where a basis of known ones is taken out."""
     import scipy.sparse.linalg
 

@@ -99,7 +99,7 @@ def between(pieces: Pieces, left: Float[Array, "n a"], right: Float[Array, "m b"
     return found
 
 
-class Assembled(NamedTuple):
+class SparseMatrices(NamedTuple):
     """Equations of the coordinates that move, sparse, on the host: M v'' + C v' + K v + D^T m = f, D v = 0.
 
     Attributes:
@@ -181,13 +181,13 @@ class Whole:
         """C of the coordinates that move, (n, n)."""
         return self._matrix(self._c)[: self.n, : self.n]
 
-    def apart(self) -> Assembled:
+    def apart(self) -> SparseMatrices:
         """The matrices one by one."""
         k, c, m, d = (self._matrix(data) for data in (self._k, self._c, self._m, self._d))
         found = [own[: self.n, : self.n] for own in (k, c, m)] + [d[self.n :, : self.n]]
         for own in found:
             own.eliminate_zeros()
-        return Assembled(*found)
+        return SparseMatrices(*found)
 
 
 def _groups(elements: ElementMatrices) -> list[Pieces]:

@@ -19,7 +19,7 @@ from ..mechanics.sparse_order import Factors, SparseOrder
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
-from .coordinates_form import REDUNDANT, CoordinatesForm, Whole, coordinates_form
+from .coordinates_form import REDUNDANT, AllCoordinates, CoordinatesForm, coordinates_form
 from .drive import MOMENTS, Driven
 from .element_forces import (
     Kinematics,
@@ -49,7 +49,7 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
     return None
 
 
-class Pieces(NamedTuple):
+class ResidualPieces(NamedTuple):
     """Derivatives of the residual, element by element; coordinates of elements come before their held deformations.
 
     Attributes:
@@ -123,7 +123,7 @@ class ChainForm(Record):
 
     def forces(
         self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
-    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
+    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], AllCoordinates]:
         """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
         form, n = self.form, self.size
         at = form.whole(t, state.u, state.w, z[:n])
@@ -141,7 +141,7 @@ class ChainForm(Record):
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[form.free] * form.sizes, kin.edd[form.held] - at.edd])
 
-    def pieces(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Pieces:
+    def pieces(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> ResidualPieces:
         """Derivatives of the residual, element by element.
 
         Source:
@@ -173,14 +173,14 @@ class ChainForm(Record):
                 by_z = bordered(by_z, e, e.mT, self._corner(block, e))
                 by_w, by_u = bordered(by_w, 2 * ed), bordered(by_u, edd)
             every.append((by_z, by_w, by_u))
-        return Pieces(*(tuple(of) for of in zip(*every, strict=True)))
+        return ResidualPieces(*(tuple(of) for of in zip(*every, strict=True)))
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
         """What keeps redundant constraints solvable; see :meth:`CoordinatesForm.system`."""
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
         return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
 
-    def factors_of_step(self, pieces: Pieces, step: Inexact[Array, ""]) -> Factors:
+    def factors_of_step(self, pieces: ResidualPieces, step: Inexact[Array, ""]) -> Factors:
         """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
 
         def of_step(z: Float[Array, "elements k k"], w: Float[Array, "elements k k"], u: Float[Array, "elements k k"]):

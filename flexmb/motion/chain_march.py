@@ -36,7 +36,7 @@ SAFETY, GROW, SHRINK, FAILED = 0.9, 8.0, 0.2, 0.5
 ORDER = 4
 
 
-class _March(NamedTuple):
+class _ChainMarch(NamedTuple):
     """State of the loop.
 
     Attributes:
@@ -86,7 +86,7 @@ def march_chain(
     smallest = SMALLEST_STEP * (t1 - t0)
     close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
 
-    def turn(m: _March) -> _March:
+    def turn(m: _ChainMarch) -> _ChainMarch:
         h = m.to - m.t
         guess = foretold(m.carried, h)
         pieces, at = jax.lax.cond(
@@ -140,9 +140,9 @@ def march_chain(
         state, carried = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (after, taken.carried), (m.state, m.carried))
         carried = carried._replace(rate=taken.carried.rate)
         before = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (h, jnp.maximum(error, 1e-2)), m.before)
-        return _March(begin, end, state, carried, matrices, h, ~quick, before, ~keep, k, found)
+        return _ChainMarch(begin, end, state, carried, matrices, h, ~quick, before, ~keep, k, found)
 
-    def unfinished(m: _March):
+    def unfinished(m: _ChainMarch):
         return (m.found.result == RESULTS.successful) & (m.t < t1) & (m.found.steps < most)
 
     none = jnp.zeros((), jnp.int32)
@@ -158,7 +158,7 @@ def march_chain(
     )
     matrices = jax.tree.map(lambda like: jnp.zeros(like.shape, like.dtype), shapes)
     yes, zero = jnp.array(True), jnp.zeros(())
-    m = _March(t0, end, start, carried_from(z), matrices, zero, yes, (zero, jnp.ones(())), ~yes, none, found)
+    m = _ChainMarch(t0, end, start, carried_from(z), matrices, zero, yes, (zero, jnp.ones(())), ~yes, none, found)
     m = jax.lax.while_loop(unfinished, turn, m)
     result = m.found.result
     # Nothing moves where some motion has no mass.

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanics.sparse_order import Factors
-from .chain_form import ChainForm, Pieces
+from .chain_form import ChainForm, ResidualPieces
 from .protocol import MotionState
 from .step_size import LARGE
 
@@ -59,7 +59,7 @@ class StepMatrices(NamedTuple):
         at: Nodal coordinates that they belong to, (n_x,) [m, rad, -].
     """
 
-    pieces: Pieces
+    pieces: ResidualPieces
     real: Factors
     other: Factors
     at: Float[Array, "n_x"]
@@ -110,13 +110,15 @@ def states_at(state: MotionState, h: Float[Array, ""], z: Float[Array, "3 r"]) -
 
 def pieces_of_step(
     equations: ChainForm, t: Float[Array, ""], h: Float[Array, ""], state: MotionState, z: Float[Array, "3 r"]
-) -> tuple[Pieces, Float[Array, "n_x"]]:
+) -> tuple[ResidualPieces, Float[Array, "n_x"]]:
     """Derivatives of the residual near the middle of a step, whose stages are guessed to be z, (3, r), and where."""
     t, at = t + NODES[1] * h, jax.tree.map(lambda rows: rows[1], states_at(state, h, z))
     return equations.pieces(t, at, z[1]), equations.form.whole(t, at.u, at.w, at.u).x
 
 
-def matrices_of_step(equations: ChainForm, pieces: Pieces, h: Float[Array, ""], x: Float[Array, "n_x"]) -> StepMatrices:
+def matrices_of_step(
+    equations: ChainForm, pieces: ResidualPieces, h: Float[Array, ""], x: Float[Array, "n_x"]
+) -> StepMatrices:
     """Factors of one step."""
     real = equations.factors_of_step(pieces, h * STEP)
     return StepMatrices(pieces, real, equations.factors_of_step(pieces, h.astype(complex) * COMPLEX_STEP), x)

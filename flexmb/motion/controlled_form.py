@@ -55,7 +55,7 @@ class Constant(Record):
         return self.value
 
 
-class Places(Record):
+class PortPlaces(Record):
     """What each input acts on and what each output measures, as indices.
 
     Attributes:
@@ -120,7 +120,7 @@ FORCES = ("stress", "reaction", "moment", "local moment")
 CLOSING = 4
 
 
-def driven_by_inputs(form: CoordinatesForm, places: Places, u: Float[Array, "n_u"]) -> CoordinatesForm:
+def driven_by_inputs(form: CoordinatesForm, places: PortPlaces, u: Float[Array, "n_u"]) -> CoordinatesForm:
     """Equations of a mechanism under given inputs.
 
     Args:
@@ -156,7 +156,7 @@ class ControlledForm(Record):
 
     form: CoordinatesForm
     feedback: Feedback
-    places: Places
+    places: PortPlaces
     start: Float[Array, "n_x"]
 
     @property

@@ -48,7 +48,7 @@ REDUNDANT = 1e-8
 CORRECTIONS = 3
 
 
-class Whole(NamedTuple):
+class AllCoordinates(NamedTuple):
     """All coordinates with their rates.
 
     Attributes:
@@ -136,7 +136,9 @@ class CoordinatesForm(Record):
         """Loads and prescribed values at one time."""
         return drive_at(self.topology, self.parameters, self.driven, t)
 
-    def whole(self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]) -> Whole:
+    def whole(
+        self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
+    ) -> AllCoordinates:
         """All coordinates from those that move.
 
         Args:
@@ -170,7 +172,7 @@ class CoordinatesForm(Record):
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
         moved = self.sizes[:, None] * jnp.stack([u, w, a], axis=1)
         x, v, acc = accumulate(jnp.stack([x, v, acc], axis=1), self.free, moved).T
-        return Whole(x, v, acc, e, ed, edd)
+        return AllCoordinates(x, v, acc, e, ed, edd)
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
@@ -181,7 +183,7 @@ class CoordinatesForm(Record):
         return WholeMotion(at.x, at.v, near, jnp.zeros(0))
 
     def placed(
-        self, given: Whole, q: Float[Array, "n_q"], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+        self, given: AllCoordinates, q: Float[Array, "n_q"], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
     ) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
         """All coordinates and deformations at given degrees of freedom, by Newton's method from a guess.
 
@@ -243,7 +245,7 @@ class CoordinatesForm(Record):
 
     def forces(
         self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
-    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], Whole]:
+    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], AllCoordinates]:
         """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])

@@ -18,7 +18,7 @@ from ..compilation.record import Record
 from ..errors import ModelError
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model, Signal
-from .controlled_form import ControlledForm, Feedback, Places, driven_by_inputs
+from .controlled_form import ControlledForm, Feedback, PortPlaces, driven_by_inputs
 from .controllers import Sampled, check_sizes, connected, controller_of
 from .coordinates_form import CoordinatesForm
 
@@ -146,7 +146,7 @@ def _nothing(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
     return jnp.zeros(0)
 
 
-def _places(model: Model) -> Places:
+def _places(model: Model) -> PortPlaces:
     """What the inputs act on and the outputs measure."""
     labels, weights = model.labels, model.parameters.weights
     found: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
@@ -160,7 +160,7 @@ def _places(model: Model) -> Places:
     def columns(kind: str, size: int):
         return jnp.asarray(np.array(found[kind], int).reshape(-1, size).T)
 
-    return Places(
+    return PortPlaces(
         forces=columns("force", 2),
         stresses=columns("stress", 2),
         moments=columns("moment", 3),

@@ -263,7 +263,7 @@ def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str
     return dataclasses.replace(kind() if group is None else group, **own)
 
 
-class Condition(Record):
+class EventCondition(Record):
     """Condition of an event, as it was when the simulation was called.
 
     Attributes:
@@ -284,7 +284,7 @@ def _event_now(problem: Problem, integrator: Integrator, t: Float[Array, ""], st
 
     def now(condition: Callable[..., Any]):
         try:
-            return Condition(captured(lambda t, y: condition(t, y, None), t, like))
+            return EventCondition(captured(lambda t, y: condition(t, y, None), t, like))
         except (KeyError, TypeError):
             return condition
 

@@ -16,7 +16,7 @@ from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.tree import Passages, Tree, linked, passages, passed, some_of
-from .coordinates_form import CoordinatesForm, Whole, bordered
+from .coordinates_form import AllCoordinates, CoordinatesForm, bordered
 from .element_forces import (
     Moving,
     PreparedBlock,
@@ -47,7 +47,7 @@ class _Carried(NamedTuple):
         passed: Derivative of way and turn of each beam.
     """
 
-    at: Whole
+    at: AllCoordinates
     x: Float[Array, "n_x n"]
     v: Float[Array, "n_x n"] | None
     a: Float[Array, "n_x n"] | None
@@ -104,7 +104,9 @@ class TreeForm(Record):
         """Nodal coordinates with those computed that something acts or depends on, (n_x,)."""
         return x if self.tree.felt is None else linked(self.tree.felt, passed(self.felt, x), x)
 
-    def whole(self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]) -> Whole:
+    def whole(
+        self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
+    ) -> AllCoordinates:
         """Coordinates and their rates, those computed that something acts or depends on.
 
         Arguments as of :meth:`CoordinatesForm.whole`.
@@ -203,7 +205,9 @@ class TreeForm(Record):
         """What these are held at, of all that are held."""
         return values[self.tree.held_places]
 
-    def forces(self, t: Float[Array, ""], at: Whole, memory: Float[Array, "k"], multipliers: Float[Array, "m"]):
+    def forces(
+        self, t: Float[Array, ""], at: AllCoordinates, memory: Float[Array, "k"], multipliers: Float[Array, "m"]
+    ):
         """Kinematics, and nodal forces out of balance, (n_x,) [N, N m]."""
         moving = Moving(at.x, at.v, at.a, self.form.near(memory))
         acting = acting_forces(self.form.elements, moving, self.form.falling, self.stress_of(t, multipliers))
@@ -346,7 +350,7 @@ def _joined(rows: Sequence[Sequence[Array]]):
     return tuple(jnp.concatenate(own) for own in zip(*rows, strict=True))
 
 
-def _passage_rates(one: Passages, at: Whole):
+def _passage_rates(one: Passages, at: AllCoordinates):
     """Way and turn of beams, rates and second rates, (beams, d + r) each."""
 
     def rates(c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"], *kept: Array):
@@ -355,7 +359,7 @@ def _passage_rates(one: Passages, at: Whole):
     return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
 
 
-def _derived_passage_rates(one: Passages, at: Whole):
+def _derived_passage_rates(one: Passages, at: AllCoordinates):
     """As :func:`_passage_rates`, and their derivatives by the coefficients."""
 
     def rates(c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"], *kept: Array):

@@ -169,7 +169,7 @@ def _null(
     return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0)), direction_of(at, along, jnp.array(1.0))
 
 
-class Equations(Protocol):
+class WalkEquations(Protocol):
     """What a walk asks of a mechanism; states are arrays of NumPy."""
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
@@ -194,7 +194,7 @@ class DenseEquations:
         self.parts = (model.topology, model.parameters)
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
-        """See :class:`Equations`."""
+        """See :class:`WalkEquations`."""
         return self._from_undeformed() or jax.device_get(_begin(*self.parts))
 
     def _from_undeformed(self) -> tuple[Ramp, Scale, Step, Any] | None:
@@ -219,13 +219,13 @@ class DenseEquations:
         return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
-        """See :class:`Equations`."""
+        """See :class:`WalkEquations`."""
         return jax.device_get(_advance(*self.parts, ramp, scale, begin, direction, length, plane))
 
     def null(
         self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
     ) -> tuple[Direction, Direction]:
-        """See :class:`Equations`."""
+        """See :class:`WalkEquations`."""
         return jax.device_get(_null(*self.parts, ramp, scale, point, shift, beside))
 
 
@@ -380,7 +380,7 @@ class Walker:
         ended: Name of the condition that ended it, empty where the path ended by itself; None where none did.
     """
 
-    def __init__(self, equations: Equations, step: float, stops: Stops):
+    def __init__(self, equations: WalkEquations, step: float, stops: Stops):
         self.equations = equations
         self.ramp, self.scale, first, result = equations.begin()
         self.code = RESULTS(int(result))

@@ -27,7 +27,7 @@ from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, MOST, known
 from .read import SpacarModel
 from .signals import keyword_of
-from .written import Line, is_zero, line_of, numbers_of, one_of, text_of, trimmed
+from .written import WrittenLine, is_zero, line_of, numbers_of, one_of, text_of, trimmed
 
 _MASS = (planar.mass, spatial.mass)
 _INERTIA = (planar.inertia, spatial.inertia)
@@ -58,7 +58,7 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     write_whole(path, ("\n".join(map(text_of, lines_of(builder, settings))) + "\n").encode())
 
 
-def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[Line | str]:
+def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[WrittenLine | str]:
     """Lines of the file of a mechanism; those without numbers are texts.
 
     Args:
@@ -118,7 +118,7 @@ class _Writer:
         if like is None:
             self._check()
 
-    def lines(self) -> list[Line | str]:
+    def lines(self) -> list[WrittenLine | str]:
         """All lines."""
         signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
         third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
@@ -126,7 +126,7 @@ class _Writer:
         drawn = [outlines.TITLE, *drawn] if drawn else []
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
 
-    def _outlines(self, drawn: list[str]) -> list[Line]:
+    def _outlines(self, drawn: list[str]) -> list[WrittenLine]:
         """Sizes of cross-sections, but of elements whose lines are kept as they stand."""
         words = [line.split() for line in drawn]
         there = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
@@ -267,7 +267,7 @@ class _Writer:
 
     # -- kinematics -----------------------------------------------------------------------------------------------
 
-    def _kinematics(self) -> list[Line]:
+    def _kinematics(self) -> list[WrittenLine]:
         lines, clamps = [], []
         for name, m in self.shown.items():
             keyword, vector = self.kinds[name].keyword, m.properties.get("y", m.properties.get("axis"))
@@ -313,7 +313,9 @@ class _Writer:
         return np.eye(3)[np.argmin(np.abs(q - p))]
 
     @staticmethod
-    def _roles(number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None) -> list[Line]:
+    def _roles(
+        number: int, roles: list[Role], keywords: dict[Role, str], element: Element | None = None
+    ) -> list[WrittenLine]:
         lines = []
         for role, keyword in keywords.items():
             having = [i for i, r in enumerate(roles, 1) if r is role]
@@ -327,16 +329,16 @@ class _Writer:
 
     # -- dynamics -------------------------------------------------------------------------------------------------
 
-    def _dynamics(self) -> list[Line]:
+    def _dynamics(self) -> list[WrittenLine]:
         lines = [line for name, m in self.shown.items() for line in self._section(name, m)]
         lines += self._lumped() + self._moments()
         for increment, prefix in (("initial", ""), ("increment", "DEL")):
             lines += self._loads(self.builder.loads[increment], prefix)
         return lines + self._settings()
 
-    def _section(self, name: str, m: Member) -> list[Line]:
+    def _section(self, name: str, m: Member) -> list[WrittenLine]:
         kind, number = self.kinds[name], self.element[name]
-        lines: list[Line] = []
+        lines: list[WrittenLine] = []
         if "stiffness" in kind.stiffness:
             for keyword, given in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
                 if given is not None:
@@ -367,7 +369,7 @@ class _Writer:
             lines.append(line_of("EDAMP", number, *trimmed(values)))
         return lines
 
-    def _lumped(self) -> list[Line]:
+    def _lumped(self) -> list[WrittenLine]:
         """Masses and rotary inertias; several on one node add up."""
         totals: dict[str, Any] = {}
         for m in self.hidden:
@@ -379,7 +381,7 @@ class _Writer:
                     raise ModelError(f"Node '{node}' has a negative mass, which a SPACAR input file does not take.")
         return [line_of("XM", self.node[n], *numbers_of(v)) for n, v in totals.items()]
 
-    def _moments(self) -> list[Line]:
+    def _moments(self) -> list[WrittenLine]:
         """Moments about fixed axes; several on one node add up."""
         totals: dict[tuple[str, str], Any] = {}
         for m in self.hidden:
@@ -388,7 +390,7 @@ class _Writer:
                 totals[key] = totals.get(key, 0.0) + stack(numbers_of(m.properties["moment"]))
         return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in totals.items()]
 
-    def _loads(self, loads: dict[str, dict], prefix: str) -> list[Line]:
+    def _loads(self, loads: dict[str, dict], prefix: str) -> list[WrittenLine]:
         lines = []
         for of, values in _rows(loads.get("force", {})).items():
             size = 4 if self.builder.nodes[of[1]].kind is ROTATION3 else 0
@@ -417,7 +419,7 @@ class _Writer:
         rates = next((g[3:] for g in given if g[:2] == (of, number)), ())
         return list(rates) if any(rates) else []
 
-    def _settings(self) -> list[Line]:
+    def _settings(self) -> list[WrittenLine]:
         lines = []
         for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
             if keyword in self.settings:
@@ -430,7 +432,7 @@ class _Writer:
             lines += [line_of(keyword, self.settings[keyword][0])] if keyword in self.settings else []
         return lines + self._ways()
 
-    def _ways(self) -> list[Line]:
+    def _ways(self) -> list[WrittenLine]:
         """Where coordinates and deformations go."""
         lines = []
         for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
@@ -441,7 +443,7 @@ class _Writer:
 
     # -- inputs and outputs ---------------------------------------------------------------------------------------
 
-    def _signals(self) -> list[Line]:
+    def _signals(self) -> list[WrittenLine]:
         lines = []
         for side in ("input", "output"):
             for i, own in enumerate(self.builder.signals[side], 1):

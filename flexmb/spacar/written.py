@@ -11,7 +11,7 @@ from .lines import LARGEST, SMALLEST, known, within
 
 
 @dataclasses.dataclass(frozen=True)
-class Line:
+class WrittenLine:
     """One line of a file.
 
     Attributes:
@@ -23,7 +23,7 @@ class Line:
     values: tuple[Any, ...]
 
 
-def text_of(line: Line | str) -> str:
+def text_of(line: WrittenLine | str) -> str:
     """One line as text; real numbers with all their digits.
 
     Raises:
@@ -41,9 +41,9 @@ def text_of(line: Line | str) -> str:
     return text
 
 
-def line_of(keyword: str, *values: Any) -> Line:
+def line_of(keyword: str, *values: Any) -> WrittenLine:
     """A line of a keyword and what follows it."""
-    return Line(keyword, values)
+    return WrittenLine(keyword, values)
 
 
 def numbers_of(value: Any) -> list[Any]:

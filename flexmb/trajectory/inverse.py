@@ -49,7 +49,7 @@ ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
 DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
 
 
-class Place(Record):
+class Quantity(Record):
     """A quantity of the configuration: a coordinate from its start, a deformation, or a rotation about an axis.
 
     Attributes:
@@ -71,7 +71,7 @@ class Wanted(Record):
         law: Function of time.
     """
 
-    place: Place
+    place: Quantity
     law: Callable[..., Any]
 
 
@@ -223,7 +223,7 @@ def inverse_dynamics(
     return Nominal(motion, found.u0, y0, found.f0, found.result)
 
 
-class _Found(NamedTuple):
+class _AtTimes(NamedTuple):
     """What the kernel gives at every time; ``moves`` is how much each wanted quantity is moved by what is driven."""
 
     x: Any
@@ -236,7 +236,7 @@ class _Found(NamedTuple):
     moves: Any
 
 
-def place_of(model: Model, name: str) -> Place | None:
+def place_of(model: Model, name: str) -> Quantity | None:
     """Where a quantity is that a name means; None where it means none.
 
     Args:
@@ -252,11 +252,11 @@ def place_of(model: Model, name: str) -> Place | None:
     turned = f"{node}.rotation"
     for meant in (str(name), f"{turned}.{component}"):
         if meant in x_names:
-            return Place("x", jnp.array(x_names[meant]), no_axis)
+            return Quantity("x", jnp.array(x_names[meant]), no_axis)
     if name in e_names:
-        return Place("e", jnp.array(e_names[name]), no_axis)
+        return Quantity("e", jnp.array(e_names[name]), no_axis)
     if component in TURNS and labels.coordinates(turned) and labels.dimension == 3:
-        return Place("rotation", jnp.array(labels.coordinates(turned)[0]), jnp.array(TURNS.index(component)))
+        return Quantity("rotation", jnp.array(labels.coordinates(turned)[0]), jnp.array(TURNS.index(component)))
     for signal in labels.outputs:
         if signal.name == name:
             if signal.quantity not in ("position", "deformation"):
@@ -268,12 +268,12 @@ def place_of(model: Model, name: str) -> Place | None:
     return None
 
 
-def _place_of_signal(signal: Signal) -> Place:
+def _place_of_signal(signal: Signal) -> Quantity:
     """Where the quantity is whose value or rate an output measures."""
     index, axis = jnp.array(signal.index), jnp.array(signal.axis or 0)
     if signal.axis is not None:
-        return Place("local rotation" if signal.local else "rotation", index, axis)
-    return Place("e" if signal.quantity in DEFORMATION_ORDERS else "x", index, axis)
+        return Quantity("local rotation" if signal.local else "rotation", index, axis)
+    return Quantity("e" if signal.quantity in DEFORMATION_ORDERS else "x", index, axis)
 
 
 def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
@@ -407,7 +407,7 @@ def _checked_times(times: ArrayLike) -> Float[Array, "n_t"]:
     return times
 
 
-def _explain(names: list[str], laws: dict[str, Callable], found: _Found, times: np.ndarray) -> None:
+def _explain(names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:
     """Raise with the first time at which it fails, and with the quantity that nothing driven moves."""
     codes = np.asarray(found.result)
     if not np.any(codes):
@@ -426,7 +426,7 @@ def _explain(names: list[str], laws: dict[str, Callable], found: _Found, times: 
 
 
 def _measured(
-    form: CoordinatesForm, places: Sequence[Place], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+    form: CoordinatesForm, places: Sequence[Quantity], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> Float[Array, "k"]:
     """Quantities of a configuration, from the undeformed mechanism."""
     top, parameters = form.topology, form.parameters
@@ -498,7 +498,7 @@ def _nominal(
     moved: tuple[int, ...],
     acting: tuple[int, ...],
     times: Float[Array, "n_t"],
-) -> _Found:
+) -> _AtTimes:
     top, parameters = model.topology, model.parameters
     form = coordinates_form(top, parameters, laws)
     places, driven = [one.place for one in wanted], jnp.array(moved, int)
@@ -609,7 +609,7 @@ def _nominal(
         result = jnp.where(plant & jnp.all(jnp.isfinite(u0)), RESULTS.successful, RESULTS.singular_plant)
         result = jnp.where(fine, result, RESULTS.outside_workspace).astype(jnp.int32)
         moves = jnp.max(jnp.abs(found.rows), axis=1, initial=0.0)
-        return _Found(x, moving.v, near, u0, y0, f0, result, moves)
+        return _AtTimes(x, moving.v, near, u0, y0, f0, result, moves)
 
     return jax.lax.map(one, (times, walked))
 

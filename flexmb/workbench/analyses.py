@@ -20,7 +20,7 @@ from ..model.model import Model
 from ..plot.answer import figure_bytes, image
 from ..viewer.page import page_data
 from ..viewer.view import view
-from .asked import PICTURES, Analysis, Asked
+from .asked import PICTURES, Analysis, Request
 from .building import build
 from .document import Document
 from .led import trajectory
@@ -88,12 +88,12 @@ def run(document: Document, name: str, options: Mapping[str, Any], job: Watched)
     built = build(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
-    asked = Asked(document, built.builder, checked(own, options, document), job)
+    asked = Request(document, built.builder, checked(own, options, document), job)
     job.tell(title=own["title"], text="compiling")
     return {"title": own["title"], **analyses()[name].run(asked)}
 
 
-def _run(mode: Mode, asked: Asked) -> dict[str, Any]:
+def _run(mode: Mode, asked: Request) -> dict[str, Any]:
     """A mode of the command line."""
     options, settings, most = asked.options, {}, asked.options.get("max_steps", 200)
     if "times" in mode.needs:

@@ -30,11 +30,11 @@ class Analysis(NamedTuple):
     title: str
     doc: str
     needs: tuple[str, ...]
-    run: Callable[[Asked], dict[str, Any]]
+    run: Callable[[Request], dict[str, Any]]
 
 
 @dataclasses.dataclass
-class Asked:
+class Request:
     """What an analysis gets.
 
     Attributes:

@@ -11,7 +11,7 @@ from ..errors import clean
 from .document import Document, EditError
 from .filing import opened
 from .history import History, recover
-from .places import Place, left_place, new_place, place_of
+from .places import Storage, left_place, new_place, place_of
 from .session import Session
 
 
@@ -84,7 +84,7 @@ def session_of(model: Any, names: Mapping[str, Any]) -> Session:
     return session_of_new(document, left_out)
 
 
-def _recovered(place: Place) -> History | None:
+def _recovered(place: Storage) -> History | None:
     """What a journal tells, where not all of it was saved; a journal that tells nothing is put aside."""
     if not place.journal.exists():
         return None

@@ -22,7 +22,7 @@ HIDDEN |= {"follower_force": "force", "moment": "moment", "follower_moment": "mo
 TYPES = {getattr(room, name): name for room in (planar, spatial) for name in HIDDEN if hasattr(room, name)}
 
 
-class Place(int):
+class NumberPlace(int):
     """Stands for a number, whose text is found afterwards: its place among all numbers."""
 
 
@@ -30,7 +30,7 @@ class Calls:
     """The calls of one Builder, in an order in which each finds what it refers to.
 
     Attributes:
-        things: Calls with their arguments; in place of each number its :class:`Place`.
+        things: Calls with their arguments; in place of each number its :class:`NumberPlace`.
         numbers: The numbers, traced where the Builder's are.
         left_out: What no call of a document can say.
     """
@@ -68,11 +68,11 @@ class Calls:
         thing: dict[str, Any] = {"call": call, "args": args}
         self.things.append(thing if name is None else {**thing, "name": name})
 
-    def _number(self, value: Any) -> Place:
+    def _number(self, value: Any) -> NumberPlace:
         self.numbers.append(value)
-        return Place(len(self.numbers) - 1)
+        return NumberPlace(len(self.numbers) - 1)
 
-    def _vector(self, values: Any) -> list[Place]:
+    def _vector(self, values: Any) -> list[NumberPlace]:
         return [self._number(values[i]) for i in range(len(values))]
 
     def _of(self, key: Key) -> dict[str, str]:
@@ -288,7 +288,7 @@ class Calls:
         else:
             self.left_out.append(f"what acts on node '{clean(node)}' as '{clean(kind)}', for which there is no call")
 
-    def _several(self, value: Any) -> list[Place]:
+    def _several(self, value: Any) -> list[NumberPlace]:
         return [self._number(value)] if np.ndim(value) == 0 else self._vector(value)
 
     def _loads(self, loads: dict[str, Any], increment: bool) -> None:

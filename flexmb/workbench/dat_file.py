@@ -20,7 +20,7 @@ from ..spacar.lines import placeholders, read_text, statements
 from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
 from ..spacar.write import lines_of
-from ..spacar.written import Line, text_of
+from ..spacar.written import WrittenLine, text_of
 from .building import build, free_names, numbers_of
 from .document import Document, apply
 from .from_builder import document_of
@@ -298,12 +298,14 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
     plain = [*_signals(builder), *map(text_of, lines_of(builder, settings or {}))]
     if not free:
         return plain, []
-    found: list[Line | str] = []
+    found: list[WrittenLine | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
         other = apart(_without_strength(build(document, numbers_of(document, names)).builder))
         found[:] = lines_of(other, settings or {}, like=builder)
-        return [v for line in found if isinstance(line, Line) for v in line.values if not isinstance(v, int | str)]
+        return [
+            v for line in found if isinstance(line, WrittenLine) for v in line.values if not isinstance(v, int | str)
+        ]
 
     formulas_, values = formulas(traced, free)
     numbers = iter(zip((one.item() for one in formulas_), values, strict=True))

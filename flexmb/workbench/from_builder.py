@@ -16,7 +16,7 @@ from ..errors import ModelError, clean
 from ..model.model import Model
 from ..spacar.read import SpacarModel
 from . import fields
-from .calls_of import Calls, Place
+from .calls_of import Calls, NumberPlace
 from .content import FORMAT, Document
 from .from_model import builder_of
 from .merged import merged
@@ -189,7 +189,7 @@ def _once(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _filled(value: Any, texts: list[str]) -> Any:
     """An argument with texts in place of numbers."""
-    if isinstance(value, Place):
+    if isinstance(value, NumberPlace):
         return texts[value]
     if isinstance(value, list):
         return [_filled(one, texts) for one in value]
@@ -212,7 +212,7 @@ def _places(calls: Calls, lost: list[int]) -> list[str]:
     wanted = set(lost)
 
     def has(value: Any) -> bool:
-        if isinstance(value, Place):
+        if isinstance(value, NumberPlace):
             return value in wanted
         return isinstance(value, list) and any(map(has, value))
 

@@ -13,7 +13,7 @@ MOST_JOBS = 4
 PATIENCE = 10.0
 
 
-class Stopped(Exception):
+class JobStopped(Exception):
     """Raised in a job by :meth:`Job.check` after it was stopped."""
 
 
@@ -39,9 +39,9 @@ class Job:
         return self._stopped.is_set()
 
     def check(self) -> None:
-        """Raise Stopped where it is to end; call it as often as the work allows."""
+        """Raise JobStopped where it is to end; call it as often as the work allows."""
         if self.stopped:
-            raise Stopped
+            raise JobStopped
 
     def tell(self, **changes: Any) -> None:
         """Tell pages how far it is; what was told before stays.
@@ -129,7 +129,7 @@ class Jobs:
     def _run(self, job: Job, work: Callable[[Job], dict[str, Any] | None]) -> None:
         try:
             job.end(**{"fraction": 1.0, "status": "done", **(work(job) or {})})
-        except Stopped:
+        except JobStopped:
             job.end(status="stopped")
         except (AnalysisError, ModelError, ImportError, ValueError) as fault:
             job.end(status="failed", text=str(fault))

@@ -9,10 +9,10 @@ from ..build.description import TURNS
 from ..errors import ModelError, clean
 from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
-from .asked import Asked
+from .asked import Request
 
 
-def trajectory(asked: Asked) -> dict[str, Any]:
+def trajectory(asked: Request) -> dict[str, Any]:
     """What a file would say of a coordinate that is led, driven by the inputs and watched by the outputs there are."""
     builder, options = asked.builder, asked.options
     name = options["coordinate"] or _one_coordinate(builder)

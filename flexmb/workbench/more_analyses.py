@@ -17,13 +17,13 @@ from ..plot.answer import figure_bytes
 from ..plot.canvas import GREY, prefix_for
 from ..viewer.page import page_data
 from ..viewer.view import view
-from .asked import PICTURES, Analysis, Asked
+from .asked import PICTURES, Analysis, Request
 from .building import free_names, numbers_of
 from .traced import traced
 from .wants import unit_of
 
 
-def _stroke(asked: Asked) -> dict[str, Any]:
+def _stroke(asked: Request) -> dict[str, Any]:
     """Force of the drive, stress, support stiffness, frequencies and parasitic motion at each stroke."""
     options, model = asked.options, asked.builder.build()
     stroke: Any = options["to"] if options["coordinate"] is None else {options["coordinate"]: options["to"]}
@@ -49,7 +49,7 @@ def _stroke(asked: Asked) -> dict[str, Any]:
     return told
 
 
-def _sweep(asked: Asked) -> dict[str, Any]:
+def _sweep(asked: Request) -> dict[str, Any]:
     """Frequencies, load multiplier, stress and mass as one of the names varies."""
     options, document, model = asked.options, asked.document, asked.builder.build()
     name, numbers = options["name"] or free_names(document)[0], numbers_of(document)

@@ -11,7 +11,7 @@ from ..errors import clean
 from .document import Document
 from .filing import Opened, difference, files_of, opened, received, write
 from .history import History
-from .places import Place, place_of
+from .places import Storage, place_of
 from .watch import Watch
 
 Tell = Callable[[dict[str, Any]], None]
@@ -30,7 +30,7 @@ class OpenFile:
         recovered: Whether what is here came back from a journal, and nobody has said yet that it shall stay.
     """
 
-    def __init__(self, history: History, place: Place | None, tell: Tell, lock: threading.RLock):
+    def __init__(self, history: History, place: Storage | None, tell: Tell, lock: threading.RLock):
         """Watch nothing yet: see :meth:`know`.
 
         Args:

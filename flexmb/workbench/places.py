@@ -14,7 +14,7 @@ from ..files import write_whole
 from .history import is_locked, journal_folder, journals, new_journal
 
 
-class Place(NamedTuple):
+class Storage(NamedTuple):
     """Where one workbench keeps what it must not lose.
 
     Attributes:
@@ -65,29 +65,29 @@ class Place(NamedTuple):
         return self.journal.with_suffix(".json")
 
 
-def place_of(file: Path) -> Place:
+def place_of(file: Path) -> Storage:
     """Place of a file.
 
     Raises:
         OSError: The folder of journals cannot be made.
     """
     path = os.path.realpath(file)
-    return Place(_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
+    return Storage(_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
 
 
-def left_place() -> Place | None:
+def left_place() -> Storage | None:
     """Place of the new mechanism that was left last without being saved, where there is one."""
     found = (path for path in journals(_folder()) if path.name[:1].isdigit())
-    return next(map(Place, found), None)
+    return next(map(Storage, found), None)
 
 
-def new_place() -> Place:
+def new_place() -> Storage:
     """Place of a new mechanism.
 
     Raises:
         OSError: The folder of journals cannot be made.
     """
-    return Place(new_journal(_folder()))
+    return Storage(new_journal(_folder()))
 
 
 def _folder() -> Path:

@@ -22,7 +22,7 @@ from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
 from .open_file import OpenFile
-from .places import Place
+from .places import Storage
 from .preview import Shown
 from .targets import meet
 from .wants import label_of
@@ -60,7 +60,7 @@ class Session:
         jobs: Long work.
     """
 
-    def __init__(self, history: History | None = None, *, place: Place | None = None, notes: list[str] | None = None):
+    def __init__(self, history: History | None = None, *, place: Storage | None = None, notes: list[str] | None = None):
         """Begin; what is computed is told from the first :meth:`listen` on.
 
         Args:

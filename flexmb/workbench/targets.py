@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..design.evaluate import layout_of
-from ..design.problem import Problem, Rows
+from ..design.problem import Rows, TuningProblem
 from ..design.scaling import Scaling
 from ..design.search import search
 from ..display import listed
@@ -222,7 +222,7 @@ class _Tuning:
                     " dimension vary: write a name where a number stands."
                 )
 
-    def problem(self, wants: Sequence[Want] | None = None) -> Problem:
+    def problem(self, wants: Sequence[Want] | None = None) -> TuningProblem:
         """The least relative change of the dimensions that meets what is wanted; with ``wants`` those alone, nearly."""
         m, n = len(self.keys), len(self.free)
         size = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
@@ -238,11 +238,11 @@ class _Tuning:
             return Rows(matrix, right, tuple(str(want) for want in own))
 
         if wants is not None:
-            return Problem(np.zeros(m + n), rows(wants), rows([]), rows([]))
+            return TuningProblem(np.zeros(m + n), rows(wants), rows([]), rows([]))
         equal = [want for want in self.wants if want.kind == "equal"]
         others = [want for want in self.wants if want.kind != "equal"]
         distance = Rows(near, start, tuple(self.free))
-        return Problem(np.zeros(m + n), distance, rows(equal), rows(others, NEARLY))
+        return TuningProblem(np.zeros(m + n), distance, rows(equal), rows(others, NEARLY))
 
     def approach(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Follow the targets from where the answers are to where they shall be, so that the designs can be seen.
