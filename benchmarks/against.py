@@ -72,7 +72,8 @@ def started(name: str, package: Path, said: Path) -> subprocess.Popen:
     code = f"import against; against.serve({name!r})"
     with said.open("w") as errors:
         return subprocess.Popen(
-            [sys.executable, "-c", code],
+            # Without the folder that one is in, which may hold the package of today.
+            [sys.executable, "-P", "-c", code],
             env=environment,
             text=True,
             stdin=subprocess.PIPE,
@@ -242,7 +243,8 @@ def main(arguments: list[str]) -> int:
             print(f"{name}: {rows[name]['ratio']:.2f} times", flush=True)
     print(f"Processor times beside {told}\n{shown(rows)}")
     worse = slower(rows)
-    print("\n".join(["Slower beyond noise:", *worse]) if worse else "No row is slower beyond noise.")
+    if rows:
+        print("\n".join(["Slower beyond noise:", *worse]) if worse else "No row is slower beyond noise.")
     known = RESULTS / "against.json"
     before = json.loads(known.read_text()) if names and known.exists() else {}
     if before.get("commit") == told:

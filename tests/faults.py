@@ -1095,6 +1095,12 @@ FAULTS = [
         "right = excess[topology.e.given]",
         "linear/test_linearize.py",
     ),
+    Fault(
+        "mechanics/transfer.py",
+        "found.at[first:].add(of_dof[:, dependent] @ follow)",
+        "found.at[first:].add(of_dependent[:, dof].T @ follow)",
+        "mechanics/test_transfer.py",
+    ),
     Fault("checks/mobility.py", "round(-weight[p], 9)", "round(weight[p], 9)", "checks/test_mobility.py"),
     Fault("checks/mobility.py", "left * self.rows[held, None]", "left", "checks/test_mobility.py"),
     Fault(

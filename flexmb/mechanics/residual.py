@@ -43,7 +43,7 @@ class State(NamedTuple):
     @property
     def K0(self) -> Float[Array, "n_q n_q"]:
         """Structural stiffness DFe^T S DFe."""
-        return self.transfer.DFe.T @ self.S @ self.transfer.DFe
+        return self.transfer.between(self.S)
 
     @property
     def G0(self) -> Float[Array, "n_q n_q"]:

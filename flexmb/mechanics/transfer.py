@@ -3,12 +3,15 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import traced_once
 from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.topology import Topology
+
+# From so many entries of DFe on it pays to tell rows apart that are zero or those of the identity.
+MANY = 1000
 
 
 class Transfer(NamedTuple):
@@ -19,12 +22,30 @@ class Transfer(NamedTuple):
         DFe: Derivative of the deformations by q, (n_e, n_q).
         factors: LU factors of A. Rows: FIXED, PRESCRIBED and DOF deformations; columns: DEPENDENT coordinates.
         regular: Whether A can be trusted.
+        rows: DOF and DEPENDENT deformations, where most are DOF: rows of DFe are zero or those of the identity but for
+            the DEPENDENT ones. None elsewhere.
     """
 
     DFx: Float[Array, "n_x n_q"]
     DFe: Float[Array, "n_e n_q"]
     factors: Factors
     regular: Bool[Array, ""]
+    rows: tuple[Int[Array, "n_dof"], Int[Array, "n_dep"]] | None = None
+
+    def between(self, stiffness: Float[Array, "n_e n_e"]) -> Float[Array, "n_q n_q"]:
+        """DFe^T S DFe.
+
+        Args:
+            stiffness: S, symmetric or not, (n_e, n_e).
+        """
+        if self.rows is None:
+            return self.DFe.T @ stiffness @ self.DFe
+        dof, dependent = self.rows
+        first, follow = self.DFe.shape[1] - dof.shape[0], self.DFe[dependent]
+        of_dof, of_dependent = stiffness[dof], stiffness[dependent]
+        found = follow.T @ (of_dependent[:, dependent] @ follow)
+        found = found.at[:, first:].add(follow.T @ of_dependent[:, dof])
+        return found.at[first:].add(of_dof[:, dependent] @ follow).at[first:, first:].add(of_dof[:, dof])
 
 
 @traced_once
@@ -50,7 +71,12 @@ def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     n_coordinates = topology.x.dof.shape[0]
     dfx = put(jnp.zeros((topology.n_x, topology.n_q)), dependent, solved)
     dfx = put(dfx, topology.x.dof, jnp.eye(n_coordinates, topology.n_q))
-    return Transfer(dfx, jacobian @ dfx, factors, factors.regular())
+    free, n_e = topology.e.dependent, topology.n_e
+    if n_e * topology.n_q < MANY or 2 * (n_e - n_dof) > n_e:
+        return Transfer(dfx, jacobian @ dfx, factors, factors.regular())
+    dfe = put(jnp.zeros((n_e, topology.n_q)), topology.e.dof, jnp.eye(n_dof, topology.n_q, k=n_coordinates))
+    dfe = put(dfe, free, jacobian[free] @ dfx)
+    return Transfer(dfx, dfe, factors, factors.regular(), (topology.e.dof, free))
 
 
 def multipliers(
