@@ -1799,7 +1799,25 @@ FAULTS = [
         "np.sum(values < 0, axis=1)",
         "paths/test_sparse_path.py -k again",
     ),
-    Fault("paths/sparse_critical.py", "negative - int(np.sum(values < -shift))", "0", "paths/test_sparse_critical.py"),
+    Fault("paths/sparse_critical.py", "negative - int(np.sum(rough < -shift))", "0", "paths/test_sparse_critical.py"),
+    Fault(
+        "paths/sparse_critical.py",
+        "if np.min(np.abs(values)) < DOUBTED",
+        "if False and np.min(np.abs(values)) < DOUBTED",
+        "paths/test_sparse_critical.py",
+    ),
+    Fault(
+        "paths/sparse_critical.py",
+        "if abs(quotient) < DOUBTED",
+        "if False and abs(quotient) < DOUBTED",
+        "paths/test_sparse_critical.py",
+    ),
+    Fault(
+        "paths/sparse_critical.py",
+        "count - int(np.sum(values < middle))",
+        "count - int(np.sum(values < 0))",
+        "paths/test_sparse_critical.py",
+    ),
     Fault(
         "paths/sparse_critical.py",
         "*force.shape[1:]))]), transposed)[:n] / own",
@@ -1916,8 +1934,8 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_critical.py",
-        "sign * np.sign(soft[i].real) * quotient",
-        "sign * quotient",
+        "sign * np.sign(soft[i].real)\n",
+        "sign\n",
         "paths/test_sparse_critical.py",
     ),
     Fault(

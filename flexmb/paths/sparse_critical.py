@@ -23,6 +23,8 @@ SHIFT = 1e-13
 # so many turns; where it is more than the last share after the first one, which finds what copies of a value iterations
 # have passed over, round-off hides where the path goes beside a critical point.
 SETTLED, TURNS, LOST = 1e-5, 4, 1e-3
+# Pivots may miss the sign of a value that is no larger than so many times what factors and better products differ by.
+DOUBTED = 100
 
 
 class Stiffness(Protocol):
@@ -82,19 +84,23 @@ def critical_values_of(
         factored = shifted(tangent, shift, sizes)
     negative = negative_where_held(tangent, factored, len(sizes))
 
-    def told(motions: np.ndarray, more: int):
-        values, motions = _settled(stiffness, _flexibility(factored, rest, sizes), sizes, motions)
-        return _told(values, np.sum(motions, axis=1), more)
+    def settled(motions: np.ndarray):
+        return _settled(stiffness, _flexibility(factored, rest, sizes), sizes, motions)
 
     if negative is not None:
-        values, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
-        return told(motions, negative - int(np.sum(values < -shift)))
+        rough, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
+        values, motions = settled(motions)
+        more = negative - int(np.sum(rough < -shift))
+        if np.min(np.abs(values)) < DOUBTED * np.max(np.abs(np.sort(rough) - values)):
+            more = _beyond(tangent, sizes, values)
+        return _told(values, np.sum(motions, axis=1), more)
     # Values become negative through zero: few are farther than those that are found, where the farthest are positive.
     count = 2 * TOLD
     while 2 * count < every:
         values, motions = _nearest(factored, rest, sizes, start, count, shift)
         if np.all(values[np.argsort(np.abs(values))[-2:]] > 0):
-            return told(motions, 0)
+            values, motions = settled(motions)
+            return _told(values, np.sum(motions, axis=1), 0)
         count *= 2
     return _told(*_all_of(tangent, sizes), 0)
 
@@ -130,7 +136,11 @@ def value_of_determinant(
         apart = float(np.sum(w * v))
         if apart != 0:
             quotient = float(stiffness.between(own * w, own * v)[0, 0]) / apart
-            value = sign * np.sign(soft[i].real) * quotient
+            rest_sign = sign * np.sign(soft[i].real)
+            if abs(quotient) < DOUBTED * abs(1 / soft[i].real - quotient):
+                # With so much added, no other one changes its sign, and this one is positive.
+                rest_sign = (-1) ** rest * shifted(tangent, 0.5 / abs(soft[1 - i]), sizes).sign
+            value = rest_sign * quotient
     return CriticalValues(np.array([value]), 0, begin)
 
 
@@ -166,6 +176,20 @@ def _settled(
             raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
         values, motions = ritz(np.linalg.qr(np.concatenate([motions, step], axis=1))[0])
     return values, motions
+
+
+def _beyond(tangent: Any, sizes: np.ndarray, values: np.ndarray) -> int:
+    """How many negative values there are that are not among those nearest to zero, one of which has a doubtful sign.
+
+    Pivots are counted of a stiffness less so much that zero lies in the widest gap between these.
+    """
+    i = int(np.argmax(np.diff(values)))
+    middle = (values[i] + values[i + 1]) / 2
+    turned = shifted(tangent, -middle, sizes)
+    count = negative_where_held(tangent, turned, len(sizes))
+    if count is None:
+        raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
+    return count - int(np.sum(values < middle))
 
 
 def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:

@@ -80,3 +80,37 @@ def test_what_factors_do_not_know_well_is_mended_or_refused(find):
     if find is critical_values_of:
         with pytest.raises(AnalysisError, match="round-off"):
             found(3e-2)
+
+
+@pytest.mark.parametrize("softest", [0, 3])
+@pytest.mark.parametrize("miscounted", [-1, 1])
+def test_pivots_that_miss_the_sign_of_a_value_near_zero(softest, miscounted):
+    """A value of a few 1e-9 is found with its sign, and no other one is invented or lost beside it."""
+    n = 60
+    stiffness = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    stiffness -= (np.linalg.eigvalsh(stiffness)[softest] - 3e-9) * np.eye(n)
+    softer = scipy.sparse.csc_array(stiffness - 1e-10 * np.eye(n))
+    factors = SparseFactors(softer)
+    factors.negative += miscounted
+    found = critical_values_of(softer, factors, np.ones(n), np.zeros(n), Plain(stiffness))
+    exact = np.linalg.eigvalsh(stiffness)
+    nearest = np.sort(exact[np.argsort(np.abs(exact))[:TOLD]])
+    # Round-off of one.
+    np.testing.assert_allclose(found.values, nearest, atol=1e-14)
+    assert found.below == np.count_nonzero(exact < 0) - np.count_nonzero(nearest < 0)
+
+
+def test_a_sign_of_the_determinant_that_pivots_miss():
+    n = 60
+    stiffness = 2.1 * np.eye(n) - 1.4 * np.eye(n, k=1) - 0.7 * np.eye(n, k=-1)
+    stiffness -= (np.sort(np.linalg.eigvals(stiffness).real)[2] - 3e-9) * np.eye(n)
+    softer = scipy.sparse.csc_array(stiffness - 1e-10 * np.eye(n))
+
+    class Missed(SparseFactors):
+        @property
+        def sign(self):
+            return -super().sign
+
+    found = value_of_determinant(softer, Missed(softer), np.ones(n), np.zeros(n), Plain(stiffness))
+    # Two are negative; round-off of one.
+    np.testing.assert_allclose(found.values, 3e-9, atol=1e-13)
