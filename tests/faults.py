@@ -2009,6 +2009,24 @@ FAULTS = [
         "paths/test_sparse_critical.py -k sign",
     ),
     Fault("paths/sparse_critical.py", "(-1) ** rest * factored", "factored", "paths/test_sparse_critical.py -k sign"),
+    Fault(
+        "linear/sparse_poles.py",
+        "is_real(values) & (np.real(values) > 0)",
+        "is_real(values) | (np.real(values) > 0)",
+        "linear/test_sparse_poles.py -k steadiness",
+    ),
+    Fault(
+        "linear/sparse_poles.py",
+        "values = 1 / found[np.abs(found) > MASSLESS * at.n * np.max(np.abs(found), initial=0.0)]",
+        "values = 1 / found",
+        "linear/test_sparse_poles.py -k steadiness",
+    ),
+    Fault(
+        "linear/sparse_poles.py",
+        "self._moved(self._mass @ (self._scale * v)) / self._scale",
+        "self._moved(self._mass @ v) / self._scale",
+        "linear/test_sparse_poles.py -k steadiness",
+    ),
     Fault("paths/sparse_path.py", "stable[i] = is_steady", "_ = is_steady", "paths/test_sparse_path.py -k flutter"),
     Fault(
         "math/sparse.py",

@@ -37,12 +37,13 @@ class _ShiftedPoles:
     Attributes:
         shift: s [1/s].
         n: Coordinates that move.
+        size: Of the vectors, 2 n.
         motions: How many of them constraints leave.
         regular: Whether it exists.
     """
 
     def __init__(self, whole: Whole, shift: float):
-        self.shift, self.n = shift, whole.n
+        self.shift, self.n, self.size = shift, whole.n, 2 * whole.n
         self._damping, self._mass, self._elements = whole.damping, whole.mass, whole.elements
         tangent = whole.at(shift**2, shift)
         self._rest = tangent.shape[0] - whole.n
@@ -73,6 +74,10 @@ class _ShiftedPoles:
         v, p = scale * z[: self.n], self._unit * heavy * z[self.n :] / scale
         moved = -self._moved(p + self._damping @ v + self.shift * (self._mass @ v))
         return np.concatenate([moved / scale, scale * (self._mass @ (v + self.shift * moved)) / self._unit])
+
+    def moved_by_mass(self, v: np.ndarray) -> np.ndarray:
+        """Motions under M v, (n,)."""
+        return self._moved(self._mass @ (self._scale * v)) / self._scale
 
     def start(self, number: int) -> np.ndarray:
         """A vector that the iterations can begin with; no mechanism has a mode orthogonal to its uneven entries."""
@@ -152,14 +157,35 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
     return in_order(slowest(found, count))
 
 
+class _Undamped:
+    """v to K^-1 M v where constraints hold, in units in which masses are about one: 1/w^2 are its values."""
+
+    def __init__(self, at: _ShiftedPoles):
+        self.size, self._at = at.n, at
+
+    def __call__(self, v: np.ndarray) -> np.ndarray:
+        """Of a vector (n,)."""
+        return self._at.moved_by_mass(v)
+
+    def start(self, number: int) -> np.ndarray:
+        """As of :class:`_ShiftedPoles`."""
+        return self(self(np.cos((number + 1) * np.arange(self.size) ** 2 + number)))
+
+
 def is_steady(elements: ElementMatrices) -> bool:
     """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive."""
     import jax
 
     whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
-    if not _ShiftedPoles(whole, 0.0).regular:
+    at = _ShiftedPoles(whole, 0.0)
+    if not at.regular:
         return False
-    values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
+    if at.motions <= FEW:
+        values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
+    else:
+        # Without damping these are half as many in half as many unknowns; copies of a value tell nothing more.
+        found, _ = _searched(_Undamped(at), np.zeros((at.n, 0)), STEADY, 0)
+        values = 1 / found[np.abs(found) > MASSLESS * at.n * np.max(np.abs(found), initial=0.0)]
     return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
 
@@ -238,7 +264,7 @@ def _all_copies(at: _ShiftedPoles, count: int) -> np.ndarray:
     raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
 
 
-def _searched(at: _ShiftedPoles, basis: np.ndarray, count: int, number: int) -> tuple[Any, Any]:
+def _searched(at: _ShiftedPoles | _Undamped, basis: np.ndarray, count: int, number: int) -> tuple[Any, Any]:
     """Largest values and vectors where a basis of known ones is taken out."""
     import scipy.sparse.linalg
 
@@ -249,10 +275,10 @@ def _searched(at: _ShiftedPoles, basis: np.ndarray, count: int, number: int) -> 
         z = at(z - basis @ (basis.T @ z))
         return z - basis @ (basis.T @ z)
 
-    operator = linalg.LinearOperator((2 * at.n, 2 * at.n), matvec=beside, dtype=float)
+    operator = linalg.LinearOperator((at.size, at.size), matvec=beside, dtype=float)
     start = beside(at.start(number))
     if not np.linalg.norm(start) > 0:
-        return np.zeros(0), np.zeros((2 * at.n, 0))
+        return np.zeros(0), np.zeros((at.size, 0))
     how = {"k": count, "v0": start / np.linalg.norm(start), "tol": TRUE * 1e-4, "maxiter": RESTARTS}
     with named():
         try:

@@ -9,6 +9,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.linear.sparse_poles import is_steady
 from flexmb.linear.sparse_spectrum import MANY
 
 
@@ -76,6 +77,23 @@ def test_a_column_of_many_beams_flutters_at_the_load_of_beck():
     """A12, closed form 20.05; beyond it a pair of poles leaves the axis, by the root of what is beyond."""
     assert np.max(np.real(fm.poles(beck(20.04), count=4))) < 1e-6
     assert np.max(np.real(fm.poles(beck(20.06), count=4))) > 0.1
+
+
+def test_steadiness_by_eigenvalues_of_stiffness_and_mass():
+    """A12 by a pair that turns complex; Euler's column beyond its load by a value below zero."""
+    assert is_steady(fm.linearize(beck(20.04), sparse=True).elements)
+    assert not is_steady(fm.linearize(beck(20.06), sparse=True).elements)
+    for load, steady in ((2.4, True), (2.5, False)):
+        # Of EI = L = 1, pi^2/4; its mass at the tip alone: few coordinates have any.
+        b = fm.Builder()
+        for i in range(41):
+            b.node(f"n{i}", (i / 40, 0.0))
+        for i in range(40):
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=1.0))
+        b.fix("n0")
+        b.mass("n40", 1.0)
+        b.force("n40", (-load, 0.0))
+        assert is_steady(fm.linearize(b.build(check=False), sparse=True).elements) is steady
 
 
 def test_every_copy_of_a_repeated_pole_is_found():
