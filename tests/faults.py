@@ -1830,6 +1830,12 @@ FAULTS = [
         "hanging and walker.code == RESULTS.max_steps",
         "paths/test_sparse_states.py -k hanging",
     ),
+    Fault(
+        "compilation/compile.py",
+        "with jax.ensure_compile_time_eval():\n        return type",
+        "if True:\n        return type",
+        "compilation/test_compile.py -k comes_first",
+    ),
     Fault("linear/lanczos.py", "if not passed_over(values):", "if True:", "linear/test_sparse.py -k every_copy"),
     Fault("linear/lanczos.py", "if not np.all(wrong <= TRUE):", "if False:", "linear/test_lanczos.py -k modes_that"),
     Fault(

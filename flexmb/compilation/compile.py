@@ -174,7 +174,9 @@ def _as_taken(leaves: list[Any]) -> tuple[list[Any], bool]:
 @functools.cache
 def _known() -> type:
     """The class of JAX's arrays of numbers: it is seen quicker than an instance of ``jax.Array``."""
-    return type(jax.device_put(np.zeros(())))
+    # Asked first within a trace, it would be that of what is traced.
+    with jax.ensure_compile_time_eval():
+        return type(jax.device_put(np.zeros(())))
 
 
 def _strong(number: Any) -> Any:

@@ -173,7 +173,7 @@ def inverse_dynamics(
         Nominal.
 
     Raises:
-        ValueError, TypeError: Times that do not ascend, a law that is none.
+        ValueError, TypeError: Times that do not ascend, a law that is none, a model that was built under ``jax.jit``.
         ModelError: An unknown name; a number of inputs or of driven degrees of freedom that does not fit; a quantity
             that nothing moves.
         AnalysisError: outside_workspace or singular_plant, with the first time at which it is so.
@@ -279,6 +279,8 @@ def _place_of_signal(signal: Signal) -> Quantity:
 def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
     """What is wanted of what is free, and what is PRESCRIBED."""
     top = model.topology
+    if not is_concrete(top):
+        raise TypeError("Inverse dynamics takes a model that was built outside jax.jit; jax.grad and jax.vmap apply.")
     given = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
     fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
     e_names = [str(entry) for entry in model.labels.e]

@@ -9,7 +9,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.compilation.compile import jit
+from flexmb.compilation.compile import _known, jit
 
 
 @pytest.fixture
@@ -175,3 +175,10 @@ def test_degrees_of_freedom_do_not_compile_the_reference_jacobian_again(compilat
     # As many beams and trusses as the frame has, in another mechanism.
     b.build()
     assert compilations == []
+
+
+def test_what_is_traced_is_known_though_it_comes_first():
+    """The first call of a process may stand in another program: its numbers are no arrays."""
+    _known.cache_clear()
+    doubled = jit(lambda x: 2 * x)
+    assert float(jax.jit(lambda x: jit(lambda y: doubled(y))(x))(jnp.array(3.0))) == 6.0
