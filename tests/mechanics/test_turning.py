@@ -1,5 +1,6 @@
 """What turns as a whole keeps its forces: those of elastic chains, turned by the places of their unknowns."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -51,15 +52,17 @@ def test_forces_turn_with_the_mechanism(space):
             after[own] = before[own] + 0.7
     assert turning.vectors.shape == ((3, 3) if space else (3, 2))
     assert turning.parameters.shape == ((3, 4) if space else (0, 4))
-    turns = turning.since(jnp.asarray(after), jnp.asarray(before))
+    turns = jax.jit(turning.since)(jnp.asarray(after), jnp.asarray(before))
     z = jnp.asarray(random.standard_normal(len(levels.back)))
     n = form.size
 
+    @jax.jit
     def force(x, z):
         state = form.state_of(jnp.asarray(x), jnp.zeros(len(before)), None)
         return form.residual(0.0, MotionState(state.u, jnp.zeros(n), state.memory), z)
 
-    turned = turning.turned(turns, z)
+    turned_by = jax.jit(turning.turned)
+    turned = turned_by(turns, z)
     # Round-off of forces of some 1e4 N.
-    np.testing.assert_allclose(force(after, turned), turning.turned(turns, force(before, z)), rtol=0, atol=1e-10)
-    np.testing.assert_allclose(turning.turned_back(turns, turned), z, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(force(after, turned), turned_by(turns, force(before, z)), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(jax.jit(turning.turned_back)(turns, turned), z, rtol=0, atol=1e-14)
