@@ -1836,6 +1836,8 @@ FAULTS = [
         "if True:\n        return type",
         "compilation/test_compile.py -k comes_first",
     ),
+    Fault("model/model.py", "if not is_concrete(model.topology):", "if False:", "test_arguments.py -k concrete"),
+    Fault("linear/modes.py", "if not is_concrete(matrices):", "if False:", "test_arguments.py -k concrete"),
     Fault("linear/lanczos.py", "if not passed_over(values):", "if True:", "linear/test_sparse.py -k every_copy"),
     Fault("linear/lanczos.py", "if not np.all(wrong <= TRUE):", "if False:", "linear/test_lanczos.py -k modes_that"),
     Fault(

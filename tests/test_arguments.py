@@ -480,3 +480,24 @@ def test_a_mechanism_that_cannot_move_has_no_poles():
     b.add(planar.beam, "A", "B", name="leaf")
     b.fix("A")
     assert fm.poles(b.build()).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("ask", "why"),
+    [
+        (fm.poles, "outside jax.jit and jax.grad"),
+        (lambda model: fm.poles(model, count=2, sparse=True), "outside jax.jit and jax.grad"),
+        (fm.to_statespace, r"take fm\.control\.state_matrices"),
+        (fm.mobility, r"fm\.mobility takes a model that was built outside jax\.jit"),
+        (fm.control.to_nonlinear_system, r"to_nonlinear_system takes a model that was built outside jax\.jit"),
+    ],
+)
+def test_what_needs_concrete_numbers_says_so(ask, why):
+    with pytest.raises(TypeError, match=why):
+        jax.jit(lambda mass: ask(_weighed(mass)))(1.0)
+
+
+def _weighed(mass):
+    b = cart()
+    b.mass("2", mass)
+    return b.build(dofs=MODEL.q_labels)

@@ -13,7 +13,7 @@ from ..math.subspace import null_spaces
 from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, combined, terms_of
-from ..model.model import Entry, Model, Signal, as_model
+from ..model.model import Entry, Model, Signal, as_known
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
@@ -286,11 +286,14 @@ def mobility(model: Model) -> Mobility:
     Returns:
         Mobility: numbers, self-stresses (n_e, over) and motions (n_x, under), the largest entry of each 1 [SI].
 
+    Raises:
+        TypeError: The model was built under ``jax.jit``.
+
     Source:
         THEORY.md 8, eq. (8.1): singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the
         DEPENDENT coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
-    return mobility_of(model, constraints(as_model(model, "mobility")))
+    return mobility_of(model, constraints(as_known(model, "mobility")))
 
 
 def mobility_of(model: Model, found: Constraints) -> Mobility:

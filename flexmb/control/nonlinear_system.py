@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
-from ..model.model import Model, as_model
+from ..model.model import Model, as_known
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by
@@ -64,13 +64,14 @@ def to_nonlinear_system(
 
     Raises:
         ModelError: The model names no inputs or no outputs, an input that is a motion, or one that can move nothing.
+        TypeError: The model was built under ``jax.jit``.
 
     Source:
         THEORY.md 5, eq. (5.2), and 9 (a).
     """
     import control
 
-    warn_of_increment(as_model(model, "to_nonlinear_system"), "to_nonlinear_system")
+    warn_of_increment(as_known(model, "to_nonlinear_system"), "to_nonlinear_system")
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A plant")
     driven = driven_by(model, Drives(loads=loads, motion=motion))

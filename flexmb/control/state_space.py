@@ -513,6 +513,7 @@ def to_statespace(
             nothing; the linearisation is that at many times.
         AnalysisError: singular_mass.
         ValueError: As :func:`state_matrices`.
+        TypeError: Numbers are traced, as under ``jax.grad``.
 
     Warns:
         FlexmbWarning: ``truncation_error`` has an entry above 0.01.
@@ -533,6 +534,11 @@ def to_statespace(
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
         raise ModelError("A state-space model needs an input and an output: name them with input() and output().")
+    if not is_concrete(lin):
+        raise TypeError(
+            "A control.StateSpace holds concrete numbers: make it outside jax.jit and jax.grad, or take"
+            " fm.control.state_matrices, which has derivatives."
+        )
     found, states, error = _matrices_of(lin, modes, bandwidth)
     # control refuses a dot in a name.
     clean = [[name.replace(".", " ") for name in names] for names in (states, inputs, outputs)]

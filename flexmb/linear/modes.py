@@ -315,6 +315,7 @@ def poles(
         AnalysisError: The equilibrium was not found, or a motion has a negative mass; by sparse matrices also
             singular_stiffness, where a motion has neither mass nor stiffness, and not_converged.
         ValueError: ``count`` is not positive, or missing with sparse matrices.
+        TypeError: Numbers are traced, as under ``jax.grad``.
 
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
@@ -328,14 +329,24 @@ def poles(
             raise ValueError("With sparse matrices give `count`, the number of poles wanted.")
         return _poles_of_large(large, count)
     lin = linearized(model, "poles", where=where)
+    _refuse_traced(lin.matrices)
     refuse_negative_mass(lin)
     found = lin.matrices
     every = poles_of(*(np.asarray(part) for part in (found.K, found.C0 + found.D0, found.M0)))
     return slowest(every, count)
 
 
+def _refuse_traced(matrices: Any) -> None:
+    if not is_concrete(matrices):
+        raise TypeError(
+            "Poles are those of concrete numbers: ask for them outside jax.jit and jax.grad. Undamped frequencies have"
+            " derivatives, by fm.frequencies, and so have state matrices, by fm.control.state_matrices."
+        )
+
+
 def _poles_of_large(lin: SparseLinearization, count: int) -> Complex[np.ndarray, "n"]:
     """A few poles by sparse matrices."""
+    _refuse_traced(lin.elements)
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
     refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())

@@ -307,6 +307,18 @@ def as_model(given: Any, function: str) -> Model:
     raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not a {kind}: {instead}.")
 
 
+def as_known(given: Any, function: str) -> Model:
+    """As :func:`as_model`, of a model whose structure is known: under ``jax.jit`` one that is built there is traced.
+
+    Raises:
+        TypeError: It is no Model, or its structure is traced.
+    """
+    model = as_model(given, function)
+    if not is_concrete(model.topology):
+        raise TypeError(f"fm.{function} takes a model that was built outside jax.jit; jax.grad and jax.vmap apply.")
+    return model
+
+
 def as_determined(given: Any, function: str) -> Model:
     """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it, for dense matrices.
 

@@ -23,7 +23,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.signals import rotation_row
 from ..mechanics.transfer import Transfer, correction, transfer
 from ..model.by_name import TURNS
-from ..model.model import Model, Signal, as_determined
+from ..model.model import Model, Signal, as_determined, as_known
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.drives_by_name import Drives, driven_by
@@ -278,9 +278,7 @@ def _place_of_signal(signal: Signal) -> Quantity:
 
 def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
     """What is wanted of what is free, and what is PRESCRIBED."""
-    top = model.topology
-    if not is_concrete(top):
-        raise TypeError("Inverse dynamics takes a model that was built outside jax.jit; jax.grad and jax.vmap apply.")
+    top = as_known(model, "trajectory.inverse_dynamics").topology
     given = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
     fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
     e_names = [str(entry) for entry in model.labels.e]

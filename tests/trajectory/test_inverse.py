@@ -139,7 +139,7 @@ def test_wrong_inputs_are_refused():
     with pytest.raises(fm.ModelError, match=r"list of inputs, pull, torque; not 'motor'"):
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES, inputs=["motor"])
     with pytest.raises(TypeError, match=r"built outside jax\.jit"):
-        jax.jit(lambda length: fm.trajectory.inverse_dynamics(pendulum(length), {"pivot.phi": law}, TIMES).u)(0.8)
+        jax.jit(lambda length: fm.trajectory.inverse_dynamics(pendulum(length), {"pivot.phi": law}, TIMES).u0)(0.8)
     # A level arm cannot be turned by a force along it.
     with pytest.raises(fm.AnalysisError, match=r"depend on one another, or one has none.*It is so at 0 s"):
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES[::50], inputs=["pull"])
