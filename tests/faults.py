@@ -1914,7 +1914,12 @@ FAULTS = [
         "except ZeroDivisionError:\n",
         "paths/test_sparse_path.py -k case3",
     ),
-    Fault("statics/sparse.py", "if elements is None:", "if True:", "math/test_by_deformations.py -k under_load"),
+    Fault(
+        "statics/sparse.py",
+        "if elements is None:\n                found",
+        "if True:\n                found",
+        "math/test_by_deformations.py -k under_load",
+    ),
     Fault("build/assemble.py", "else found[places]", "else found", "build/test_properties.py -k traced_once"),
     Fault(
         "linear/sparse_poles.py",

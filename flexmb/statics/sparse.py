@@ -56,26 +56,24 @@ class Balanced(NamedTuple):
 
 
 def _answer(
-    topology: Topology,
-    stiff: Any,
-    rows: Any,
-    right: Any,
-    elements: ElementMatrices | None = None,
-    *,
-    falls: bool,
-    transposed: bool = False,
+    topology: Topology, given: ElementMatrices | tuple[Any, Any], right: Any, *, falls: bool, transposed: bool = False
 ):
     """Solution of the linear equations on the host, and what they are: a code of RESULTS; NumPy and SciPy alone.
 
     Args:
         topology: Structure.
-        stiff, rows: Element matrices, see :class:`.tangent.Pieces`.
+        given: Element matrices, with which the solution is refined, or stiffness and rows as of
+            :class:`.tangent.Pieces`: the solution is but a correction, which a next one will mend.
         right: (n + h,) or (n + h, k).
-        elements: What the solution is refined with; None: it is but a correction, which a next one will mend.
         falls: See :func:`.tangent.falls`.
         transposed: Whether of the transposed equations.
     """
-    structure = structure_of(topology, falls)
+    structure, elements = structure_of(topology, falls), None
+    if isinstance(given, ElementMatrices):
+        elements = given
+        stiff, rows = ([own for *_, own in of] for of in (elements.stiffness, elements.constraints))
+    else:
+        stiff, rows = given
     try:
         factors = structure.tangent.factors(structure.bordered(stiff, rows))
         if factors.regular:
@@ -95,10 +93,8 @@ def _answer(
 
 def _traced_answer(
     topology: Topology,
-    stiff: list[Array],
-    rows: list[Array],
+    given: ElementMatrices | tuple[Any, Any],
     right: Float[Array, "r *k"],
-    elements: ElementMatrices | None = None,
     *,
     falls: bool,
     transposed: bool = False,
@@ -107,10 +103,10 @@ def _traced_answer(
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
     answer = functools.partial(_answer, falls=falls, transposed=transposed)
 
-    def call(*given: Any):
-        return on_host_thread(answer, *jax.tree.map(np.asarray, given))
+    def call(*arguments: Any):
+        return on_host_thread(answer, *jax.tree.map(np.asarray, arguments))
 
-    return jax.pure_callback(call, shapes, topology, stiff, rows, right, elements, vmap_method="sequential")
+    return jax.pure_callback(call, shapes, topology, given, right, vmap_method="sequential")
 
 
 def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
@@ -126,7 +122,7 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
-            on_host = jax.tree.map(np.asarray, (topology, linear.stiff, linear.rows, linear.right))
+            on_host = jax.tree.map(np.asarray, (topology, (linear.stiff, linear.rows), linear.right))
             found = _answer(*on_host, falls=falls(parameters))
             s = corrected(topology, parameters, target, s, linear, *found, still)
     else:
@@ -134,7 +130,7 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
 
         def turn(s: Search) -> Search:
             linear, still = linear_equations(topology, parameters, target, s)
-            found = answer(topology, linear.stiff, linear.rows, linear.right)
+            found = answer(topology, (linear.stiff, linear.rows), linear.right)
             return corrected(topology, parameters, target, s, linear, *found, still)
 
         again = start(topology, parameters)
@@ -202,20 +198,19 @@ def solution_at(
         right: Forces and deformations, in which alone it is differentiable, (n + h,).
     """
     elements = _tangent(topology, parameters, factors, near, at)
-    given = [[own for *_, own in of] for of in (elements.stiffness, elements.constraints)]
     if is_concrete((elements, right)):
-        on_host = jax.tree.map(np.asarray, (topology, *given, right, elements))
+        on_host = jax.tree.map(np.asarray, (topology, elements, right))
         found, code = _answer(*on_host, falls=falls(parameters))
         return jnp.asarray(found), jnp.asarray(code)
 
-    fixed: Any = jax.lax.stop_gradient((*given, elements))
+    fixed: Any = jax.lax.stop_gradient(elements)
 
     def matvec(z: Float[Array, "r"]):
         return product(elements, z[:, None])[:, 0]
 
     def solve(transposed: bool):
         how = functools.partial(_traced_answer, falls=falls(parameters), transposed=transposed)
-        return lambda _, right: how(topology, fixed[0], fixed[1], right, fixed[2])
+        return lambda _, right: how(topology, fixed, right)
 
     return jax.lax.custom_linear_solve(matvec, right, solve(False), solve(True), has_aux=True)
 

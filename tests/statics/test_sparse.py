@@ -189,7 +189,7 @@ def test_equations_of_compiled_code_are_solved_in_one_thread(monkeypatch):
         return np.array([float(threading.get_ident())]), np.array(0, np.int32)
 
     monkeypatch.setattr("flexmb.statics.sparse._answer", where)
-    found, _ = jax.jit(lambda right: _traced_answer(None, [], [], right, falls=False))(jnp.zeros(1))
+    found, _ = jax.jit(lambda right: _traced_answer(None, ([], []), right, falls=False))(jnp.zeros(1))
     assert int(found[0]) == on_host_thread(threading.get_ident)
 
 
