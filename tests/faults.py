@@ -1802,8 +1802,8 @@ FAULTS = [
     Fault("paths/sparse_critical.py", "negative - int(np.sum(rough < -shift))", "0", "paths/test_sparse_critical.py"),
     Fault(
         "paths/sparse_critical.py",
-        "if np.min(np.abs(values)) < DOUBTED",
-        "if False and np.min(np.abs(values)) < DOUBTED",
+        "if np.min(np.abs(values)) < doubted",
+        "if False and np.min(np.abs(values)) < doubted",
         "paths/test_sparse_critical.py",
     ),
     Fault(
@@ -2036,8 +2036,8 @@ FAULTS = [
     ),
     Fault(
         "linear/sparse_poles.py",
-        "self._moved(self._mass @ (self._scale * v)) / self._scale",
-        "self._moved(self._mass @ v) / self._scale",
+        "self._moved(matrix @ (self._scale * v)) / self._scale",
+        "self._moved(matrix @ v) / self._scale",
         "linear/test_sparse_poles.py -k steadiness",
     ),
     Fault("paths/sparse_path.py", "stable[i] = is_steady", "_ = is_steady", "paths/test_sparse_path.py -k flutter"),

@@ -75,14 +75,9 @@ class _ShiftedPoles:
         moved = -self._moved(p + self._damping @ v + self.shift * (self._mass @ v))
         return np.concatenate([moved / scale, scale * (self._mass @ (v + self.shift * moved)) / self._unit])
 
-    def moved_by_mass(self, v: np.ndarray) -> np.ndarray:
-        """Motions under M v, (n,)."""
-        return self._moved(self._mass @ (self._scale * v)) / self._scale
-
-    def start(self, number: int) -> np.ndarray:
-        """A vector that the iterations can begin with; no mechanism has a mode orthogonal to its uneven entries."""
-        z = np.cos((number + 1) * np.arange(2 * self.n) ** 2 + number)
-        return self(self(z))
+    def moved_by(self, matrix: Any, v: np.ndarray) -> np.ndarray:
+        """Motions under the forces of a matrix on motions v, (n,), all in these units."""
+        return self._moved(matrix @ (self._scale * v)) / self._scale
 
     def allowed(self) -> np.ndarray:
         """All that constraints leave of (v, p), orthonormal, one a column."""
@@ -109,7 +104,7 @@ class _ShiftedPoles:
         """Size of what the shifted stiffness makes of forces of a matrix."""
         found, v = 0.0, np.cos(np.arange(self.n) ** 2)
         for _ in range(TURNS):
-            v = self._moved(matrix @ (self._scale * v)) / self._scale
+            v = self.moved_by(matrix, v)
             found = float(np.linalg.norm(v))
             if not found > 0:
                 return 0.0
@@ -160,16 +155,12 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
 class _Undamped:
     """v to K^-1 M v where constraints hold, in units in which masses are about one: 1/w^2 are its values."""
 
-    def __init__(self, at: _ShiftedPoles):
-        self.size, self._at = at.n, at
+    def __init__(self, at: _ShiftedPoles, mass: Any):
+        self.size, self._at, self._mass = at.n, at, mass
 
     def __call__(self, v: np.ndarray) -> np.ndarray:
         """Of a vector (n,)."""
-        return self._at.moved_by_mass(v)
-
-    def start(self, number: int) -> np.ndarray:
-        """As of :class:`_ShiftedPoles`."""
-        return self(self(np.cos((number + 1) * np.arange(self.size) ** 2 + number)))
+        return self._at.moved_by(self._mass, v)
 
 
 def is_steady(elements: ElementMatrices) -> bool:
@@ -184,7 +175,7 @@ def is_steady(elements: ElementMatrices) -> bool:
         values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
     else:
         # Without damping these are half as many in half as many unknowns; copies of a value tell nothing more.
-        found, _ = _searched(_Undamped(at), np.zeros((at.n, 0)), STEADY, 0)
+        found, _ = _searched(_Undamped(at, whole.mass), np.zeros((at.n, 0)), STEADY, 0)
         values = 1 / found[np.abs(found) > MASSLESS * at.n * np.max(np.abs(found), initial=0.0)]
     return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
@@ -276,7 +267,8 @@ def _searched(at: _ShiftedPoles | _Undamped, basis: np.ndarray, count: int, numb
         return z - basis @ (basis.T @ z)
 
     operator = linalg.LinearOperator((at.size, at.size), matvec=beside, dtype=float)
-    start = beside(at.start(number))
+    # No mechanism has a mode orthogonal to these uneven entries.
+    start = beside(at(at(np.cos((number + 1) * np.arange(at.size) ** 2 + number))))
     if not np.linalg.norm(start) > 0:
         return np.zeros(0), np.zeros((at.size, 0))
     how = {"k": count, "v0": start / np.linalg.norm(start), "tol": TRUE * 1e-4, "maxiter": RESTARTS}

@@ -91,7 +91,8 @@ def critical_values_of(
         rough, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
         values, motions = settled(motions)
         more = negative - int(np.sum(rough < -shift))
-        if np.min(np.abs(values)) < DOUBTED * np.max(np.abs(np.sort(rough) - values)):
+        doubted = DOUBTED * np.max(np.abs(np.sort(rough) - values))
+        if np.min(np.abs(values)) < doubted < np.max(np.diff(values)):
             more = _beyond(tangent, sizes, values)
         return _told(values, np.sum(motions, axis=1), more)
     # Values become negative through zero: few are farther than those that are found, where the farthest are positive.

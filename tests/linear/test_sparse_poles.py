@@ -73,6 +73,18 @@ def beck(load, beams=240, copies=1):
     return b.build(check=False)
 
 
+def light_column():
+    """One of EI = L = 1 without mass but at its tip."""
+    b = fm.Builder()
+    for i in range(41):
+        b.node(f"n{i}", (i / 40, 0.0))
+    for i in range(40):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=1.0))
+    b.fix("n0")
+    b.mass("n40", 1.0)
+    return b
+
+
 def test_a_column_of_many_beams_flutters_at_the_load_of_beck():
     """A12, closed form 20.05; beyond it a pair of poles leaves the axis, by the root of what is beyond."""
     assert np.max(np.real(fm.poles(beck(20.04), count=4))) < 1e-6
@@ -84,14 +96,8 @@ def test_steadiness_by_eigenvalues_of_stiffness_and_mass():
     assert is_steady(fm.linearize(beck(20.04), sparse=True).elements)
     assert not is_steady(fm.linearize(beck(20.06), sparse=True).elements)
     for load, steady in ((2.4, True), (2.5, False)):
-        # Of EI = L = 1, pi^2/4; its mass at the tip alone: few coordinates have any.
-        b = fm.Builder()
-        for i in range(41):
-            b.node(f"n{i}", (i / 40, 0.0))
-        for i in range(40):
-            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=1.0))
-        b.fix("n0")
-        b.mass("n40", 1.0)
+        # Of EI = L = 1, pi^2/4; few coordinates have mass.
+        b = light_column()
         b.force("n40", (-load, 0.0))
         assert is_steady(fm.linearize(b.build(check=False), sparse=True).elements) is steady
 
@@ -120,13 +126,7 @@ def test_free_motions_have_poles_at_zero():
 
 
 def test_masses_of_few_coordinates_have_few_poles():
-    b = fm.Builder()
-    for i in range(41):
-        b.node(f"n{i}", (i / 40, 0.0))
-    for i in range(40):
-        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=1.0))
-    b.fix("n0")
-    b.mass("n40", 1.0)
+    b = light_column()
     for count in (5, 100):
         found = fm.poles(b.build(check=False), count=count, sparse=True)
         # Closed form: a mass at the end of a cantilever bends and stretches it.
