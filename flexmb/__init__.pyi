@@ -12,7 +12,7 @@ from .answers.motion_file import save_motion as save_motion
 from .build.builder import Builder as Builder
 from .build.check_element import check_element as check_element
 from .checks.mobility import mobility as mobility
-from .compilation.compile import jit as jit
+from .compilation.by_meaning import jit as jit
 from .control.frequency_response import frequency_response as frequency_response
 from .control.state_space import to_statespace as to_statespace
 from .design.lean import lean as lean

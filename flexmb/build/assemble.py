@@ -159,10 +159,15 @@ def with_roles(model: Model, builder: Description) -> Model:
 
 
 def _on_device(tree: Any) -> Any:
-    """Arrays on the device, in one transfer: those left on the host would be converted again at every call."""
+    """Arrays on the device, in one transfer: those left on the host would be converted again at every call.
+
+    Within a program that JAX traces they stay known numbers, as the structure of a model always is.
+    """
     leaves, structure = jax.tree.flatten(tree)
     on_host = [i for i, leaf in enumerate(leaves) if is_concrete(leaf)]
-    for i, leaf in zip(on_host, jax.device_put([leaves[i] for i in on_host]), strict=True):
+    with jax.core.eval_context():
+        moved = jax.device_put([leaves[i] for i in on_host])
+    for i, leaf in zip(on_host, moved, strict=True):
         leaves[i] = leaf
     return jax.tree.unflatten(structure, leaves)
 

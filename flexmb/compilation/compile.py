@@ -68,7 +68,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     def flat(structure: Any, options: tuple[tuple[str, Any], ...], *leaves: Any):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
-    run = _compiled(flat, _name(function))
+    run = compiled(flat, name_of(function))
 
     @functools.wraps(function)
     def call(*arguments: Any, **options: Any):
@@ -94,7 +94,7 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
         whole = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, whole))
 
-    run = _compiled(flat, _name(function))
+    run = compiled(flat, name_of(function))
 
     @functools.wraps(function)
     def call(*arguments: Any):
@@ -106,8 +106,8 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
-    """Call ``function(structure, fixed, *leaves)`` with a list of leaves, compiled as they and the settings ask for."""
+def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
+    """``run(structure, fixed, leaves)`` calls ``function(structure, fixed, *leaves)``, compiled as settings ask for."""
 
     def whole(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         with no_garbage_looked_for():
@@ -116,7 +116,7 @@ def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     taken = kept(whole)
 
     @functools.lru_cache(MOST)
-    def compiled(structure: Any, fixed: tuple[Any, ...], mode: str):
+    def variant(structure: Any, fixed: tuple[Any, ...], mode: str):
         def program(*leaves: Any):
             return (taken if _keeps_traces and mode != "nested" else whole)(structure, fixed, *leaves)
 
@@ -126,11 +126,12 @@ def _compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         leaves, traced = _as_taken(leaves)
         if traced:
-            return compiled(structure, fixed, "nested")(*leaves)
-        with one_thread():
-            known = compiled.cache_info().misses
-            own = compiled(structure, fixed, "thorough" if _thorough else "quick")
-            with contextlib.nullcontext() if compiled.cache_info().misses == known else no_garbage_looked_for():
+            return variant(structure, fixed, "nested")(*leaves)
+        # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
+        with one_thread(), jax.core.eval_context():
+            known = variant.cache_info().misses
+            own = variant(structure, fixed, "thorough" if _thorough else "quick")
+            with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
                 results = own(*leaves)
             return jax.block_until_ready(results)
 
@@ -151,7 +152,7 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
     return functools.wraps(function)(found)
 
 
-def _name(function: Callable[..., Any]) -> str:
+def name_of(function: Callable[..., Any]) -> str:
     """Under which programs are listed."""
     return f"{getattr(function, '__module__', '')}.{getattr(function, '__name__', 'function')}"
 
@@ -181,7 +182,9 @@ def _known() -> type:
 
 def _strong(number: Any) -> Any:
     """An array or number as it is, but of a type that does not give way to others."""
-    weak = number.weak_type if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
+    # A random key has no such type.
+    own = getattr(number, "weak_type", False)
+    weak = own if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
     # On the host: JAX compiles a program to convert a number.
     library = jnp if isinstance(number, jax.Array) else np
     return library.asarray(number, jnp.result_type(number)) if weak else number

@@ -19,6 +19,10 @@ else:
     ClosedJaxpr, Jaxpr, Literal, Var = _core.ClosedJaxpr, _core.Jaxpr, _core.Literal, _core.Var
 
 
+# Derivatives of one's own are looked at as deep as equations of motion take derivatives.
+RULES = 2
+
+
 class Code:
     """A program, equal to another that does the same.
 
@@ -27,9 +31,9 @@ class Code:
         results: Structure of what it returns.
     """
 
-    def __init__(self, jaxpr: Jaxpr, results: Any):
+    def __init__(self, jaxpr: Jaxpr, results: Any, rules: int = RULES):
         self.jaxpr, self.results = jaxpr, results
-        self._meaning = (_of_program(jaxpr), results)
+        self._meaning = (_of_program(jaxpr, (), rules), results)
         self._hash = hash(self._meaning)
 
     def __eq__(self, other: object) -> bool:
@@ -58,12 +62,13 @@ class Captured(Record):
         return jax.tree.unflatten(self.code.results, jax.core.eval_jaxpr(self.code.jaxpr, self.numbers, *leaves))
 
 
-def captured(function: Callable[..., Any], *like: Any) -> Captured:
+def captured(function: Callable[..., Any], *like: Any, rules: int = RULES) -> Captured:
     """Take a function as it is now: what its text refers to may change afterwards.
 
     Args:
         function: Of arrays; without side effects.
         like: Arguments, or their shapes.
+        rules: How often it is to be differentiated, at most.
 
     Returns:
         The function as a record of numbers.
@@ -94,7 +99,7 @@ def captured(function: Callable[..., Any], *like: Any) -> Captured:
     results_of = [placed(atom) for atom in jaxpr.outvars]
     named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
     jaxpr = jaxpr.replace(constvars=[*jaxpr.constvars, *places], eqns=equations, outvars=results_of, debug_info=named)
-    return Captured(Code(jaxpr, results), tuple(numbers))
+    return Captured(Code(jaxpr, results, rules), tuple(numbers))
 
 
 def digest(found: Captured) -> str:
@@ -239,7 +244,7 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
     return found, replaced(jaxpr.outvars)
 
 
-def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = 2) -> tuple:
+def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = RULES) -> tuple:
     """Equal for programs that do the same with equal arguments."""
     places = {v: i for i, v in enumerate([*jaxpr.constvars, *jaxpr.invars])}
     meaning: list[Any] = [tuple((type(c), np.asarray(c).dtype, np.asarray(c).tobytes()) for c in constants)]
@@ -255,7 +260,7 @@ def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = 2) -> tuple:
     return (*meaning, *map(place, jaxpr.outvars))
 
 
-def _meaning(equation: Any, rules: int = 2) -> tuple:
+def _meaning(equation: Any, rules: int = RULES) -> tuple:
     """Equal for equations that do the same with their inputs: by value where values compare, otherwise by identity.
 
     What prints alike need not be alike: compiled helpers that differ in an array they capture do.
@@ -276,8 +281,8 @@ def _value(parameter: Any, rules: int) -> Any:
         return _of_program(parameter.jaxpr, tuple(parameter.consts), rules)
     if isinstance(parameter, Jaxpr):
         return _of_program(parameter, (), rules)
-    if type(parameter) in (tuple, list):
-        return tuple(_value(one, rules) for one in parameter)
+    if isinstance(parameter, tuple | list):
+        return (type(parameter), *(_value(one, rules) for one in parameter))
     try:
         hash(parameter)
     except TypeError:

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 from ..build.carry import carried
-from ..compilation.compile import jit
+from ..compilation.by_meaning import jit
 from ..compilation.threads import cores, each
 from ..results import RESULTS
 from .evaluate import Build, build_once, evaluate, evaluate_concretely

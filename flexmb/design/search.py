@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compilation.compile import jit
+from ..compilation.by_meaning import jit
 from ..errors import clean
 from ..results import RESULTS
 from .problem import TuningProblem

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_whole
-from ..compilation.compile import jit
+from ..compilation.by_meaning import jit
 from ..display import Result, Summary, counted, largest, short
 from ..errors import AnalysisError, clean
 from ..results import RESULTS, check

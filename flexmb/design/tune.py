@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_whole
-from ..compilation.compile import jit
+from ..compilation.by_meaning import jit
 from ..errors import AnalysisError, clean
 from ..progress import reporting
 from ..results import RESULTS

@@ -1,0 +1,83 @@
+"""Compiled code that functions share which do the same to other numbers."""
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+
+from ..arguments import is_concrete
+from ..lazy import no_garbage_looked_for
+from . import compile
+from .program import Captured, Code, captured
+
+NUMBERS = (bool, int, float, complex, np.ndarray, np.generic, jax.Array)
+
+
+def jit(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function of pytrees of arrays, quickly where it is called on concrete numbers.
+
+    The same as ``jax.jit`` but for two things. The compiler's options: quick to compile, or quick to run where compiled
+    code is kept on disk (see :func:`flexmb.enable_cache`). And a function that is defined anew, as where a cell of a
+    notebook runs again, is traced again but compiled only where it does something else: dimensions and models that
+    differ in numbers share code.
+
+    JAX takes compiler options at the outermost call only, so that under a trace the function is compiled as part of the
+    caller's.
+
+    Args:
+        function: Function of pytrees of arrays; arguments given by keyword are options that choose code.
+
+    Returns:
+        The compiled function.
+
+    Raises:
+        TypeError: It is no function.
+    """
+    plain = compile.jit(function)
+    taken: dict[Any, tuple[Captured, Callable[..., Any]]] = {}
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **options: Any):
+        leaves, structure = jax.tree.flatten(arguments)
+        if not all(map(_is_known, leaves)):
+            return plain(*arguments, **options)
+        kinds = tuple((np.shape(leaf), jnp.result_type(leaf)) for leaf in leaves)
+        like = structure, tuple(sorted(options.items())), kinds
+        if like not in taken:
+            shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
+            with no_garbage_looked_for():
+                found = captured(functools.partial(function, **options), *shapes, rules=0)
+            if not is_concrete(found.numbers):
+                # Of numbers that another program traces, which are others the next time.
+                return _called(found, _run_of(found.code), leaves)
+            with jax.core.eval_context():
+                found = dataclasses.replace(found, numbers=tuple(jax.device_put(list(found.numbers))))
+            taken[like] = found, _run_of(found.code)
+        return _called(*taken[like], leaves)
+
+    return call
+
+
+def _called(found: Captured, run: Callable[..., Any], leaves: list[Any]) -> Any:
+    return jax.tree.unflatten(found.code.results, run(None, (), [*found.numbers, *leaves]))
+
+
+@functools.lru_cache(compile.MOST)
+def _run_of(code: Code) -> Callable[..., Any]:
+    count = len(code.jaxpr.constvars)
+
+    def function(_: Any, __: Any, *leaves: Any):
+        return jax.core.eval_jaxpr(code.jaxpr, leaves[:count], *leaves[count:])
+
+    return compile.compiled(function, compile.name_of(jit))
+
+
+def _is_known(leaf: Any) -> bool:
+    """Whether it is a number or an array that is not traced; a random key of JAX is none."""
+    known = isinstance(leaf, NUMBERS) and is_concrete(leaf)
+    return known and not (isinstance(leaf, jax.Array) and jnp.issubdtype(leaf.dtype, jax.dtypes.extended))

@@ -1,0 +1,111 @@
+"""Functions that do the same to other numbers share compiled code."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases.mechanisms import planar_guide
+
+import flexmb as fm
+
+
+@pytest.fixture
+def compilations():
+    """Names of the programs handed to the compiler, cached on disk or not."""
+    count = []
+
+    def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
+        if event == "/jax/core/compile/backend_compile_duration":
+            count.append(str(kwargs.get("fun_name")))
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    yield count
+    jax.monitoring.unregister_event_duration_listener(listen)
+
+
+def scaled(factor, shift):
+    return fm.jit(lambda x: factor * jnp.sin(x) + shift)
+
+
+def test_a_function_defined_anew_is_compiled_once(compilations):
+    x = np.array([0.1, 0.2])
+    first = scaled(2.0, 1.0)(x)
+    assert compilations  # the counter counts
+    compilations.clear()
+    second = scaled(3.0, -1.0)(x)
+    assert compilations == []
+    np.testing.assert_allclose(first, 2 * np.sin(x) + 1, rtol=1e-15)
+    np.testing.assert_allclose(second, 3 * np.sin(x) - 1, rtol=1e-15)
+    np.testing.assert_allclose(fm.jit(lambda x: 2.0 * jnp.cos(x) + 1.0)(x), 2 * np.cos(x) + 1, rtol=1e-15)
+
+
+def test_derivative_of_a_design_defined_anew(compilations):
+    """As where the cell of a notebook runs again: 3/2 of the frequency by one of thickness, the bar being rigid."""
+
+    def slope(mass):
+        def hertz(thickness):
+            b = planar_guide(thickness)
+            b.mass("left1", mass)
+            return fm.frequencies(b.build())[0]
+
+        f, of = fm.jit(jax.value_and_grad(hertz))(5e-4)
+        return f, of
+
+    first, _ = slope(0.1)
+    compilations.clear()
+    second, of = slope(0.3)
+    assert compilations == []
+    assert float(second) < float(first)
+    np.testing.assert_allclose(of, 1.5 * second / 5e-4, rtol=2e-2)
+
+
+def test_options_and_shapes_are_code_of_their_own():
+    power = fm.jit(lambda x, *, n: x**n)
+    assert float(power(2.0, n=3)) == 8.0
+    assert float(power(2.0, n=4)) == 16.0
+    np.testing.assert_array_equal(power(np.array([1.0, 2.0]), n=3), [1.0, 8.0])
+    assert power(2, n=3).dtype == jnp.int64
+
+
+def test_within_another_program():
+    """What is traced there, captured or an argument, is; what is known stays known."""
+    doubled = fm.jit(lambda x: 2 * x)
+    assert float(jax.jit(lambda x: doubled(x) + doubled(3.0))(1.0)) == 8.0
+    assert float(jax.grad(lambda x: doubled(x) * doubled(3.0))(1.0)) == 12.0
+    np.testing.assert_array_equal(jax.vmap(doubled)(np.arange(3.0)), [0.0, 2.0, 4.0])
+
+    def captures(x):
+        return fm.jit(lambda y: x * y)(3.0)
+
+    assert float(jax.jit(captures)(2.0)) == 6.0
+    assert float(jax.grad(captures)(2.0)) == 3.0
+
+
+def test_a_function_that_captures_what_is_traced_is_not_remembered():
+    outside = []
+    product = fm.jit(lambda y: outside[-1] * y)
+
+    def of(x):
+        outside.append(x)
+        return product(3.0)
+
+    assert float(jax.jit(of)(2.0)) == 6.0
+    assert float(jax.jit(lambda x: of(x) + 1)(4.0)) == 13.0
+
+
+def test_known_numbers_within_another_program():
+    """An analysis of a finished model, and of one that is built there, is an answer like any other number."""
+    model = planar_guide().build()
+    hertz = float(fm.frequencies(model)[0])
+    assert float(jax.jit(lambda x: x * fm.frequencies(model)[0])(1.0)) == hertz
+    assert float(jax.jit(lambda x: x * fm.frequencies(planar_guide().build())[0])(1.0)) == hertz
+    assert float(jax.jit(lambda x: x * np.abs(fm.poles(model)[0]))(1.0)) == pytest.approx(2 * np.pi * hertz, rel=1e-12)
+
+
+def test_results_are_trees_and_random_keys_pass():
+    found = fm.jit(lambda x: {"a": x, "b": None, "c": (1.0, 2)})(1.0)
+    assert found["b"] is None
+    assert [float(of) for of in (found["a"], *found["c"])] == [1.0, 1.0, 2.0]
+    assert fm.jit(lambda key: jax.random.normal(key, (2,)))(jax.random.key(0)).shape == (2,)
+    with pytest.raises(TypeError, match="takes a function"):
+        fm.jit(3)  # type: ignore
