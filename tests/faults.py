@@ -1837,7 +1837,34 @@ FAULTS = [
         "compilation/test_compile.py -k comes_first",
     ),
     Fault("model/model.py", "if not is_concrete(model.topology):", "if False:", "test_arguments.py -k concrete"),
-    Fault("linear/modes.py", "if not is_concrete(matrices):", "if False:", "test_arguments.py -k concrete"),
+    Fault("linear/modes.py", "if not is_concrete(lin.elements):", "if False:", "test_arguments.py -k concrete"),
+    Fault("linear/modes.py", "if count > 2 * n:", "if False:", "linear/test_traced_poles.py -k more_poles"),
+    Fault("linear/modes.py", "check(result, True)", "result", "linear/test_traced_poles.py -k collected"),
+    Fault("linear/traced_poles.py", "values**2 * dm", "values * dm", "linear/test_traced_poles.py -k closed_form"),
+    Fault(
+        "linear/traced_poles.py", "2 * middle * m + c", "2 * middle * m", "linear/test_traced_poles.py -k closed_form"
+    ),
+    Fault("linear/traced_poles.py", "scale * u[:, own]", "u[:, own]", "linear/test_traced_poles.py -k closed_form"),
+    Fault(
+        "linear/traced_poles.py",
+        "np.linalg.inv(meeting).conj()",
+        "np.linalg.inv(meeting)",
+        "linear/test_traced_poles.py",
+    ),
+    Fault(
+        "linear/traced_poles.py",
+        "    if sizes[-many] > LEFT_OVER or not least",
+        "    if not least",
+        "linear/test_traced_poles.py",
+    ),
+    Fault("linear/traced_poles.py", "not least > MEETING * whole", "False", "linear/test_traced_poles.py -k meet"),
+    Fault("linear/traced_poles.py", "if len(near) < count or", "if", "linear/test_traced_poles.py -k codes"),
+    Fault(
+        "linear/traced_poles.py",
+        'kind="stable")[:count]',
+        'kind="stable")[-count:]',
+        "linear/test_traced_poles.py -k nearest",
+    ),
     Fault("linear/lanczos.py", "if not passed_over(values):", "if True:", "linear/test_sparse.py -k every_copy"),
     Fault("linear/lanczos.py", "if not np.all(wrong <= TRUE):", "if False:", "linear/test_lanczos.py -k modes_that"),
     Fault(

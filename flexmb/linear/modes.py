@@ -37,6 +37,7 @@ from .sparse_poles import poles_of_sparse
 from .sparse_solve import lowest, lowest_values
 from .sparse_spectrum import refuse_negative_masses
 from .spectrum import general_spectrum, is_real, poles_of, slowest, spectrum, to_frequency
+from .traced_poles import traced_poles
 
 
 class Modes(Shapes, Result, Record):
@@ -300,7 +301,7 @@ def poles(
     Args:
         model: Mechanism, or its linearisation.
         count: How many of those nearest to zero, and one more where the last is one of a complex pair; all unless given
-            or where there are fewer.
+            or where there are fewer. Under ``jax.grad`` and ``jax.jit`` it is asked for, and so many are answered.
         sparse: ``count`` poles by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count`` is.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
@@ -309,17 +310,18 @@ def poles(
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
 
     Returns:
-        (n,) [rad/s]; those at infinity, of motions without mass, are left out.
+        (n,) [rad/s]; those at infinity, of motions without mass, are left out. Differentiable in ``model.parameters``
+        but where two of them meet, as in critical damping or of a free motion: there derivatives are NaN.
 
     Raises:
         AnalysisError: The equilibrium was not found, or a motion has a negative mass; by sparse matrices also
             singular_stiffness, where a motion has neither mass nor stiffness, and not_converged.
-        ValueError: ``count`` is not positive, or missing with sparse matrices.
-        TypeError: Numbers are traced, as under ``jax.grad``.
+        ValueError: ``count`` is not positive, or missing with sparse matrices, or more than there can be.
+        TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing, or matrices are sparse.
 
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
-        (7.20).
+        (7.20). Derivatives: (10.4).
     """
     count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
@@ -329,24 +331,35 @@ def poles(
             raise ValueError("With sparse matrices give `count`, the number of poles wanted.")
         return _poles_of_large(large, count)
     lin = linearized(model, "poles", where=where)
-    _refuse_traced(lin.matrices)
+    if not is_concrete(lin.matrices):
+        return _poles_of_traced(lin.matrices, count)
     refuse_negative_mass(lin)
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
     return slowest(poles_of(m.K, m.C0 + m.D0, m.M0), count)
 
 
-def _refuse_traced(matrices: Any) -> None:
-    if not is_concrete(matrices):
+def _poles_of_traced(m: Matrices, count: int | None) -> Any:
+    n = len(m.M0)
+    if count is None:
         raise TypeError(
-            "Poles are those of concrete numbers: ask for them outside jax.jit and jax.grad. Undamped frequencies have"
-            " derivatives, by fm.frequencies, and so have state matrices, by fm.control.state_matrices."
+            "How many poles there are depends on numbers: under jax.grad and jax.jit give fm.poles `count`."
         )
+    if count > 2 * n:
+        raise ValueError(
+            f"Argument `count` of fm.poles is {count}, but {n} degrees of freedom have at most {2 * n} poles."
+        )
+    values, result = traced_poles(m.K, m.C0 + m.D0, m.M0, count)
+    check(result, True)
+    return values
 
 
 def _poles_of_large(lin: SparseLinearization, count: int) -> Complex[np.ndarray, "n"]:
     """A few poles by sparse matrices."""
-    _refuse_traced(lin.elements)
+    if not is_concrete(lin.elements):
+        raise TypeError(
+            "Poles by sparse matrices are those of concrete numbers: under jax.grad and jax.jit give sparse=False."
+        )
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
     refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())

@@ -1,0 +1,111 @@
+"""Poles of traced numbers, by a call on the host, whose derivatives follow from left and right vectors."""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float, Int
+
+from ..math.linear import SEMIDEFINITE
+from ..results import RESULTS
+from .spectrum import masses_of_motions, poles_of
+
+# Poles are one repeated pole where they differ by less than this share.
+SAME = 1e-8
+# Of equations scaled to one: what is left of those that a vector solves, and the least part of their change with the
+# pole along its vectors. Below it two poles all but meet with one vector, and their derivatives have no digits.
+LEFT_OVER = 1e-6
+MEETING = 1e-5
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def traced_poles(
+    k: Float[Array, "n n"], c: Float[Array, "n n"], m: Float[Array, "n n"], count: int
+) -> tuple[Complex[Array, "count"], Int[Array, ""]]:
+    """Poles nearest to zero, differentiable.
+
+    Args:
+        k: Stiffness, (n, n).
+        c: Damping, (n, n).
+        m: Mass, (n, n).
+        count: How many.
+
+    Returns:
+        Ordered by |Im|, (count,) [rad/s], NaN where there are fewer; code of RESULTS, () [-]: not_finite where matrices
+        are not, singular_mass where there are fewer poles, or a negative mass. Derivatives are NaN where they do not
+        exist: of poles that meet with one vector, as in critical damping or of a free motion. Those of a repeated pole
+        have vectors that the choice of them does not change in sums.
+
+    Source:
+        THEORY.md 10, eq. (10.4).
+    """
+    return _found(k, c, m, count)[:2]
+
+
+@traced_poles.defjvp
+def _changes(count: int, given: tuple[Any, Any, Any], changes: tuple[Any, Any, Any]):
+    values, code, left, right = _found(*given, count)
+
+    def along(change: Any) -> Any:
+        return jnp.einsum("in,nm,im->i", jnp.conj(left), change.astype(complex), right)
+
+    dk, dc, dm = map(along, changes)
+    moved = -(dk + values * dc + values**2 * dm)
+    return (values, code), (moved, np.zeros((), jax.dtypes.float0))
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _found(k: Any, c: Any, m: Any, count: int) -> Any:
+    vectors = jax.ShapeDtypeStruct((count, len(k)), complex)
+    like = jax.ShapeDtypeStruct((count,), complex), jax.ShapeDtypeStruct((), np.int32), vectors, vectors
+    host = functools.partial(_with_vectors, count=count)
+    return jax.pure_callback(host, like, k, c, m, vmap_method="sequential")
+
+
+@_found.defjvp
+def _refused(*_: Any):
+    raise NotImplementedError(
+        "Poles have first derivatives, and no second ones: leave out second_order, or jax.hessian."
+    )
+
+
+def _with_vectors(k: Any, c: Any, m: Any, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Poles, a code, and their left and right vectors, each a row, for which w^H (2 lambda M + C) v = 1."""
+    k, c, m = (np.asarray(of) for of in (k, c, m))
+    values = np.full(count, np.nan, complex)
+    left, right = (np.full((count, len(k)), np.nan, complex) for _ in range(2))
+    code = RESULTS.successful if np.all(np.isfinite([k, c, m])) else RESULTS.not_finite
+    if code is RESULTS.successful:
+        every = poles_of(k, c, m)
+        # In their order, those nearest to zero.
+        near = np.sort(np.argsort(np.abs(every), kind="stable")[:count])
+        values[: len(near)] = every[near]
+        for place, pole in enumerate(near):
+            left[place], right[place] = _vectors(k, c, m, every, int(pole))
+        if len(near) < count or (len(m) and masses_of_motions(m)[0][0] < -SEMIDEFINITE):
+            code = RESULTS.singular_mass
+    return values, np.array(code, np.int32), left, right
+
+
+def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, number: int) -> tuple[Any, Any]:
+    """Left and right vector of a pole, NaN where it has no derivative."""
+    value = poles[number]
+    same = np.flatnonzero(np.abs(poles - value) <= SAME * np.abs(value))
+    middle, many = np.mean(poles[same]), len(same)
+    # Degrees of freedom in units that make their equations of one size.
+    size = np.abs(middle) ** 2 * np.abs(np.diag(m)) + np.abs(middle) * np.abs(np.diag(c)) + np.abs(np.diag(k))
+    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
+    if many > len(k):
+        return np.nan, np.nan
+    u, sizes, v = np.linalg.svd(middle**2 * m + middle * c + k)
+    u, v, change = u[:, -many:], v[-many:].conj().T, 2 * middle * m + c
+    meeting = u.conj().T @ change @ v
+    least, whole = np.linalg.svd(meeting, compute_uv=False)[-1], np.linalg.norm(change, 2)
+    if sizes[-many] > LEFT_OVER or not least > MEETING * whole:
+        return np.nan, np.nan
+    u = u @ np.linalg.inv(meeting).conj().T
+    own = int(np.flatnonzero(same == number)[0])
+    return scale * u[:, own], scale * v[:, own]
