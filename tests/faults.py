@@ -1836,7 +1836,50 @@ FAULTS = [
         "if True:\n        return type",
         "compilation/test_compile.py -k comes_first",
     ),
-    Fault("model/model.py", "if not is_concrete(model.topology):", "if False:", "test_arguments.py -k concrete"),
+    Fault("model/model.py", "if not is_concrete(model.topology):", "if False:", "trajectory/test_inverse.py -k wrong"),
+    Fault("model/model.py", "if numbers and not", "if False and not", "test_arguments.py -k concrete"),
+    Fault(
+        "trajectory/inverse.py", "as_written.get(name, name)", "name", "trajectory/test_inverse.py -k by_a_dimension"
+    ),
+    Fault(
+        "trajectory/inverse.py",
+        "if followed and len(followed) != len(rest)",
+        "if followed",
+        "trajectory/test_inverse.py -k by_a_dimension",
+    ),
+    Fault(
+        "build/assemble.py",
+        "with jax.core.eval_context():",
+        "if True:",
+        "compilation/test_by_meaning.py -k known_numbers",
+    ),
+    Fault(
+        "compilation/compile.py",
+        "with one_thread(), jax.core.eval_context():",
+        "with one_thread():",
+        "compilation/test_by_meaning.py -k known_numbers",
+    ),
+    Fault(
+        "compilation/by_meaning.py", "if not is_concrete(found.numbers):", "if False:", "compilation/test_by_meaning.py"
+    ),
+    Fault(
+        "compilation/by_meaning.py",
+        "tuple(sorted(options.items())), kinds",
+        "kinds",
+        "compilation/test_by_meaning.py -k options",
+    ),
+    Fault(
+        "compilation/by_meaning.py",
+        "leaves[:count], *leaves[count:]",
+        "leaves[:count], *leaves[:count]",
+        "compilation/test_by_meaning.py",
+    ),
+    Fault(
+        "compilation/by_meaning.py",
+        "@functools.lru_cache(compile.MOST)\n",
+        "",
+        "compilation/test_by_meaning.py -k anew",
+    ),
     Fault("linear/modes.py", "if not is_concrete(lin.elements):", "if False:", "test_arguments.py -k concrete"),
     Fault("linear/modes.py", "if count > 2 * n:", "if False:", "linear/test_traced_poles.py -k more_poles"),
     Fault("linear/modes.py", "check(result, True)", "result", "linear/test_traced_poles.py -k collected"),

@@ -287,7 +287,7 @@ def mobility(model: Model) -> Mobility:
         Mobility: numbers, self-stresses (n_e, over) and motions (n_x, under), the largest entry of each 1 [SI].
 
     Raises:
-        TypeError: The model was built under ``jax.jit``.
+        TypeError: Numbers of the model are traced, as under ``jax.jit``.
 
     Source:
         THEORY.md 8, eq. (8.1): singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the

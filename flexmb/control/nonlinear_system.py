@@ -64,7 +64,7 @@ def to_nonlinear_system(
 
     Raises:
         ModelError: The model names no inputs or no outputs, an input that is a motion, or one that can move nothing.
-        TypeError: The model was built under ``jax.jit``.
+        TypeError: Numbers of the model are traced, as under ``jax.jit``.
 
     Source:
         THEORY.md 5, eq. (5.2), and 9 (a).

@@ -307,15 +307,25 @@ def as_model(given: Any, function: str) -> Model:
     raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not a {kind}: {instead}.")
 
 
-def as_known(given: Any, function: str) -> Model:
-    """As :func:`as_model`, of a model whose structure is known: under ``jax.jit`` one that is built there is traced.
+def as_known(given: Any, function: str, numbers: bool = True) -> Model:
+    """As :func:`as_model`, of a model that is known where a program is traced.
+
+    Args:
+        given: What should be a Model.
+        function: Name of the public function.
+        numbers: Whether all its numbers must be, or its structure alone.
 
     Raises:
-        TypeError: It is no Model, or its structure is traced.
+        TypeError: It is no Model, or it is traced: by ``jax.jit`` that was given the whole, by derivatives its numbers.
     """
     model = as_model(given, function)
+    if numbers and not is_concrete(model):
+        raise TypeError(f"fm.{function} takes a model of known numbers: ask it outside jax.jit, jax.grad and jax.vmap.")
     if not is_concrete(model.topology):
-        raise TypeError(f"fm.{function} takes a model that was built outside jax.jit; jax.grad and jax.vmap apply.")
+        raise TypeError(
+            f"fm.{function} takes a model of known structure: within a function under jax.jit build it there from"
+            " dimensions, or capture it, and give the function no model."
+        )
     return model
 
 

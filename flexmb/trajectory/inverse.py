@@ -173,7 +173,7 @@ def inverse_dynamics(
         Nominal.
 
     Raises:
-        ValueError, TypeError: Times that do not ascend, a law that is none, a model that was built under ``jax.jit``.
+        ValueError, TypeError: Times that do not ascend, a law that is none, a model that ``jax.jit`` was given.
         ModelError: An unknown name; a number of inputs or of driven degrees of freedom that does not fit; a quantity
             that nothing moves.
         AnalysisError: outside_workspace or singular_plant, with the first time at which it is so.
@@ -245,18 +245,18 @@ def place_of(model: Model, name: str) -> Quantity | None:
     Raises:
         ModelError: The name means an output that is the rate of something.
     """
-    labels, no_axis = model.labels, jnp.array(0)
+    labels, no_axis = model.labels, np.array(0)
     x_names = {str(entry): i for i, entry in enumerate(labels.x)}
     e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
     node, _, component = str(name).rpartition(".")
     turned = f"{node}.rotation"
     for meant in (str(name), f"{turned}.{component}"):
         if meant in x_names:
-            return Quantity("x", jnp.array(x_names[meant]), no_axis)
+            return Quantity("x", np.array(x_names[meant]), no_axis)
     if name in e_names:
-        return Quantity("e", jnp.array(e_names[name]), no_axis)
+        return Quantity("e", np.array(e_names[name]), no_axis)
     if component in TURNS and labels.coordinates(turned) and labels.dimension == 3:
-        return Quantity("rotation", jnp.array(labels.coordinates(turned)[0]), jnp.array(TURNS.index(component)))
+        return Quantity("rotation", np.array(labels.coordinates(turned)[0]), np.array(TURNS.index(component)))
     for signal in labels.outputs:
         if signal.name == name:
             if signal.quantity not in ("position", "deformation"):
@@ -270,7 +270,7 @@ def place_of(model: Model, name: str) -> Quantity | None:
 
 def _place_of_signal(signal: Signal) -> Quantity:
     """Where the quantity is whose value or rate an output measures."""
-    index, axis = jnp.array(signal.index), jnp.array(signal.axis or 0)
+    index, axis = np.array(signal.index), np.array(signal.axis or 0)
     if signal.axis is not None:
         return Quantity("local rotation" if signal.local else "rotation", index, axis)
     return Quantity("e" if signal.quantity in DEFORMATION_ORDERS else "x", index, axis)
@@ -278,7 +278,7 @@ def _place_of_signal(signal: Signal) -> Quantity:
 
 def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
     """What is wanted of what is free, and what is PRESCRIBED."""
-    top = as_known(model, "trajectory.inverse_dynamics").topology
+    top = as_known(model, "trajectory.inverse_dynamics", numbers=False).topology
     given = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
     fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
     e_names = [str(entry) for entry in model.labels.e]
@@ -321,11 +321,13 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
     if len(set(own)) < len(own):
         raise ModelError("Two laws of `trajectory` are of the same degree of freedom: give one of them.")
     if driven is not None:
-        unknown = [name for name in driven if name not in names]
+        as_written = {name.replace(".rotation.", "."): name for name in names}
+        given = [as_written.get(name, name) for name in driven]
+        unknown = [name for name in given if name not in names]
         if isinstance(driven, str) or unknown:
             said = driven if isinstance(driven, str) else unknown[0]
             raise ModelError(f"Argument `driven` must be a list of degrees of freedom, {listed(names)}; not {said!r}.")
-        chosen = [names.index(name) for name in driven]
+        chosen = [names.index(name) for name in given]
         chosen = own + [i for i in chosen if i not in own]
         if len(chosen) != len(wanted):
             raise ModelError(
@@ -334,7 +336,8 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
             )
         return chosen
     rest = [i for i in range(top.n_q) if i not in own]
-    stiff = _stiff(model) if followed else set()
+    # Which are stiff need not be known where all that are left follow.
+    stiff = _stiff(model) if followed and len(followed) != len(rest) else set()
     soft = [i for i in rest if i < len(x_dof) or e_dof[i - len(x_dof)] not in stiff]
     for chosen in ([] if not followed else soft, rest):
         if len(chosen) == len(followed):
@@ -399,12 +402,13 @@ def _check_inputs(model: Model) -> None:
 
 def _checked_times(times: ArrayLike) -> Float[Array, "n_t"]:
     check_numbers("Argument `times`", times)
-    times = jnp.asarray(times, float)
-    if times.ndim != 1 or times.shape[0] < 2:
+    # On the host, where they are known within another program too.
+    known = np.asarray(times, float) if is_concrete(times) else None
+    if np.ndim(times) != 1 or np.shape(times)[0] < 2:
         raise ValueError(f"Argument `times` must be at least two times, not {shown(times)}.")
-    if is_concrete(times) and not bool(np.all(np.diff(np.asarray(times)) > 0)):
+    if known is not None and not bool(np.all(np.diff(known) > 0)):
         raise ValueError("Argument `times` must be ascending, without a time twice.")
-    return times
+    return jnp.asarray(times, float)
 
 
 def _explain(names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:
