@@ -486,7 +486,6 @@ def test_a_mechanism_that_cannot_move_has_no_poles():
     ("ask", "why"),
     [
         (fm.poles, "give fm.poles `count`"),
-        (lambda model: fm.poles(model, count=2, sparse=True), "give sparse=False"),
         (fm.to_statespace, r"take fm\.control\.state_matrices"),
         (fm.mobility, r"fm\.mobility takes a model of known numbers"),
         (fm.control.to_nonlinear_system, "to_nonlinear_system takes a model of known numbers"),

@@ -37,7 +37,7 @@ from .sparse_poles import poles_of_sparse
 from .sparse_solve import lowest, lowest_values
 from .sparse_spectrum import refuse_negative_masses
 from .spectrum import general_spectrum, is_real, poles_of, slowest, spectrum, to_frequency
-from .traced_poles import traced_poles
+from .traced_poles import poles_of_elements, traced_poles
 
 
 class Modes(Shapes, Result, Record):
@@ -317,7 +317,7 @@ def poles(
         AnalysisError: The equilibrium was not found, or a motion has a negative mass; by sparse matrices also
             singular_stiffness, where a motion has neither mass nor stiffness, and not_converged.
         ValueError: ``count`` is not positive, or missing with sparse matrices, or more than there can be.
-        TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing, or matrices are sparse.
+        TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing.
 
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
@@ -354,12 +354,10 @@ def _poles_of_traced(m: Matrices, count: int | None) -> Any:
     return values
 
 
-def _poles_of_large(lin: SparseLinearization, count: int) -> Complex[np.ndarray, "n"]:
+def _poles_of_large(lin: SparseLinearization, count: int) -> Any:
     """A few poles by sparse matrices."""
     if not is_concrete(lin.elements):
-        raise TypeError(
-            "Poles by sparse matrices are those of concrete numbers: under jax.grad and jax.jit give sparse=False."
-        )
+        return poles_of_elements(lin.elements, count)
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
     refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())

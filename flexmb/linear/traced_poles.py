@@ -1,4 +1,4 @@
-"""Poles of traced numbers, by a call on the host, whose derivatives follow from left and right vectors."""
+"""Poles of traced numbers, by calls on the host, whose derivatives follow from left and right vectors."""
 
 import functools
 from typing import Any
@@ -8,8 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
+from ..errors import AnalysisError
+from ..math.by_deformations import product
+from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import SEMIDEFINITE
 from ..results import RESULTS
+from .sparse_poles import poles_of_sparse
+from .sparse_solve import on_host
+from .sparse_spectrum import refuse_negative_masses
 from .spectrum import masses_of_motions, poles_of
 
 # Poles are one repeated pole where they differ by less than this share.
@@ -18,6 +24,9 @@ SAME = 1e-8
 # pole along its vectors. Below it two poles all but meet with one vector, and their derivatives have no digits.
 LEFT_OVER = 1e-6
 MEETING = 1e-5
+# Sparse factors of the equations at a pole are taken so far beside it, of its size; vectors have the square of it.
+BESIDE = 1e-7
+TURNS = 3
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
@@ -109,3 +118,86 @@ def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, num
     u = u @ np.linalg.inv(meeting).conj().T
     own = int(np.flatnonzero(same == number)[0])
     return scale * u[:, own], scale * v[:, own]
+
+
+def poles_of_elements(elements: ElementMatrices, count: int) -> Complex[Array, "count"]:
+    """As :func:`poles_of_sparse` of traced element matrices, so many, differentiable.
+
+    Returns:
+        Ordered by |Im|, (count,) [rad/s]; derivatives are NaN where poles meet or are repeated.
+
+    Raises:
+        AnalysisError: As :func:`poles_of_sparse`, and singular_mass; under a trace as an error of JAX with its text.
+
+    Source:
+        THEORY.md 10, eq. (10.4), in the coordinates and multipliers of 7, eq. (7.15).
+    """
+    # The number is handed on as a shape, which stays known.
+    return _of_elements(elements, jnp.zeros(count))
+
+
+@jax.custom_jvp
+def _of_elements(elements: ElementMatrices, count: Array) -> Complex[Array, "count"]:
+    return _with_motions(elements, count)[0]
+
+
+@_of_elements.defjvp
+def _of_elements_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+    elements, count = primals
+    values, left, right = _with_motions(elements, count)
+
+    def balance(elements: ElementMatrices):
+        def of_one(s: Any, y: Any, z: Any):
+            return jnp.sum(y * product(elements, z[:, None], None, s)[:, 0])
+
+        return jax.vmap(of_one)(values, left, right)
+
+    return values, -jax.jvp(balance, (elements,), (tangents[0],))[1]
+
+
+@jax.custom_jvp
+def _with_motions(elements: ElementMatrices, count: Array) -> Any:
+    k, rows = count.shape[0], sum(elements.unknowns)
+
+    def found(elements: ElementMatrices):
+        whole = Whole(elements)
+        refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
+        every = poles_of_sparse(whole, k + 1)
+        near = np.sort(np.argsort(np.abs(every), kind="stable")[:k])
+        if len(near) < k:
+            raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
+        vectors = [_motions(whole, every, int(number)) for number in near]
+        return every[near], *(np.array([pair[side] for pair in vectors]) for side in range(2))
+
+    like = jax.ShapeDtypeStruct((k,), complex), *[jax.ShapeDtypeStruct((k, rows), complex)] * 2
+    return on_host(found, like, elements)
+
+
+@_with_motions.defjvp
+def _refused_of_elements(*_: Any):
+    _refused()
+
+
+def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Left and right vector of a pole with multipliers, for which y^T (2 s M + C) z = 1; NaN where none is its own."""
+    s = poles[number]
+    near = s + BESIDE * (np.abs(s) or np.max(np.abs(poles)) or 1.0)
+    rows, change = sum(whole.elements.unknowns), 2 * s * whole.mass + whole.damping
+    factors = whole.factors(whole.at_frequency(near))
+    nothing = np.full(rows, np.nan, complex), np.full(rows, np.nan, complex)
+    if not factors.regular or np.sum(np.abs(poles - s) <= SAME * np.abs(s)) > 1:
+        return nothing
+    found = []
+    for transposed in (True, False):
+        by, z = change.T if transposed else change, np.zeros(rows, complex)
+        loads = np.cos(np.arange(whole.n) ** 2).astype(complex)
+        for _ in range(TURNS):
+            z = factors.solve(np.pad(loads, (0, rows - whole.n))[:, None], transposed)[:, 0]
+            z = z / np.max(np.abs(z))
+            loads = by @ z[: whole.n]
+        found.append(z)
+    left, right = found
+    terms = left[: whole.n] * (change @ right[: whole.n])
+    if not np.abs(np.sum(terms)) > MEETING * np.sum(np.abs(terms)):
+        return nothing
+    return left / np.sum(terms), right

@@ -110,6 +110,20 @@ def test_every_copy_of_a_repeated_pole_is_found():
         assert np.sum(np.abs(found / np.min(found) - 1) < 1e-9) == min(len(found), 60)
 
 
+def test_derivatives_of_poles_are_those_of_dense_matrices():
+    """By a load that follows, and what a bearing pushes across: neither stiffness nor damping is symmetric."""
+
+    def slopes(sparse: bool):
+        def found(p):
+            poles = fm.poles(rotor(3, p[0], p[1], check=not sparse), count=4, sparse=sparse)
+            return jnp.stack([poles.real, poles.imag])
+
+        return np.asarray(fm.jit(jax.jacfwd(found))(np.array([3.0, 2.0])))
+
+    wanted = slopes(False)
+    np.testing.assert_allclose(slopes(True), wanted, rtol=0, atol=1e-9 * np.max(np.abs(wanted)))
+
+
 def test_free_motions_have_poles_at_zero():
     """Closed form of a free beam: 4.7300407 squared; motions without mass have none."""
     b = fm.Builder()

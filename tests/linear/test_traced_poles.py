@@ -35,9 +35,9 @@ def parts(values: Any) -> Any:
     return jnp.stack([values.real, values.imag])
 
 
-def of_numbers(p: Any) -> Any:
+def of_numbers(p: Any, sparse: bool = False) -> Any:
     """Real and imaginary parts of the four poles by (k, d, m) of each, (2, 4)."""
-    return parts(fm.poles(oscillators(*p), count=4))
+    return parts(fm.poles(oscillators(*p), count=4, sparse=sparse))
 
 
 def closed_form(k: float, d: float, m: float) -> tuple[complex, np.ndarray]:
@@ -46,7 +46,12 @@ def closed_form(k: float, d: float, m: float) -> tuple[complex, np.ndarray]:
     return s, -np.array([1, s, s**2]) / (2 * m * s + d)
 
 
-JACOBIANS = {"forward": fm.jit(jax.jacfwd(of_numbers)), "reverse": fm.jit(jax.jacrev(of_numbers))}
+JACOBIANS = {
+    "forward": fm.jit(jax.jacfwd(of_numbers)),
+    "reverse": fm.jit(jax.jacrev(of_numbers)),
+    "sparse, forward": fm.jit(jax.jacfwd(lambda p: of_numbers(p, sparse=True))),
+    "sparse, reverse": fm.jit(jax.jacrev(lambda p: of_numbers(p, sparse=True))),
+}
 
 
 @pytest.mark.parametrize("mode", JACOBIANS)
@@ -81,22 +86,28 @@ def test_where_poles_meet_there_is_no_derivative():
     assert np.all(np.isfinite(found[:, ~meets]))
 
 
+def test_sparse_poles_that_are_repeated_have_no_derivatives():
+    found = np.asarray(JACOBIANS["sparse, forward"](np.array([(K, D, M)] * 2).T))
+    assert np.all(np.isnan(found))
+
+
 def test_a_repeated_pole_of_one_vector_has_no_derivative():
-    """(s + 1)^2 (s^2 + s/10 + 4) = 0, with one vector for the first factor, by which the degrees of freedom are coupled."""
+    """(s + 1)^2 (s^2 + s/10 + 4) = 0 of two coupled degrees of freedom, with one vector for the first factor."""
     k, c, m = np.array([[1.0, 1.0], [1.0, 5.0]]), np.array([[2.0, 1.0], [1.0, 0.1]]), np.eye(2)
     poles = np.concatenate([[-1.0, -1.0], np.roots([1.0, 0.1, 4.0])])
     assert np.all(np.isnan(_vectors(k, c, m, poles, 0)))
     assert np.all(np.isfinite(_vectors(k, c, m, poles, 2)))
 
 
-def test_of_a_guide_with_damping_under_load():
+@pytest.mark.parametrize("sparse", [False, True])
+def test_of_a_guide_with_damping_under_load(sparse):
     """Against central differences of poles of known numbers: their error is 1e-10 for the second step, so 1e-7."""
 
     def guide(thickness: Any) -> fm.Model:
         return planar_guide(thickness, ratio=0.02, force=(0.0, -30.0)).build()
 
     def answer(thickness: Any) -> Any:
-        return parts(fm.poles(guide(thickness), count=2))[:, 1]
+        return parts(fm.poles(guide(thickness), count=2, sparse=sparse))[:, 1]
 
     at, step = 5e-4, 1e-8
     ahead, behind = (fm.poles(guide(at + h))[1] for h in (step, -step))
