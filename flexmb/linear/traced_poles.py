@@ -74,7 +74,7 @@ def _found(k: Any, c: Any, m: Any, count: int) -> Any:
 
 
 @_found.defjvp
-def _refused(*_: Any):
+def _refused(*_: Any) -> Any:
     raise NotImplementedError(
         "Poles have first derivatives, and no second ones: leave out second_order, or jax.hessian."
     )
@@ -173,9 +173,7 @@ def _with_motions(elements: ElementMatrices, count: Array) -> Any:
     return on_host(found, like, elements)
 
 
-@_with_motions.defjvp
-def _refused_of_elements(*_: Any):
-    _refused()
+_with_motions.defjvp(_refused)
 
 
 def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:

@@ -59,8 +59,8 @@ class Quantity(Record):
     """
 
     quantity: str = static()
-    index: Int[Array, ""]
-    axis: Int[Array, ""]
+    index: Int[Array | np.ndarray, ""]
+    axis: Int[Array | np.ndarray, ""]
 
 
 class Wanted(Record):
