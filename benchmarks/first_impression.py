@@ -73,6 +73,7 @@ def main() -> None:
     from scenes import guide
 
     import flexmb as fm
+    from flexmb.compilation.by_meaning import _run_of
     from flexmb.compilation.compile import QUICK, THOROUGH, compile_thoroughly
 
     fm.enable_x64()
@@ -132,6 +133,27 @@ def main() -> None:
     compiling = interleaved({n: lambda own=own: compile_time(own) for n, own in options.items()}, RUNS)
     show("Trace and compile", compiling)
 
+    widths = iter(np.linspace(0.015, 0.02, 100))
+
+    def gradient(forgotten):
+        if forgotten:
+            jax.clear_caches()
+            _run_of.cache_clear()
+        width = next(widths)
+        # Another function each time, as a cell of a notebook that runs again defines it.
+        value, slope = fm.jit(jax.value_and_grad(lambda t: fm.frequencies(guide(t, width, dofs=names))[0]))(5e-4)
+        return float(value), float(slope)
+
+    gradient(True)
+    defining = interleaved(
+        {
+            "gradient by thickness, first time": lambda: gradient(True),
+            "the same, defined anew with another width": lambda: gradient(False),
+        },
+        RUNS,
+    )
+    show("Functions of a design", defining)
+
     # The answers: a design of the batch as if alone, the gradient against a central difference.
     found = batch(dimensions)
     alone = [float(fm.frequencies(guide(*map(float, d), dofs=names))[0]) for d in dimensions[:3]]
@@ -145,7 +167,14 @@ def main() -> None:
     np.testing.assert_allclose(slope, float(value(t + step) - value(t - step)) / (2 * step), rtol=1e-6)
     save(
         "first_impression",
-        {"starts": starts, "warm": warm, "many": many, "compiling": compiling, "degrees_of_freedom": n_q},
+        {
+            "starts": starts,
+            "warm": warm,
+            "many": many,
+            "compiling": compiling,
+            "defining": defining,
+            "degrees_of_freedom": n_q,
+        },
     )
 
 

@@ -1848,6 +1848,24 @@ FAULTS = [
         "trajectory/test_inverse.py -k by_a_dimension",
     ),
     Fault(
+        "design/sensitivities.py",
+        "from ..compilation.by_meaning import jit",
+        "from ..compilation.compile import jit",
+        "compilation/test_by_meaning.py -k again",
+    ),
+    Fault(
+        "design/tune.py",
+        "from ..compilation.by_meaning import jit",
+        "from ..compilation.compile import jit",
+        "compilation/test_by_meaning.py -k again",
+    ),
+    Fault(
+        "design/chunks.py",
+        "from ..compilation.by_meaning import jit",
+        "from ..compilation.compile import jit",
+        "compilation/test_by_meaning.py -k again",
+    ),
+    Fault(
         "build/assemble.py",
         "with jax.core.eval_context():",
         "if True:",

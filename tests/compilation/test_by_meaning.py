@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.mechanisms import planar_guide
+from cases.motions import sprung_mass
 
 import flexmb as fm
 
@@ -109,3 +110,30 @@ def test_results_are_trees_and_random_keys_pass():
     assert fm.jit(lambda key: jax.random.normal(key, (2,)))(jax.random.key(0)).shape == (2,)
     with pytest.raises(TypeError, match="takes a function"):
         fm.jit(3)  # type: ignore
+
+
+def spring(stiffness, mass):
+    return sprung_mass(stiffness=stiffness, mass=mass).build()
+
+
+def hertz(model):
+    return fm.frequencies(model)[0]
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda build: fm.sensitivities(build, {"f": hertz}, {"stiffness": 90.0}).slopes[0, 0],
+        lambda build: fm.sweep(build, {"f": hertz}, {"stiffness": [80.0, 90.0]}).answers["f"][1],
+        lambda build: fm.tune(
+            build, {"f": hertz}, {"stiffness": 50.0}, bounds={"stiffness": (10.0, 500.0)}, targets={"f": 2.0}
+        ).dimensions["stiffness"],
+    ],
+    ids=["sensitivities", "sweep", "tune"],
+)
+def test_designs_asked_about_again(ask, compilations):
+    first = ask(lambda stiffness: spring(stiffness, 0.4))
+    compilations.clear()
+    second = ask(lambda stiffness: spring(stiffness, 0.5))
+    assert not [name for name in compilations if "flexmb." in name]
+    assert not np.isclose(first, second)

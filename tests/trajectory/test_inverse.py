@@ -128,7 +128,9 @@ def test_input_of_a_tip_by_a_dimension():
     torque = 1.5 * 0.8**2 * turning + 1.5 * 9.81 * 0.8 * jnp.cos(phi)
     of_pivot = fm.jit(lambda length: force(length, ["pivot.phi"]))
     compiled = fm.jit(force)
-    assert float(compiled(0.8)) == float(of_pivot(0.8)) == pytest.approx(float(torque @ jnp.arange(1.0, 6.0)), rel=1e-11)
+    assert (
+        float(compiled(0.8)) == float(of_pivot(0.8)) == pytest.approx(float(torque @ jnp.arange(1.0, 6.0)), rel=1e-11)
+    )
     step = 1e-4
     difference = float(compiled(0.8 + step) - compiled(0.8 - step)) / (2 * step)
     for derivative in (jax.jacfwd, jax.grad):
