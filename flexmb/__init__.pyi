@@ -58,7 +58,7 @@ from .linear.stress import stress as stress
 from .math import rotations as rotations
 from .model.model import Model as Model
 from .motion.simulate import simulate as simulate
-from .paths.critical import limit_load as limit_load
+from .paths.limit import limit_load as limit_load
 from .paths.path import path as path
 from .results import RESULTS as RESULTS
 from .setup import enable_cache as enable_cache

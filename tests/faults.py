@@ -1938,6 +1938,41 @@ FAULTS = [
         'kind="stable")[-count:]',
         "linear/test_traced_poles.py -k nearest",
     ),
+    Fault(
+        "paths/sparse_limit.py", "again = 0.5 if rate * last > 0 else 1.0", "again = 0.5", "paths/test_sparse_limit.py"
+    ),
+    Fault("paths/limit.py", "(rate * last > 0) & (turn > 0)", "turn >= 0", "paths/test_sparse_limit.py"),
+    Fault(
+        "paths/sparse_limit.py",
+        "(-jnp.asarray(found.left) @ change",
+        "(jnp.asarray(found.left) @ change",
+        "paths/test_sparse_limit.py",
+    ),
+    Fault(
+        "paths/sparse_limit.py",
+        "with one_thread(), jax.core.eval_context():",
+        "with one_thread():",
+        "paths/test_sparse_limit.py",
+    ),
+    Fault("paths/sparse_limit.py", "if good else np.nan", "if True else np.nan", "paths/test_sparse_limit.py"),
+    Fault(
+        "paths/sparse_limit.py",
+        "elif new.tangent.load <= 0:",
+        "elif new.tangent.load < -2:",
+        "paths/test_sparse_limit.py",
+    ),
+    Fault(
+        "math/bordered.py",
+        "return -self._left / self._by_left",
+        "return self._left / self._by_left",
+        "math/test_bordered.py",
+    ),
+    Fault(
+        "math/bordered.py",
+        "return self._whole.solve(one, transposed=True)[:-1]",
+        "return self._whole.solve(one)[:-1]",
+        "math/test_bordered.py",
+    ),
     Fault("linear/lanczos.py", "if not passed_over(values):", "if True:", "linear/test_sparse.py -k every_copy"),
     Fault("linear/lanczos.py", "if not np.all(wrong <= TRUE):", "if False:", "linear/test_lanczos.py -k modes_that"),
     Fault(

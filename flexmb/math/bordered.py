@@ -49,6 +49,13 @@ class Bordered:
         second = (last - self._corner * first - self._row @ z) / self._by_across
         return z - second * self._across, float(first + second)
 
+    def left(self) -> np.ndarray:
+        """First part of the solution of the transposed whole for zero and one: of [0, 1] = [y, w] whole, (n,)."""
+        if self._factored is None:
+            one = np.append(np.zeros_like(self._column), self._by_column)
+            return self._whole.solve(one, transposed=True)[:-1]
+        return -self._left / self._by_left
+
     def _factors_of_all(self, matrix: Any) -> tuple[SparseFactors, bool]:
         """Factors of the whole, where the matrix alone has none, and whether they can be trusted."""
         import scipy.sparse

@@ -1,43 +1,32 @@
-"""Stability along a path, critical points, and the limit load with its derivative."""
+"""Stability along a path, and its critical points."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, check_whole
 from ..math.indices import put
 from ..math.linear import factorise
-from ..mechanics.blocks import kernel
 from ..mechanics.deformation import zero_near
-from ..mechanics.extent import sizes_of
 from ..mechanics.loads import lacks_potential
-from ..mechanics.residual import State, reduced_response, state
-from ..model.model import Model, as_determined
+from ..mechanics.residual import State, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
-from ..statics.solve import change_of_equations, solve_state
+from ..results import RESULTS
+from ..statics.solve import solve_state
 from .stepper import (
-    LARGEST_MOTION,
-    SHORTER,
-    SMALLEST_STEP,
     Direction,
     Plane,
     Point,
     Ramp,
     Scale,
     begins_undeformed,
-    can_be_taken,
     direction_of,
     load_response,
-    next_length,
-    normal_to,
     ramp_of,
     scale_of,
-    step_along,
     tangent_at,
     unit,
 )
@@ -175,155 +164,3 @@ def begin_path(
     tangent = jax.tree.map(lambda a, b: jnp.where(finite, a, b), tangent, resting)
     scale = scale_of(topology, parameters, tangent)
     return ramp, point, unit(scale, tangent), scale, at, result.astype(jnp.int32)
-
-
-class _Limit(NamedTuple):
-    load: Float[Array, ""]
-    x: Float[Array, "n_x"]
-    near: Float[Array, "n_e"]
-    result: Int[Array, ""]
-
-
-class _Approach(NamedTuple):
-    point: Point
-    tangent: Direction
-    step: Float[Array, ""]
-    steps: Int[Array, ""]
-    passed: Bool[Array, ""]
-    failed: Bool[Array, ""]
-
-
-def _walk_past_limit(
-    topology: Topology,
-    parameters: Parameters,
-    ramp: Ramp,
-    scale: Scale,
-    point: Point,
-    tangent: Direction,
-    first: Float[Array, ""],
-    max_steps: Int[Array, ""],
-) -> _Approach:
-    """Steps until the next one passes a limit point; ``step`` of the result is that one."""
-
-    def turn(w: _Approach) -> _Approach:
-        motion = jnp.max(jnp.abs(w.tangent.x) / scale.sizes, initial=0.0)
-        most = jnp.maximum(first, 0.1 * jnp.abs(w.point.load))
-        step = jnp.minimum(w.step, jnp.minimum(LARGEST_MOTION / motion, most / jnp.abs(w.tangent.load)))
-        new = step_along(topology, parameters, ramp, scale, w.point, w.tangent, step, normal_to(scale, w.tangent))
-        good = can_be_taken(new.converged, new.cosine)
-        passed = good & (new.tangent.load <= 0)
-        on = good & ~passed
-        longer = next_length(step, new.corrections, new.cosine)
-        return _Approach(
-            jax.tree.map(lambda a, b: jnp.where(on, a, b), new.point, w.point),
-            jax.tree.map(lambda a, b: jnp.where(on, a, b), new.tangent, w.tangent),
-            jnp.where(passed, step, jnp.where(good, longer, step / SHORTER)),
-            w.steps + 1,
-            passed,
-            ~good & (step < SMALLEST_STEP * first),
-        )
-
-    no = jnp.array(False)
-    start = _Approach(point, tangent, first, jnp.zeros((), jnp.int32), no, no)
-    return jax.lax.while_loop(lambda w: ~w.passed & ~w.failed & (w.steps < max_steps), turn, start)
-
-
-def _find_limit(
-    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]
-) -> _Limit:
-    ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
-    walk = _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, max_steps)
-    plane = normal_to(scale, walk.tangent)
-
-    def bisect(_: Array, bracket: tuple[Any, ...]):
-        low, low_rate, high, high_rate, _ = bracket
-        share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
-        middle = low + share * (high - low)
-        new = step_along(topology, parameters, ramp, scale, walk.point, walk.tangent, middle, plane)
-        rate = new.tangent.load
-        rising = rate > 0
-        # The value of an end that stays is halved, so that both ends approach (Illinois).
-        return (
-            jnp.where(rising, middle, low),
-            jnp.where(rising, rate, low_rate / 2),
-            jnp.where(rising, high, middle),
-            jnp.where(rising, high_rate / 2, rate),
-            new.point,
-        )
-
-    end = step_along(topology, parameters, ramp, scale, walk.point, walk.tangent, walk.step, plane)
-    bracket = (jnp.array(0.0), walk.tangent.load, walk.step, end.tangent.load, walk.point)
-    # Twenty turns of a superlinear method; the load is stationary, so that half the digits of the place suffice.
-    found = jax.lax.fori_loop(0, 20, bisect, bracket)[-1]
-    why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, result, RESULTS.max_steps))
-    result = jnp.where(result == RESULTS.successful, why, result)
-    return _Limit(found.load, found.x, found.near, result.astype(jnp.int32))
-
-
-@jax.custom_jvp
-def _find_limit_once(
-    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]
-) -> _Limit:
-    return _find_limit(topology, parameters, first, max_steps)
-
-
-@_find_limit_once.defjvp
-def _no_second_derivative(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    raise NotImplementedError("The limit load can be differentiated once; its second derivative is not there.")
-
-
-@jax.custom_jvp
-def _limit_load(topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]):
-    found = _find_limit(topology, parameters, first, max_steps)
-    return found.load, found.result
-
-
-def _limit_load_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with psi the left null vector of K: no state changes in it."""
-    topology, parameters, first, max_steps = primals
-    found = _find_limit_once(topology, parameters, first, max_steps)
-    ramp = ramp_of(topology, parameters)
-    target = ramp.at(found.load)
-    at = state(topology, parameters, target, found.x, found.near)
-
-    still = jax.tree.map(jnp.zeros_like, target)
-    changes = change_of_equations(topology, at, found.near, (parameters, target), (tangents[1], still))
-    _, by_parameter = reduced_response(topology, at, *changes)
-    _, by_load = load_response(topology, parameters, ramp, at)
-    tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
-    _, psi = null_vectors(topology, at, sizes_of(topology, parameters), tiny)
-    change = -(psi @ by_parameter) / (psi @ by_load)
-    no_change: Any = np.zeros((), jax.dtypes.float0)
-    return (found.load, found.result), (change, no_change)
-
-
-_limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
-_compiled_limit_load = kernel(_limit_load)
-
-
-def limit_load(model: Model, *, step: float = 0.1, max_steps: int = 200, throw: bool = True) -> Float[Array, ""]:
-    """Load factor at the first limit point of the path from the unloaded mechanism.
-
-    The path is followed through bifurcations, also beyond factor 1; ``path`` tells which critical points come before.
-
-    Args:
-        model: Mechanism with loads; differentiable once in ``model.parameters``.
-        step: First step of the load factor, () [-].
-        max_steps: Steps to try.
-        throw: Raise where no limit point is found; otherwise the answer is NaN.
-
-    Returns:
-        () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda), finite where that of the displacement is not.
-
-    Raises:
-        AnalysisError: max_steps, no limit point within the steps; not_converged or singular_configuration.
-
-    Source:
-        At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium holds no displacement.
-    """
-    as_determined(model, "limit_load")
-    check_number("step", step, above=0)
-    first, most = jnp.asarray(step, float), jnp.asarray(check_whole("max_steps", max_steps, 1), jnp.int32)
-    load, result = _compiled_limit_load(model.topology, model.parameters, first, most)
-    check(result, throw)
-    return jnp.where(result == RESULTS.successful, load, jnp.nan)

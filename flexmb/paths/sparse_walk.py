@@ -223,6 +223,15 @@ class SparseEquations:
         loaded = self._change(tangent.following, along)
         return self._toward(tangent, still, 0 * m, 0.0), self._toward(tangent, loaded, along[n:], 1.0)
 
+    def left(self, ramp: Ramp, point: Point, plane: Plane) -> Float[np.ndarray, "r"]:
+        """Of [y, w] with [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector.
+
+        Args:
+            plane: Across the path.
+        """
+        tangent = self._tangent(ramp, point)
+        return self._bordered(tangent, tangent.at.factors(), plane).left()
+
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers among them [N, N m]."""
         found = np.array(

@@ -30,6 +30,27 @@ def load_at(y, EA=1e4, height=1.0, base=BASE):
     return 2 * EA * (1 / np.hypot(base, y) - 1 / np.hypot(base, height)) * y
 
 
+def limit_of(EA, height):
+    """A7, closed form."""
+    return 2 * EA * (1 - (BASE / np.hypot(BASE, height)) ** (2 / 3)) ** 1.5
+
+
+def toggle(EI, height, gap=0.0, *, follower=False, check=True):
+    """Two clamped beams to an apex that stays on the axis; the left foot can be moved outwards."""
+    section = fm.Rigidity(EA=1e4, EIy=EI, mass=1.0)
+    b = fm.Builder()
+    for name, position in {"left": (-BASE - gap, 0), "right": (BASE, 0), "apex": (0, height)}.items():
+        b.node(name, position)
+    for ends in (("left", "apex"), ("apex", "right")):
+        b.add(planar.beam, *ends, section=section)
+    b.fix("left")
+    b.fix("right")
+    if check:
+        b.dof("beam 1", 1, 2, 3)
+    b.force("apex", (0.0, -5.0), follower=follower)
+    return b.build(check=check)
+
+
 def column(beams, load, *, preload=0.0, bow=0.0, shortening=0.0):
     """Pinned column of length 2 along x, EI = 1: two cantilevers of length 1, back to back."""
     section = fm.Rigidity(EA=1e8, EIy=1.0, mass=1.0)

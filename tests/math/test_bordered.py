@@ -35,6 +35,8 @@ def test_a_border_makes_up_for_a_singular_matrix(lowest):
     z, w = bordered.solve(right, 0.25)
     # The whole has a condition of a few hundred.
     np.testing.assert_allclose(np.append(z, w), np.linalg.solve(whole, np.append(right, 0.25)), rtol=0, atol=1e-11)
+    left = np.linalg.solve(whole.T, np.eye(count + 1)[-1])
+    np.testing.assert_allclose(bordered.left(), left[:-1], rtol=0, atol=1e-11)
 
 
 def test_an_unsymmetric_matrix_in_a_border():
@@ -54,6 +56,9 @@ def test_a_border_of_what_has_no_factors():
     stiff = scipy.sparse.csc_array(matrix)
     factored = SparseFactors(stiff)
     assert not factored.regular
-    z, w = Bordered(stiff, factored, column, row, 0.7).solve(right, 2.0)
+    bordered = Bordered(stiff, factored, column, row, 0.7)
+    z, w = bordered.solve(right, 2.0)
     whole = np.block([[matrix, column[:, None]], [row[None], np.array([[0.7]])]])
+    left = np.linalg.solve(whole.T, np.eye(7)[-1])
+    np.testing.assert_allclose(bordered.left(), left[:-1], rtol=0, atol=1e-12)
     np.testing.assert_allclose(np.append(z, w), np.linalg.solve(whole, np.append(right, 2.0)), rtol=0, atol=1e-12)

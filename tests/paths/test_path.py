@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.commands import command
-from cases.snapping import BASE, EULER, column, load_at, truss
+from cases.snapping import BASE, EULER, column, limit_of, load_at, toggle, truss
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -15,11 +15,6 @@ from flexmb.progress import Stopped
 
 # Height of the apex at the limit load: dP/dy = 0 where l^3 = L0 b^2.
 HIGHEST = np.sqrt((np.hypot(BASE, 1.0) * BASE**2) ** (2 / 3) - BASE**2)
-
-
-def limit_of(EA, height):
-    """A7, closed form."""
-    return 2 * EA * (1 - (BASE / np.hypot(BASE, height)) ** (2 / 3)) ** 1.5
 
 
 def test_path_of_the_flat_truss():
@@ -62,21 +57,6 @@ def test_derivative_of_a_limit_load():
         jax.grad(jax.grad(lambda h: limit((1e4, h))))(1.0)
     # The displacement's own derivative has no bound there: dP/dw = 0.
     assert abs(load_at(HIGHEST + 1e-6) - load_at(HIGHEST - 1e-6)) / 2e-6 < 1e-6
-
-
-def toggle(EI, height, gap=0.0):
-    """Two clamped beams to an apex that stays on the axis; the left foot can be moved outwards."""
-    section = fm.Rigidity(EA=1e4, EIy=EI, mass=1.0)
-    b = fm.Builder()
-    for name, position in {"left": (-BASE - gap, 0), "right": (BASE, 0), "apex": (0, height)}.items():
-        b.node(name, position)
-    for ends in (("left", "apex"), ("apex", "right")):
-        b.add(planar.beam, *ends, section=section)
-    b.fix("left")
-    b.fix("right")
-    b.dof("beam 1", 1, 2, 3)
-    b.force("apex", (0.0, -5.0))
-    return b.build()
 
 
 def test_derivative_of_the_limit_load_of_beams():

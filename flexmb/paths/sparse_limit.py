@@ -1,0 +1,140 @@
+"""Limit load of large mechanisms: its first limit point by sparse factors, and the derivative of the load there."""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+
+from ..arguments import is_concrete
+from ..compilation.threads import one_thread
+from ..math.derivative import jvp_of_varied
+from ..mechanics.loads import LoadFactors
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Topology
+from ..results import RESULTS
+from ..statics.sparse import Balanced, lacking_at
+from .sparse_walk import SparseEquations, as_arrays
+from .stepper import LARGEST_MOTION, SHORTER, SMALLEST_STEP, Plane, Point, can_be_taken, next_length, normal_to
+from .walk import Step
+
+# Of the load's rate along the path, at most one, so much is none: the load is stationary there, and has all its digits
+# long before, while its derivative is off by as much as the place is.
+STATIONARY = 1e-13
+# Turns of a superlinear method between two states on either side.
+TURNS = 20
+
+
+class NumbersTraced(Exception):
+    """Numbers are traced, and the search on the host asks for them."""
+
+
+class _LimitPoint(NamedTuple):
+    point: Point
+    left: np.ndarray
+    factors: LoadFactors
+    result: RESULTS
+
+
+def sparse_limit_load(model: Model, step: float, most: int) -> tuple[Any, Any]:
+    """Load factor at the first limit point, NaN where none is found, and a code of RESULTS; differentiable once.
+
+    Args:
+        model: Mechanism, which needs no degrees of freedom.
+        step: First step of the load factor, () [-].
+        most: Steps to try.
+
+    Raises:
+        NumbersTraced: Numbers are traced by more than a derivative.
+
+    Source:
+        As :func:`flexmb.limit_load`, THEORY.md 7, eq. (7.10), in all coordinates and multipliers; the left null vector
+        is that of the equations bordered by the plane of the last step.
+    """
+
+    def found_for(topology: Topology, parameters: Parameters) -> _LimitPoint:
+        if not is_concrete((topology, parameters)):
+            raise NumbersTraced
+        # Known numbers stay so, though the rule of a derivative is traced around them.
+        with one_thread(), jax.core.eval_context():
+            return _limit_of(dataclasses.replace(model, topology=topology, parameters=parameters), step, most)
+
+    @jax.custom_jvp
+    def limit(topology: Topology, parameters: Parameters):
+        return _told(found_for(topology, parameters))
+
+    def changed(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+        found = found_for(*primals)
+        (topology, _), (x, near, strained, _) = primals, found.point
+        multipliers = strained[np.asarray(topology.e.held)]
+        none: Any = np.array(0)
+        at = Balanced(jnp.asarray(x), jnp.asarray(multipliers), jnp.asarray(near), none, none)
+
+        def lacking(topology: Topology, parameters: Parameters):
+            return lacking_at(topology, parameters, as_arrays(found.factors), jnp.asarray(near), at)
+
+        _, change = jvp_of_varied(lacking, primals, tangents)
+        no_change: Any = np.zeros((), jax.dtypes.float0)
+        return _told(found), (-jnp.asarray(found.left) @ change, no_change)
+
+    limit.defjvp(changed, symbolic_zeros=True)
+    return limit(model.topology, model.parameters)
+
+
+def _told(found: _LimitPoint) -> tuple[Any, Any]:
+    good = found.result == RESULTS.successful
+    return jnp.asarray(found.point.load if good else np.nan, float), jnp.asarray(int(found.result), jnp.int32)
+
+
+def _limit_of(model: Model, first: float, most: int) -> _LimitPoint:
+    """The limit point, and the left null vector of the equations there, of a product of one with their rate."""
+    equations = SparseEquations(model)
+    ramp, scale, at, code = equations.begin()
+    left, length, passed = np.full(len(equations.free) + len(equations.held), np.nan), first, None
+
+    def advanced(length: float, plane: Plane) -> Step:
+        return equations.advance(ramp, scale, at.point, at.tangent, length, plane)
+
+    def failed(why: RESULTS) -> _LimitPoint:
+        return _LimitPoint(at.point, left, ramp.at(at.point.load), why)
+
+    if code != RESULTS.successful:
+        return failed(RESULTS(int(code)))
+    for _ in range(most):
+        motion = np.max(np.abs(at.tangent.x) / scale.sizes, initial=1e-300)
+        load, rate = abs(float(at.point.load)), abs(float(at.tangent.load))
+        length = min(length, float(LARGEST_MOTION / motion), max(first, 0.1 * load) / rate)
+        new = advanced(length, normal_to(scale, at.tangent))
+        if not can_be_taken(new.converged, new.cosine):
+            length /= SHORTER
+            if length < SMALLEST_STEP * first:
+                return failed(RESULTS.not_converged)
+        elif new.tangent.load <= 0:
+            passed = new
+            break
+        else:
+            length, at = float(next_length(length, new.corrections, new.cosine)), new
+    if passed is None:
+        return failed(RESULTS.max_steps)
+    plane = normal_to(scale, at.tangent)
+    low, low_rate, high, high_rate, last = 0.0, float(at.tangent.load), length, float(passed.tangent.load), 0.0
+    for _ in range(TURNS):
+        if abs(passed.tangent.load) <= STATIONARY:
+            break
+        middle = low + low_rate / (low_rate - high_rate) * (high - low)
+        passed = advanced(middle, plane)
+        if not passed.converged:
+            return failed(RESULTS.not_converged)
+        rate = float(passed.tangent.load)
+        # The value of an end that stays once more is halved, so that both ends approach (Illinois).
+        again = 0.5 if rate * last > 0 else 1.0
+        last = rate
+        if rate > 0:
+            low, low_rate, high_rate = middle, rate, again * high_rate
+        else:
+            high, low_rate, high_rate = middle, again * low_rate, rate
+    left = equations.left(ramp, passed.point, plane)
+    return _LimitPoint(passed.point, left, ramp.at(passed.point.load), RESULTS.successful)

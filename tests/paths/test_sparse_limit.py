@@ -1,0 +1,55 @@
+"""Limit loads by sparse factors: closed form, and those of dense matrices."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases.snapping import limit_of, toggle, truss
+
+import flexmb as fm
+
+
+def test_limit_load_of_a_truss_and_its_derivatives():
+    """A7, closed form: proportional to EA; its slope by the height by central differences of that."""
+
+    def limit(p):
+        return 5 * fm.limit_load(truss(*p), sparse=True)
+
+    at = np.array([1e4, 1.0])
+    assert limit(at) == pytest.approx(limit_of(*at), rel=1e-12)
+    by_height = (limit_of(1e4, 1.0 + 1e-5) - limit_of(1e4, 1.0 - 1e-5)) / 2e-5
+    for differentiate in (jax.jacfwd, jax.jacrev):
+        found = differentiate(limit)(jnp.asarray(at))
+        assert float(found[0]) == pytest.approx(limit_of(*at) / 1e4, rel=1e-11)
+        assert float(found[1]) == pytest.approx(by_height, rel=1e-9)
+
+
+def test_limit_load_of_beams_is_that_of_dense_matrices():
+    """Without degrees of freedom; the load follows the apex, which turns as the moved foot breaks the symmetry."""
+
+    def limit(p, sparse):
+        return fm.limit_load(toggle(*p, follower=True, check=not sparse), sparse=sparse)
+
+    at = jnp.array([1.0, 1.0, 0.05])
+    (load, found), (dense, wanted) = (jax.value_and_grad(limit)(at, sparse) for sparse in (True, False))
+    assert float(load) == pytest.approx(float(dense), rel=1e-12)
+    np.testing.assert_allclose(found, wanted, rtol=1e-10)
+
+
+def test_what_has_no_limit_point_says_so():
+    with pytest.raises(fm.AnalysisError, match="max_steps"):
+        fm.limit_load(truss(load=-5.0), max_steps=20, sparse=True)
+    assert np.isnan(fm.limit_load(truss(load=-5.0), max_steps=20, sparse=True, throw=False))
+
+
+def test_within_another_program(monkeypatch):
+    """Where sparse factors were chosen by size, dense matrices stand in; where they are asked for, it is refused."""
+
+    def limit(height, sparse=None):
+        return fm.limit_load(truss(1e4, height), sparse=sparse)
+
+    for traced in (jax.jit(lambda height: limit(height, True)), jax.grad(jax.grad(lambda height: limit(height, True)))):
+        with pytest.raises(TypeError, match="first derivatives of them"):
+            traced(1.0)
+    monkeypatch.setattr("flexmb.paths.limit.by_sparse", lambda model, sparse: True)
+    assert 5 * float(jax.jit(limit)(1.0)) == pytest.approx(limit_of(1e4, 1.0), rel=1e-12)
