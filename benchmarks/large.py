@@ -20,13 +20,14 @@ SMALL = 200
 FORCES = {200: 8.0, 1000: 1.5, 10_000: 1.5e-3}
 BEYOND = 4.0
 STEPS = 20
-QUESTIONS = ("equilibrium", "gradient", "modes", "multipliers", "path")
+QUESTIONS = ("equilibrium", "gradient", "modes", "multipliers", "path", "limit")
 TOLD = {
     "equilibrium": "equilibrium at large deflection",
     "gradient": "gradient of a displacement by all thicknesses, equilibrium included",
     "modes": "ten frequencies about the equilibrium",
     "multipliers": "five load multipliers",
     "path": f"path of {STEPS} steps past a limit point",
+    "limit": "limit load with its gradient by all thicknesses",
 }
 
 
@@ -102,12 +103,21 @@ def questions(beams: int, sparse: bool = True) -> dict:
         first = next((p.load_factor for p in found.critical_points if p.kind == "limit"), float("nan"))
         return np.array([float(first), len(found.load_factor), len(kinds)])
 
+    def limit(thickness):
+        def load(thickness):
+            pushed = arch(beams, BEYOND * FORCES[beams], check=not sparse)
+            return fm.limit_load(pushed.with_property("section.thickness", thickness), sparse=sparse)
+
+        value, slopes = jax.value_and_grad(load)(thickness)
+        return np.array([float(value), float(np.sum(slopes * thickness))])
+
     return {
         "equilibrium": lambda t: np.asarray(height(t)),
         "gradient": lambda t: np.asarray(jax.grad(height)(t)),
         "modes": lambda t: np.asarray(fm.frequencies(of(t), count=10, sparse=sparse)),
         "multipliers": multipliers,
         "path": path,
+        "limit": limit,
     }
 
 
@@ -124,7 +134,7 @@ def measured(question: str, beams: int, sparse: bool = True) -> dict:
     built = time.perf_counter() - begin
     rng, runs = np.random.default_rng(0), []
     # Each time with other numbers, so that no answer is at hand; the first compiles.
-    for _ in range(2 if question == "path" else 3):
+    for _ in range(2 if question in ("path", "limit") else 3):
         thickness = 0.5e-3 * (1 + 0.01 * rng.uniform(-1, 1, beams))
         begin, processor = time.perf_counter(), time.process_time()
         answer = ask(thickness)
@@ -288,7 +298,7 @@ def main() -> None:
     import flexmb as fm
 
     fm.enable_x64()
-    right = {"dense": agreement(), "gradient": check_gradient(1000), "elastica": elastica_errors()}
+    right: dict = {"dense": agreement(), "gradient": check_gradient(1000), "elastica": elastica_errors()}
     print(json.dumps(right, indent=1), flush=True)
     found: dict[str, dict] = {}
     for beams in SIZES:
@@ -299,9 +309,12 @@ def main() -> None:
                 f" first {entry['first_s']:.1f} s, {entry['peak_GB']:.2f} GB",
                 flush=True,
             )
+    for beams in SIZES:
+        walked, alone = (found[f"{question}: {beams}"]["answer"][0] for question in ("path", "limit"))
+        right[f"limit load beside that of the path: {beams}"] = abs(alone / walked - 1)
     save("large", {"right": right, "found": found})
     figure, axes = plt.subplots(figsize=(6.8, 4.2), layout="constrained")
-    for question, marker in zip(QUESTIONS, "osD^v", strict=True):
+    for question, marker in zip(QUESTIONS, "osD^vP", strict=True):
         axes.loglog(
             SIZES, [found[f"{question}: {n}"]["processor_s"] for n in SIZES], marker=marker, label=TOLD[question]
         )
