@@ -15,6 +15,8 @@ from ..lazy import no_garbage_looked_for
 from . import compile
 from .program import Captured, Code, captured
 
+# Numbers that are of a formula rather than of a design: the compiler leaves operations out by them.
+FORMAL = frozenset((0.0, 0.5, 1.0, 2.0))
 NUMBERS = (bool, int, float, complex, np.ndarray, np.generic, jax.Array)
 
 
@@ -51,7 +53,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         if like not in taken:
             shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
             with no_garbage_looked_for():
-                found = captured(functools.partial(function, **options), *shapes, rules=0)
+                found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
             if not is_concrete(found.numbers):
                 # Of numbers that another program traces, which are others the next time.
                 return _called(found, _run_of(found.code), leaves)

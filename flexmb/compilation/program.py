@@ -1,7 +1,7 @@
 """Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -62,13 +62,14 @@ class Captured(Record):
         return jax.tree.unflatten(self.code.results, jax.core.eval_jaxpr(self.code.jaxpr, self.numbers, *leaves))
 
 
-def captured(function: Callable[..., Any], *like: Any, rules: int = RULES) -> Captured:
+def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, formal: Collection[float] = ()) -> Captured:
     """Take a function as it is now: what its text refers to may change afterwards.
 
     Args:
         function: Of arrays; without side effects.
         like: Arguments, or their shapes.
         rules: How often it is to be differentiated, at most.
+        formal: Numbers that stay in its text, whatever their sign, where the compiler makes use of them.
 
     Returns:
         The function as a record of numbers.
@@ -88,7 +89,7 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES) -> Ca
     def placed(atom: Any):
         """A constant in place of a number in the text; whole numbers may be shapes or places, and stay."""
         kind: Any = atom.aval
-        if not isinstance(atom, Literal) or not np.issubdtype(kind.dtype, np.inexact):
+        if not isinstance(atom, Literal) or not np.issubdtype(kind.dtype, np.inexact) or abs(atom.val) in formal:
             return atom
         numbers.append(np.asarray(atom.val, kind.dtype))
         places.append(Var(jax.typeof(numbers[-1])))

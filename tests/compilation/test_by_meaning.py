@@ -30,13 +30,13 @@ def scaled(factor, shift):
 
 def test_a_function_defined_anew_is_compiled_once(compilations):
     x = np.array([0.1, 0.2])
-    first = scaled(2.0, 1.0)(x)
+    first = scaled(2.5, 1.5)(x)
     assert compilations  # the counter counts
     compilations.clear()
-    second = scaled(3.0, -1.0)(x)
+    second = scaled(3.0, -1.5)(x)
     assert compilations == []
-    np.testing.assert_allclose(first, 2 * np.sin(x) + 1, rtol=1e-15)
-    np.testing.assert_allclose(second, 3 * np.sin(x) - 1, rtol=1e-15)
+    np.testing.assert_allclose(first, 2.5 * np.sin(x) + 1.5, rtol=1e-15)
+    np.testing.assert_allclose(second, 3 * np.sin(x) - 1.5, rtol=1e-15)
     np.testing.assert_allclose(fm.jit(lambda x: 2.0 * jnp.cos(x) + 1.0)(x), 2 * np.cos(x) + 1, rtol=1e-15)
 
 
