@@ -1938,9 +1938,6 @@ FAULTS = [
         'kind="stable")[-count:]',
         "linear/test_traced_poles.py -k nearest",
     ),
-    Fault(
-        "paths/sparse_limit.py", "again = 0.5 if rate * last > 0 else 1.0", "again = 0.5", "paths/test_sparse_limit.py"
-    ),
     Fault("paths/limit.py", "(rate * last > 0) & (turn > 0)", "turn >= 0", "paths/test_sparse_limit.py"),
     Fault(
         "paths/sparse_limit.py",
@@ -1957,8 +1954,8 @@ FAULTS = [
     Fault("paths/sparse_limit.py", "if good else np.nan", "if True else np.nan", "paths/test_sparse_limit.py"),
     Fault(
         "paths/sparse_limit.py",
-        "elif new.tangent.load <= 0:",
-        "elif new.tangent.load < -2:",
+        "if good and new.tangent.load > 0:",
+        "if good and new.tangent.load > -2:",
         "paths/test_sparse_limit.py",
     ),
     Fault(

@@ -18,7 +18,7 @@ from ..results import RESULTS, check
 from ..statics.solve import change_of_equations
 from ..statics.sparse_structure import by_sparse
 from .critical import begin_path, null_vectors
-from .sparse_limit import STATIONARY, TURNS, NumbersTraced, sparse_limit_load
+from .sparse_limit import NumbersTraced, sparse_limit_load
 from .stepper import (
     LARGEST_MOTION,
     SHORTER,
@@ -34,6 +34,12 @@ from .stepper import (
     ramp_of,
     step_along,
 )
+
+# Of the load's rate along the path, at most one, so much is none: the load is stationary there, and has all its digits
+# long before, while its derivative is off by as much as the place is.
+STATIONARY = 1e-13
+# Turns of a superlinear method between two states on either side.
+TURNS = 20
 
 
 class _Limit(NamedTuple):

@@ -18,14 +18,12 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.sparse import Balanced, lacking_at
 from .sparse_walk import SparseEquations, as_arrays
-from .stepper import LARGEST_MOTION, SHORTER, SMALLEST_STEP, Plane, Point, can_be_taken, next_length, normal_to
-from .walk import Step
+from .stepper import LARGEST_MOTION, SHORTER, SMALLEST_STEP, Point, can_be_taken, next_length, normal_to
+from .stops import Stops
+from .walk import Walker
 
-# Of the load's rate along the path, at most one, so much is none: the load is stationary there, and has all its digits
-# long before, while its derivative is off by as much as the place is.
-STATIONARY = 1e-13
-# Turns of a superlinear method between two states on either side.
-TURNS = 20
+# Between states on either side of the limit point its load is known to this share: it is stationary there.
+NEAR = 1e-9
 
 
 class NumbersTraced(Exception):
@@ -92,49 +90,29 @@ def _told(found: _LimitPoint) -> tuple[Any, Any]:
 def _limit_of(model: Model, first: float, most: int) -> _LimitPoint:
     """The limit point, and the left null vector of the equations there, of a product of one with their rate."""
     equations = SparseEquations(model)
-    ramp, scale, at, code = equations.begin()
-    left, length, passed = np.full(len(equations.free) + len(equations.held), np.nan), first, None
-
-    def advanced(length: float, plane: Plane) -> Step:
-        return equations.advance(ramp, scale, at.point, at.tangent, length, plane)
+    walker = Walker(equations, first, Stops((), None, np.inf))
+    (at,), length = walker.steps, first
 
     def failed(why: RESULTS) -> _LimitPoint:
-        return _LimitPoint(at.point, left, ramp.at(at.point.load), why)
+        return _LimitPoint(at.point, np.full(len(equations.free) + len(equations.held), np.nan), ramp.base, why)
 
-    if code != RESULTS.successful:
-        return failed(RESULTS(int(code)))
+    ramp = walker.ramp
+    if walker.code != RESULTS.successful:
+        return failed(walker.code)
     for _ in range(most):
-        motion = np.max(np.abs(at.tangent.x) / scale.sizes, initial=1e-300)
         load, rate = abs(float(at.point.load)), abs(float(at.tangent.load))
-        length = min(length, float(LARGEST_MOTION / motion), max(first, 0.1 * load) / rate)
-        new = advanced(length, normal_to(scale, at.tangent))
-        if not can_be_taken(new.converged, new.cosine):
-            length /= SHORTER
-            if length < SMALLEST_STEP * first:
-                return failed(RESULTS.not_converged)
-        elif new.tangent.load <= 0:
-            passed = new
-            break
-        else:
+        length = min(length, LARGEST_MOTION / walker.motion(at.tangent), max(first, 0.1 * load) / rate)
+        new, turn = walker.advance(at.point, at.tangent, length), None
+        good = can_be_taken(new.converged, new.cosine)
+        if good and new.tangent.load > 0:
             length, at = float(next_length(length, new.corrections, new.cosine)), new
-    if passed is None:
-        return failed(RESULTS.max_steps)
-    plane = normal_to(scale, at.tangent)
-    low, low_rate, high, high_rate, last = 0.0, float(at.tangent.load), length, float(passed.tangent.load), 0.0
-    for _ in range(TURNS):
-        if abs(passed.tangent.load) <= STATIONARY:
-            break
-        middle = low + low_rate / (low_rate - high_rate) * (high - low)
-        passed = advanced(middle, plane)
-        if not passed.converged:
+            continue
+        if good:
+            turn = walker.zero(at, length, new, lambda step: float(step.tangent.load))
+        if turn is not None and turn.uncertainty <= NEAR * max(first, load):
+            point, plane = turn.step.point, normal_to(walker.scale, at.tangent)
+            return _LimitPoint(point, equations.left(ramp, point, plane), ramp.at(point.load), RESULTS.successful)
+        length /= SHORTER
+        if length < SMALLEST_STEP * first:
             return failed(RESULTS.not_converged)
-        rate = float(passed.tangent.load)
-        # The value of an end that stays once more is halved, so that both ends approach (Illinois).
-        again = 0.5 if rate * last > 0 else 1.0
-        last = rate
-        if rate > 0:
-            low, low_rate, high_rate = middle, rate, again * high_rate
-        else:
-            high, low_rate, high_rate = middle, again * low_rate, rate
-    left = equations.left(ramp, passed.point, plane)
-    return _LimitPoint(passed.point, left, ramp.at(passed.point.load), RESULTS.successful)
+    return failed(RESULTS.max_steps)
