@@ -73,7 +73,7 @@ def main() -> None:
     from scenes import guide
 
     import flexmb as fm
-    from flexmb.compilation.by_meaning import _run_of
+    from flexmb.compilation.by_meaning import run_of
     from flexmb.compilation.compile import QUICK, THOROUGH, compile_thoroughly
 
     fm.enable_x64()
@@ -138,7 +138,7 @@ def main() -> None:
     def gradient(forgotten):
         if forgotten:
             jax.clear_caches()
-            _run_of.cache_clear()
+            run_of.cache_clear()
         width = next(widths)
         # Another function each time, as a cell of a notebook that runs again defines it.
         value, slope = fm.jit(jax.value_and_grad(lambda t: fm.frequencies(guide(t, width, dofs=names))[0]))(5e-4)

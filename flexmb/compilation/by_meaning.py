@@ -56,10 +56,10 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
                 found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
             if not is_concrete(found.numbers):
                 # Of numbers that another program traces, which are others the next time.
-                return _called(found, _run_of(found.code), leaves)
+                return _called(found, run_of(found.code), leaves)
             with jax.core.eval_context():
                 found = dataclasses.replace(found, numbers=tuple(jax.device_put(list(found.numbers))))
-            taken[like] = found, _run_of(found.code)
+            taken[like] = found, run_of(found.code)
         return _called(*taken[like], leaves)
 
     return call
@@ -70,7 +70,8 @@ def _called(found: Captured, run: Callable[..., Any], leaves: list[Any]) -> Any:
 
 
 @functools.lru_cache(compile.MOST)
-def _run_of(code: Code) -> Callable[..., Any]:
+def run_of(code: Code) -> Callable[..., Any]:
+    """What runs a program on its numbers and arguments; the last ones are remembered, others with who holds them."""
     count = len(code.jaxpr.constvars)
 
     def function(_: Any, __: Any, *leaves: Any):

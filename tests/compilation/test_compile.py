@@ -12,20 +12,6 @@ from flexmb import planar
 from flexmb.compilation.compile import _known, jit
 
 
-@pytest.fixture
-def compilations():
-    """Names of the programs handed to the compiler, cached on disk or not."""
-    count = []
-
-    def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
-        if event == "/jax/core/compile/backend_compile_duration":
-            count.append(str(kwargs.get("fun_name")))
-
-    jax.monitoring.register_event_duration_secs_listener(listen)
-    yield count
-    jax.monitoring.unregister_event_duration_listener(listen)
-
-
 def frame(thickness: float, *, support: str, braces: tuple[str, str]) -> fm.Model:
     """Two uprights, a rigid bar and a brace, held at one of two feet and guided at the other."""
     section = fm.Rectangle(0.018, thickness, fm.Material(210e9, 80e9, 7850.0))
