@@ -8,10 +8,10 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..errors import AnalysisError, ModelError
-from ..linear.sparse_linearize import SparseLinearization, by_coordinates
+from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import solved
 from ..math.by_deformations import spread
-from ..math.element_matrices import ElementMatrices, between, times, times_transposed, transposed
+from ..math.element_matrices import ElementMatrices, between, by_coordinates, times, times_transposed, transposed
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Signal
 from .held import Held, about_axes, held_by, held_of, seeds
@@ -55,8 +55,8 @@ def lossy_elements(lin: SparseLinearization, losses: Float[Array, "n_e"]) -> Ele
         (rows, columns, (losses[rows][:, :, None] + losses[columns][:, None, :]) / 2 * own)
         for rows, columns, own in elements.elastic
     ]
-    stiffness = by_coordinates(elements.constraints, elastic, lin.e.shape[0])
-    return elements._replace(stiffness=stiffness, damping=[], mass=[], curved=[], elastic=elastic, viscous=[])
+    structural = by_coordinates(elements.constraints, elastic)
+    return elements._replace(structural=structural, curved=[], damping=[], mass=[], elastic=elastic, viscous=[])
 
 
 def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None = None) -> SparseSecondOrder:

@@ -5,8 +5,8 @@ from typing import Any
 from ..arguments import check_flag
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model, as_model
+from ..statics.choice import by_sparse
 from ..statics.equilibrium import load_factors_of
-from ..statics.sparse_structure import by_sparse
 from .linearize import Linearization, ManyStates, Where
 from .sparse_linearize import SparseLinearization, sparse_linearization
 from .sparse_spectrum import asks_for_all

@@ -16,7 +16,6 @@ from ..math.element_matrices import times, times_transposed
 from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, deformations
-from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, scaled_loads
 from ..model.model import Model
@@ -25,7 +24,7 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.solve import held_values
 from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_sparse, solution_at
-from ..statics.tangent import elastic_stress, falls, pieces_at, unknowns
+from ..statics.tangent import elastic_stress, element_matrices, unknowns
 from .linearize import Linearization
 from .sparse_linearize import SparseLinearization
 from .sparse_multipliers import Buckled, MultiplierMatrices, smallest_of_sparse
@@ -141,30 +140,29 @@ def _matrices(
     growth: _Growth | None,
 ) -> MultiplierMatrices:
     """What stays and what is scaled as in :func:`.buckling.scaled_stiffness`, element by element."""
-    x, sizes = at.x, sizes_of(topology, parameters)
-    sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
-    found, of_rows, _, _ = pieces_at(topology, parameters, factors, x, near, sigma)
-    stressed, preload, moved = [*found.geometric, *found.loads], None, sizes
+    x, sigma = at.x, put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
+    found, _ = element_matrices(topology, parameters, factors, x, near, sigma)
+    sizes, stressed, preload, moved = found.sizes, found.curved, None, found.sizes
 
     def of_stress(factors: LoadFactors, sigma: Float[Array, "n_e"]):
-        pieces = [own for *_, own in curvature_pieces(topology, parameters, x, near, sigma)]
+        pieces = curvature_pieces(topology, parameters, x, near, sigma)
         gravity = scaled_loads(parameters, factors).gravity
         heavy = [] if gravity is None else weight_pieces(topology, parameters, x, gravity)
-        return pieces + [-own for *_, own in heavy]
+        return [*pieces, *((rows, columns, -own) for rows, columns, own in heavy)]
 
     if growth is not None:
         moved, sigma, preload = growth.x, growth.sigma, stressed
         stressed = of_stress(LoadFactors(0.0, 1.0), sigma)
-    sized = [(r, c, jnp.abs(d) * sizes[c][:, None, :]) for (r, c), d in zip(of_rows, found.rows, strict=True)]
+    sized = [(r, c, jnp.abs(d) * sizes[c][:, None, :]) for r, c, d in found.constraints]
     forces = times_transposed(sized, jnp.abs(sigma)[:, None], size=topology.n_x)
-    reach, elastic = jnp.zeros(topology.n_e), jnp.zeros(topology.n_e)
-    stretched = times(sized, (jnp.abs(moved) / sizes)[:, None], size=topology.n_e)[:, 0]
-    for (r, _, d), s in zip(sized, found.own, strict=True):
+    reach = jnp.zeros(topology.n_e)
+    for r, _, d in sized:
         reach = accumulate(reach, r, jnp.max(d, axis=2, initial=0.0))
-        elastic = accumulate(elastic, r, jnp.einsum("eij,ej->ei", jnp.abs(s), stretched[r]))
+    stretched = times(sized, (jnp.abs(moved) / sizes)[:, None], size=topology.n_e)
+    elastic = times([(r, c, jnp.abs(own)) for r, c, own in found.elastic], stretched, size=topology.n_e)[:, 0]
     share = jnp.where(reach > 0, jnp.max(forces, initial=0.0) / jnp.where(reach > 0, reach, 1.0), 0.0)
     noise = of_stress(LoadFactors(0.0, 0.0), ROUND_OFF * (elastic + share))
-    return MultiplierMatrices(found.rows, found.elastic, preload, stressed, noise, found.own)
+    return MultiplierMatrices(found._replace(curved=[]), preload, stressed, noise)
 
 
 @jax.custom_jvp
@@ -175,8 +173,7 @@ def _found(topology: Topology, parameters: Parameters, factors: LoadFactors, at:
     own = _matrices(topology, parameters, factors, near, at, growth)
     n, h, k = free.shape[0], held.shape[0], count.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n, k), (h, k), (k,))]
-    host = functools.partial(smallest_of_sparse, falls=falls(parameters), count=k)
-    return on_host(host, Buckled(*like), topology, own)
+    return on_host(functools.partial(smallest_of_sparse, count=k), Buckled(*like), own)
 
 
 @_found.defjvp

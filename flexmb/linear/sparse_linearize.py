@@ -11,21 +11,18 @@ from ..arguments import is_concrete
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, short
-from ..math.element_matrices import ElementMatrices, Pieces, SparseMatrices, Whole
-from ..math.indices import accumulate, put
+from ..math.element_matrices import ElementMatrices, SparseMatrices, Whole, by_coordinates
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import curvature_pieces, jacobian_pieces
-from ..mechanics.extent import sizes_of
-from ..mechanics.inertia import Felt, mass_pieces, weight_pieces
-from ..mechanics.loads import LoadFactors, lacks_potential, load_pieces, scaled_loads
-from ..mechanics.stress_resultants import is_nonlinear, nonlinear_tangent_pieces, stiffness_pieces, strain_of
+from ..mechanics.inertia import Felt, mass_pieces
+from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
+from ..mechanics.stress_resultants import strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import check, told
 from ..statics.sparse import sparse_equilibrium
-from ..statics.tangent import unknowns
+from ..statics.tangent import by_deformations, element_matrices
 
 # Matrices in the degrees of freedom, which a large mechanism does not form.
 DENSE = ("M0", "C0", "D0", "K0", "N0", "G0", "K", "DFx", "DFe", "S", "S_d")
@@ -119,43 +116,8 @@ class SparseLinearization(ByName, Result, Record):
         return Summary("SparseLinearization about an equilibrium", rows, "mechanism")
 
 
-def _by_deformations(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> tuple[Pieces, Pieces]:
-    """Stiffness and damping of the elements at rest, zero for held deformations, whose stress is a multiplier."""
-    kept = put(jnp.ones(topology.n_e), topology.e.held, 0.0)
-    found = [stiffness_pieces(topology, parameters, companion) for companion in ("stiffness", "damping")]
-    if is_nonlinear(topology):
-        tangents = nonlinear_tangent_pieces(topology, parameters, strain, jnp.zeros_like(strain))[1:]
-        found = [[*linear, *tangent] for linear, tangent in zip(found, tangents, strict=True)]
-    elastic, viscous = (
-        [(at, by, kept[at][:, :, None] * own * kept[by][:, None, :]) for at, by, own in pieces] for pieces in found
-    )
-    return elastic, viscous
-
-
-def by_coordinates(jacobians: Pieces, pieces: Pieces, n_e: int) -> Pieces:
-    """Matrices of elements by coordinates, D_x^T A D_x, of matrices by their deformations.
-
-    A companion may lie in another block than the deformation: rows are found by the numbers of the deformations.
-
-    Args:
-        jacobians: D_x.
-        pieces: A.
-        n_e: Number of deformations.
-    """
-    if not pieces:
-        return []
-    widest = max(at.shape[1] for at, *_ in jacobians)
-    rows = jnp.zeros((n_e, widest))
-    for at, _, own in pieces:
-        rows = accumulate(rows, at, jnp.pad(own, ((0, 0), (0, 0), (0, widest - own.shape[2]))))
-    return [
-        (columns, columns, jnp.einsum("eki,ekl,elj->eij", d, rows[at][:, :, : at.shape[1]], d))
-        for at, columns, d in jacobians
-    ]
-
-
 @kernel
-def element_matrices(
+def moving_element_matrices(
     topology: Topology,
     parameters: Parameters,
     factors: LoadFactors,
@@ -163,7 +125,7 @@ def element_matrices(
     e: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ) -> ElementMatrices:
-    """Matrices of all elements about a state at rest.
+    """Matrices of all elements about a state at rest, damping and mass among them.
 
     Args:
         topology: Structure, which needs no degrees of freedom.
@@ -176,33 +138,11 @@ def element_matrices(
     Source:
         THEORY.md 7, eq. (7.15); 6, eq. (6.2) and (6.3), before they are projected.
     """
-    free, _, held = unknowns(topology)
-    near = jax.lax.stop_gradient(e)
-    _, jacobians = jacobian_pieces(topology, parameters, x, near)
-    loads = scaled_loads(parameters, factors)
-    elastic, viscous = _by_deformations(topology, parameters, strain_of(topology, parameters, loads, e))
-
-    pulling = [] if loads.gravity is None else weight_pieces(topology, parameters, x, loads.gravity)
-    pulling = [*pulling, *load_pieces(topology, parameters, factors, x)]
-    curvature = curvature_pieces(topology, parameters, x, near, sigma)
-    pulled = [(rows, columns, -own) for rows, columns, own in pulling]
-    own_stiffness = by_coordinates(jacobians, elastic, topology.n_e)
-    bent = [(at, columns, own + bend) for (at, columns, own), (*_, bend) in zip(own_stiffness, curvature, strict=True)]
-    return ElementMatrices(
-        [*bent, *pulled],
-        by_coordinates(jacobians, viscous, topology.n_e),
-        mass_pieces(topology, parameters, x),
-        [],
-        [*curvature, *pulled],
-        jacobians,
-        elastic,
-        viscous,
-        [],
-        free,
-        held,
-        sizes_of(topology, parameters),
-        put(jnp.ones(topology.n_e), held, 0.0),
-    )
+    found, _ = element_matrices(topology, parameters, factors, x, jax.lax.stop_gradient(e), sigma, e)
+    strain = strain_of(topology, parameters, scaled_loads(parameters, factors), e)
+    viscous = by_deformations(topology, parameters, strain, found.constraints, "damping")
+    damping = by_coordinates(found.constraints, viscous)
+    return found._replace(damping=damping, mass=mass_pieces(topology, parameters, x), viscous=viscous)
 
 
 @one_thread()
@@ -240,5 +180,5 @@ def about_state(
         factors: Load factors there; what follows is as :class:`SparseLinearization` has it.
     """
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
-    elements = element_matrices(model.topology, model.parameters, factors, x, e, sigma)
+    elements = moving_element_matrices(model.topology, model.parameters, factors, x, e, sigma)
     return SparseLinearization(elements, x, e, sigma, felt, reactions, external, iterations, result, factors, model)

@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import AnalysisError, ModelError
+from ..math.by_deformations import energies
+from ..math.element_matrices import ElementMatrices, Pieces, Whole
 from ..math.sparse import SparseFactors
-from ..model.topology import Topology
 from ..results import RESULTS
-from ..statics.sparse_structure import structure_of
 from .lanczos import (
     BEFORE,
     FEW,
@@ -28,24 +28,19 @@ NEGATIVE = 1e-9
 
 
 class MultiplierMatrices(NamedTuple):
-    """Matrices of elements, in the order in which :class:`.Structure` places them.
+    """Matrices of elements.
 
     Attributes:
-        rows: D of each block that deforms, (elements, k, c).
-        elastic: D^T S D of each, (elements, c, c).
-        preload: Stiffness of stress resultants and loads that stay, those of the blocks first, then of weight; None
-            where all are scaled.
+        elements: Those of the state; what is curved is not looked at.
+        preload: Stiffness of stress resultants and loads that stay, in pieces; None where all are scaled.
         scaled: The same of what is scaled.
         noise: The same of the round-off of its stress resultants.
-        own: S of each block, (elements, k, k).
     """
 
-    rows: list[Any]
-    elastic: list[Any]
-    preload: list[Any] | None
-    scaled: list[Any]
-    noise: list[Any]
-    own: list[Any]
+    elements: ElementMatrices
+    preload: Pieces | None
+    scaled: Pieces
+    noise: Pieces
 
 
 class Buckled(NamedTuple):
@@ -64,45 +59,38 @@ class Buckled(NamedTuple):
     geometric: Any
 
 
-def smallest_of_sparse(topology: Topology, given: MultiplierMatrices, *, falls: bool, count: int) -> Buckled:
+def smallest_of_sparse(given: MultiplierMatrices, *, count: int) -> Buckled:
     """Multipliers of smallest size, and their motions.
 
     Args:
-        topology: Structure, its arrays those of NumPy.
-        given: Matrices of its elements.
-        falls: Whether there is gravity.
+        given: Matrices of the elements.
         count: How many.
 
     Raises:
         ModelError: An element has a negative stiffness.
         AnalysisError: singular_stiffness, unstable or not_converged.
     """
-    if not all(np.all(np.isfinite(own)) for pieces in given if pieces is not None for own in pieces):
-        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-    _refuse_negative(given.own)
-    structure = structure_of(topology, falls)
-    none = [np.zeros_like(own) for own in given.scaled[len(given.elastic) :]]
-    structural = structure.bordered([*given.elastic, *none], given.rows)
-    scaled, noise = (structure.stiff.matrix(pieces) for pieces in (given.scaled, given.noise))
-    stays, preload = structural, None
-    if given.preload is not None:
-        preload = structure.stiff.matrix(given.preload)
-        if abs(preload).max() > 0:
-            _refuse_unstable(structural, preload)
-        parts = zip([*given.elastic, *none], given.preload, strict=True)
-        stays = structure.bordered([elastic + own for elastic, own in parts], given.rows)
-    found = _smallest(stays, scaled, noise, count)
+    own = given.elements
+    for pieces in (own.structural, own.constraints, own.elastic, given.preload or [], given.scaled, given.noise):
+        if not all(np.all(np.isfinite(matrices)) for *_, matrices in pieces):
+            raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
+    _refuse_negative(own.elastic)
+    scaled, noise = (Whole(own._replace(curved=pieces)).curved for pieces in (given.scaled, given.noise))
+    staying = Whole(own._replace(curved=given.preload or []))
+    if abs(staying.curved).max() > 0:
+        _refuse_unstable(staying.structural, staying.curved)
+    found = _smallest(staying.at(), scaled, noise, count)
     # By deformations: round-off of the matrix of many short beams is in the square of what it is in the values.
-    motions, bounded = found.motions, np.isfinite(found.values)
-    elastic = np.diagonal(structure.elastic_between(given.rows, given.own, motions, motions)).copy()
-    if preload is not None:
-        elastic += np.einsum("ij,ij->j", motions, preload @ motions)
+    bounded, motions = np.isfinite(found.values), np.zeros((len(own.sizes), count))
+    motions[own.free] = found.motions
+    elastic = energies(own, motions)
+    elastic += np.einsum("ij,ij->j", found.motions, staying.curved @ found.motions)
     return found._replace(values=np.where(bounded, -elastic / np.where(bounded, found.geometric, 1.0), np.inf))
 
 
-def _refuse_negative(own: list[np.ndarray]) -> None:
+def _refuse_negative(elastic: Pieces) -> None:
     """Raise where an element's stiffness is negative: the method's inner product relies on it."""
-    for matrices in own:
+    for *_, matrices in elastic:
         values = np.linalg.eigvalsh(matrices)
         if np.any(values[:, 0] < -NEGATIVE * np.abs(values[:, -1])):
             raise ModelError(

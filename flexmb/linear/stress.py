@@ -24,8 +24,8 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..results import told
+from ..statics.choice import by_sparse
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
-from ..statics.sparse_structure import by_sparse
 from .linearize import Linearization, ManyStates, Where
 from .sparse_linearize import SparseLinearization
 

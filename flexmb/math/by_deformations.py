@@ -82,12 +82,28 @@ def bordered(
     return jnp.concatenate([balance, border.T @ z[:n]])
 
 
+def _times(pieces: Pieces, vectors: np.ndarray, size: int, transposed: bool = False) -> np.ndarray:
+    """As :func:`times`, on the host."""
+    found = np.zeros((size, vectors.shape[1]), vectors.dtype)
+    for rows, columns, own in pieces:
+        if transposed:
+            np.add.at(found, columns, np.swapaxes(own, 1, 2) @ vectors[rows])
+        else:
+            np.add.at(found, rows, own @ vectors[columns])
+    return found
+
+
 def deformed(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "n_e k"]:
-    """Deformations of motions of all coordinates."""
+    """Deformations of motions of all coordinates, on the host."""
     found = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
     for at, columns, own in elements.constraints:
         found[at] = own @ motions[columns]
     return found
+
+
+def pulled(elements: ElementMatrices, sigma: Float[np.ndarray, "n_e k"]) -> Float[np.ndarray, "n_x k"]:
+    """Forces on all coordinates of stress resultants, on the host."""
+    return _times(elements.constraints, sigma, len(elements.sizes), transposed=True)
 
 
 def forces(
@@ -101,30 +117,49 @@ def forces(
         transposed: Whether of the transposed matrix.
         s: As of :func:`product`.
     """
-
-    def of(pieces: Pieces, vectors: np.ndarray, size: int, turned: bool = transposed) -> np.ndarray:
-        found = np.zeros((size, vectors.shape[1]), vectors.dtype)
-        for rows, columns, own in pieces:
-            if turned:
-                np.add.at(found, columns, np.swapaxes(own, 1, 2) @ vectors[rows])
-            else:
-                np.add.at(found, rows, own @ vectors[columns])
-        return found
-
-    n_x, (n, _), n_e = len(elements.sizes), elements.unknowns, len(elements.kept)
-    v = np.zeros((n_x, z.shape[1]), z.dtype)
+    n = elements.unknowns[0]
+    v = np.zeros((len(elements.sizes), z.shape[1]), z.dtype)
     v[elements.free] = z[:n]
+    return forces_of(elements, v, z[n:], transposed, s)
+
+
+def forces_of(
+    elements: ElementMatrices,
+    v: Float[np.ndarray, "n_x k"],
+    multipliers: Float[np.ndarray, "h k"] | float = 0.0,
+    transposed: bool = False,
+    s: complex | None = None,
+) -> Float[np.ndarray, "r k"]:
+    """As :func:`forces`, of motions of all coordinates, also of those that do not move by themselves.
+
+    Args:
+        elements: With arrays of NumPy.
+        v: Motions, one a column, (n_x, k).
+        multipliers: Of each, (h, k).
+        transposed, s: As of :func:`forces`.
+    """
+    n_x, n_e = len(elements.sizes), len(elements.kept)
     changed = deformed(elements, v)
-    sigma = of(elements.elastic, changed, n_e)
-    sigma[elements.held] += z[n:]
+    sigma = _times(elements.elastic, changed, n_e, transposed)
+    sigma[elements.held] += multipliers
     if s is not None:
-        sigma = sigma + s * of(elements.viscous, changed, n_e)
+        sigma = sigma + s * _times(elements.viscous, changed, n_e, transposed)
     if elements.lossy:
-        sigma = sigma + 1j * of(elements.lossy, changed, n_e)
-    found = of(elements.constraints, sigma, n_x, turned=True) + of(elements.curved, v, n_x)
+        sigma = sigma + 1j * _times(elements.lossy, changed, n_e, transposed)
+    found = pulled(elements, sigma) + _times(elements.curved, v, n_x, transposed)
     if s is not None:
-        found = found + s**2 * of(elements.mass, v, n_x)
+        found = found + s**2 * _times(elements.mass, v, n_x, transposed)
     return np.concatenate([found[elements.free], changed[elements.held]])
+
+
+def energies_between(
+    elements: ElementMatrices, left: Float[np.ndarray, "n_x k"], right: Float[np.ndarray, "n_x m"]
+) -> Float[np.ndarray, "k m"]:
+    """Elastic stiffness between motions of all coordinates, one a column."""
+    before, behind, found = deformed(elements, left), deformed(elements, right), 0.0
+    for at, by, own in elements.elastic:
+        found = found + np.tensordot(before[at], own @ behind[by], ((0, 1), (0, 1)))
+    return np.broadcast_to(found, (left.shape[1], right.shape[1]))
 
 
 def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "k"]:

@@ -23,26 +23,26 @@ class ElementMatrices(NamedTuple):
     """Linearised equations of a mechanism in all its coordinates, element by element.
 
     Attributes:
-        stiffness: Tangent of elements, stress resultants and loads, in pieces by coordinates.
-        damping: In pieces by coordinates.
-        mass: In pieces by coordinates.
-        loss: Stiffness times loss factors, likewise; empty where no one asks.
-        curved: The part of the stiffness that stress resultants and loads have, not the elements' own, likewise.
+        structural: Elements' own stiffness, in pieces by coordinates.
+        curved: The part of the stiffness that stress resultants and loads have, likewise.
+        damping: Likewise; empty where there is none, or no one asks.
+        mass: Likewise.
+        loss: Structural stiffness times loss factors, likewise.
         constraints: Derivatives of all deformations by the coordinates, in pieces; those of the held are constraints.
-        elastic: Stress resultants by deformations, in pieces.
-        viscous: Stress resultants by rates of the deformations, in pieces.
-        lossy: Elastic times loss factors, in pieces; empty where no one asks.
+        elastic: Stress resultants by deformations, in pieces as those of the constraints lie; zero for held ones.
+        viscous: Stress resultants by rates of the deformations, likewise; empty where there is no damping.
+        lossy: Elastic times loss factors, likewise; empty where no one asks.
         free: Coordinates that move, (n,).
         held: Deformations that are held, (h,).
         sizes: What coordinates are measured by, (n_x,) [m, -].
         kept: One for each deformation that is not held, else zero, (n_e,).
     """
 
-    stiffness: Pieces
+    structural: Pieces
+    curved: Pieces
     damping: Pieces
     mass: Pieces
     loss: Pieces
-    curved: Pieces
     constraints: Pieces
     elastic: Pieces
     viscous: Pieces
@@ -51,6 +51,11 @@ class ElementMatrices(NamedTuple):
     held: Any
     sizes: Any
     kept: Any
+
+    @property
+    def stiffness(self) -> Pieces:
+        """All of the tangent: of elements, stress resultants and loads."""
+        return [*self.structural, *self.curved]
 
     @property
     def unknowns(self) -> tuple[int, int]:
@@ -86,8 +91,21 @@ def transposed(elements: ElementMatrices) -> ElementMatrices:
         return [(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces]
 
     own = elements
-    names = ("stiffness", "damping", "loss", "curved", "elastic", "viscous", "lossy")
+    names = ("structural", "curved", "damping", "loss", "elastic", "viscous", "lossy")
     return own._replace(**{name: turned(getattr(own, name)) for name in names})
+
+
+def by_coordinates(constraints: Pieces, pieces: Pieces) -> Pieces:
+    """Matrices of elements by coordinates, D^T A D, of matrices by their deformations that lie alike.
+
+    Args:
+        constraints: D, of each block that deforms.
+        pieces: A of each, or none.
+    """
+    return [
+        (columns, columns, jnp.einsum("eki,ekl,elj->eij", d, own, d))
+        for (_, columns, d), (*_, own) in zip(constraints, pieces, strict=bool(pieces))
+    ]
 
 
 @jit
@@ -132,14 +150,14 @@ class Whole:
         self._size = self.n + h
         self._pattern = _pattern_of(elements)
         turned = [(columns, rows, np.swapaxes(own, 1, 2)) for rows, columns, own in elements.constraints]
-        groups = [*_groups(elements), turned]
         start, data = 0, []
-        for pieces in groups:
+        for pieces in [*_groups(elements), turned]:
             own = np.concatenate([np.zeros(0), *(np.ravel(matrices) for *_, matrices in pieces)])
             slots = self._pattern.slots[start : start + len(own)]
             data.append(np.bincount(slots, own, len(self._pattern.rows) + 1)[:-1])
             start += len(own)
-        self._k, self._c, self._m, self._l, self._d = *data[:4], data[4] + data[5]
+        self._s, self._g, self._c, self._m, self._l = data[:5]
+        self._k, self._d = self._s + self._g, data[5] + data[6]
 
     def _matrix(self, data: np.ndarray) -> Any:
         import scipy.sparse
@@ -172,6 +190,28 @@ class Whole:
         return scipy.sparse.block_array([[matrix, columns], [columns.T, None]], format="csc")
 
     @property
+    def structural(self) -> Any:
+        """Matrix [[S, D^T], [D, 0]] of the elements' own stiffness alone."""
+        return self._matrix(self._s + self._d)
+
+    @property
+    def curved(self) -> Any:
+        """Stiffness of stress resultants and loads, of the coordinates that move, (n, n)."""
+        return self._matrix(self._g)[: self.n, : self.n]
+
+    @property
+    def constraints(self) -> Any:
+        """D of the coordinates that move, (h, n)."""
+        return self._matrix(self._d)[self.n :, : self.n]
+
+    def independent(self) -> bool:
+        """Whether the held deformations constrain independently, so that the multipliers are determined."""
+        import scipy.sparse
+
+        ones = (np.arange(self._size) < self.n).astype(float)
+        return SparseFactors(self._matrix(self._d) + scipy.sparse.diags_array(ones)).regular
+
+    @property
     def mass(self) -> Any:
         """M of the coordinates that move, (n, n)."""
         return self._matrix(self._m)[: self.n, : self.n]
@@ -191,7 +231,8 @@ class Whole:
 
 
 def _groups(elements: ElementMatrices) -> list[Pieces]:
-    return [elements.stiffness, elements.damping, elements.mass, elements.loss, elements.constraints]
+    own = elements
+    return [own.structural, own.curved, own.damping, own.mass, own.loss, own.constraints]
 
 
 _known: OrderedDict[bytes, SparsePattern] = OrderedDict()
@@ -218,6 +259,6 @@ def _found(elements: ElementMatrices, places: list[list[tuple[Any, Any]]]) -> Sp
     n, h = elements.unknowns
     of_x, of_e = np.full(len(elements.sizes), -1), np.full(len(elements.kept), -1)
     of_x[elements.free], of_e[elements.held] = np.arange(n), n + np.arange(h)
-    inner = [(of_x[rows], of_x[columns]) for group in places[:4] for rows, columns in group]
-    rows = [(of_e[rows], of_x[columns]) for rows, columns in places[4]]
+    inner = [(of_x[rows], of_x[columns]) for group in places[:-1] for rows, columns in group]
+    rows = [(of_e[rows], of_x[columns]) for rows, columns in places[-1]]
     return SparsePattern((n + h, n + h), [*inner, *rows, *((c, r) for r, c in rows)])

@@ -93,7 +93,7 @@ def _allowed_deformations(model: Model, x: np.ndarray) -> np.ndarray:
         found = assemble(topology, parameters, LoadFactors(0.0, 0.0), x, zero, zero)
         if len(held) == 0:
             return found.e
-        rows = found.jacobian[held][:, free]
+        rows = found.whole.constraints
         factors = SparseFactors(scipy.sparse.block_array([[metric, rows.T], [rows, None]]))
         if not factors.regular:
             raise AnalysisError(RESULTS.singular_configuration.name, RESULTS.singular_configuration.message)

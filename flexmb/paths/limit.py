@@ -15,8 +15,8 @@ from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
+from ..statics.choice import by_sparse
 from ..statics.solve import change_of_equations
-from ..statics.sparse_structure import by_sparse
 from .critical import begin_path, null_vectors
 from .sparse_limit import NumbersTraced, sparse_limit_load
 from .stepper import (

@@ -30,7 +30,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS, check
-from ..statics.sparse_structure import by_sparse
+from ..statics.choice import by_sparse
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of

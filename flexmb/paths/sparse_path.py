@@ -10,7 +10,7 @@ from ..compilation.record import Record, static
 from ..display import Result
 from ..linear.along import Along
 from ..linear.linearize import Stressed
-from ..linear.sparse_linearize import DENSE, SparseLinearization, about_state, element_matrices
+from ..linear.sparse_linearize import DENSE, SparseLinearization, about_state, moving_element_matrices
 from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors
@@ -179,7 +179,7 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critica
     if equations.unsymmetric:
         for i in np.flatnonzero(stable):
             own = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
-            stable[i] = is_steady(element_matrices(topology, parameters, *own))
+            stable[i] = is_steady(moving_element_matrices(topology, parameters, *own))
     return SparseStates(
         load_factor=jnp.asarray([s.load for s in steps]),
         x=jnp.asarray(x),

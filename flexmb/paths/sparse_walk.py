@@ -182,7 +182,7 @@ class SparseEquations:
             size = np.maximum(np.max(np.abs(change) / self.sizes, initial=0.0), abs(load))
             if bool(ACROSS_PATH.astray(size, before, tries)):
                 return point, tries, True, False
-            near = tangent.at.e + tangent.at.jacobian @ change
+            near = tangent.at.e + tangent.at.deformed(change)
             strained = near.copy()
             strained[self.held] = point.strained[self.held] + z[len(self.free) :]
             point = Point(point.x + change, near, strained, point.load + load)
@@ -256,12 +256,15 @@ class SparseEquations:
         following, shift = moving[self.fast], wanted_x[self.fast] - point.x[self.fast]
         balancing = at.sigma.copy()
         balancing[self.held] = point.strained[self.held]
-        right = np.concatenate(
-            [(at.force - at.jacobian.T @ balancing)[self.free], wanted_e[self.held] - at.e[self.held]]
-        )
-        by_load = np.concatenate([(at.jacobian.T @ by_stress - by_force)[self.free], -growing[self.held]])
-        if len(self.fast):
-            right, by_load = right - at.coupling @ shift, by_load + at.coupling @ following
+        lacking, rising = at.force - at.pulled(balancing), at.pulled(by_stress) - by_force
+        right = np.concatenate([lacking[self.free], wanted_e[self.held] - at.e[self.held]])
+        by_load = np.concatenate([rising[self.free], -growing[self.held]])
+        moved = np.stack([shift, following], axis=1)
+        if np.any(moved):
+            motions = np.zeros((len(self.sizes), 2))
+            motions[self.fast] = moved
+            by_shift, by_following = at.forces_of(motions).T
+            right, by_load = right - by_shift, by_load + by_following
         return _Tangent(at, by_load, following, right, shift)
 
     def _change(self, fast: np.ndarray, solved: np.ndarray) -> np.ndarray:
@@ -283,7 +286,7 @@ class SparseEquations:
 
     def _toward(self, t: _Tangent, change: np.ndarray, multipliers: np.ndarray, load: float) -> Direction:
         """Direction of a change of the coordinates, deformations to first order."""
-        strained = t.at.jacobian @ change
+        strained = t.at.deformed(change)
         strained[self.held] = multipliers
         return _toward(change, strained, load)
 

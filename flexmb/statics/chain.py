@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..arguments import is_concrete
+from ..math.element_matrices import ElementMatrices
 from ..math.indices import put
 from ..mechanics.blocks import kernel, scatter_vector
 from ..mechanics.levels import WIDE, Levels, bordered, levels_of, moving_blocks
@@ -17,7 +18,6 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
 from .search import LinearEquations, Search, corrected, linear_equations, start
-from .tangent import falls
 
 # A trial force of one at each stiffness moves a regular mechanism less, and is met by what it moves but for this share.
 FAR, UNMET = 1e13, 1e-3
@@ -53,7 +53,7 @@ def balanced_chain(topology: Topology, parameters: Parameters, target: LoadFacto
 
     def turn(s: Search) -> Search:
         equations, still = linear_equations(topology, parameters, target, s)
-        z, regular = _solved(topology, levels, equations, falls(parameters))
+        z, regular = _solved(topology, levels, equations)
         why = jnp.where(regular, RESULTS.successful, RESULTS.singular_stiffness)
         return corrected(topology, parameters, target, s, equations, jnp.where(regular, z, jnp.nan), why, still)
 
@@ -61,7 +61,7 @@ def balanced_chain(topology: Topology, parameters: Parameters, target: LoadFacto
 
 
 def _solved(
-    topology: Topology, levels: Levels, equations: LinearEquations, falls: bool
+    topology: Topology, levels: Levels, equations: LinearEquations
 ) -> tuple[Float[Array, "m 2"], Bool[Array, ""]]:
     """Solution of the linear equations, and whether their matrix is regular.
 
@@ -74,16 +74,16 @@ def _solved(
     moves = put(jnp.zeros(n_x), topology.x.free, 1.0)
     held = put(jnp.zeros(topology.n_e), topology.e.held, 1.0)
     blocks = moving_blocks(topology)
-    squares = _squares(blocks, equations, falls)
+    squares = _squares(blocks, equations.elements)
     diagonals = [(b.x, jnp.diagonal(of, axis1=1, axis2=2)) for b, of in zip(blocks, squares, strict=True)]
     stiffness = jnp.abs(scatter_vector(n_x, diagonals)) * moves
-    rows = iter(equations.rows)
+    rows = iter(equations.elements.constraints)
     pieces, firm = [], []
     excess = put(jnp.zeros((topology.n_e, 2)), topology.e.held, equations.right[n:])
     forces = put(jnp.zeros((n_x, 2)), jnp.sort(topology.x.free), equations.right[:n])
     for block, square, holds in zip(blocks, squares, levels.holds, strict=True):
         if "deformation" in block.companions and block.e.shape[1]:
-            own = next(rows) * held[block.e][:, :, None]
+            own = next(rows)[2] * held[block.e][:, :, None]
             size = jnp.sum(own**2 * moves[block.x][:, None, :], axis=2)
             bears = jnp.max(stiffness[block.x], axis=1)[:, None]
             c = jnp.where(size > 0, bears / jnp.where(size > 0, size, 1.0), 0.0)
@@ -111,18 +111,19 @@ def _solved(
     return jnp.concatenate([z[:n, :2][back], z[n:, :2]]), met & near
 
 
-def _squares(blocks: list[Any], equations: LinearEquations, falls: bool) -> list[Array]:
+def _squares(blocks: list[Any], elements: ElementMatrices) -> list[Array]:
     """Stiffness of the elements of each block that moves, by its coordinates: of deformations, and of weight."""
+    structural, curved = ((own for *_, own in pieces) for pieces in (elements.structural, elements.curved))
     deforming = [b for b in blocks if "deformation" in b.companions and b.e.shape[1]]
-    stretching = iter(equations.stiff[: len(deforming)])
-    weighing = iter(equations.stiff[len(deforming) :])
+    falls = len(elements.curved) > len(deforming)
+    bending = [next(curved) for _ in deforming]
     found = []
     for block in blocks:
         count, size = np.shape(block.x)
         square = jnp.zeros((count, size, size))
         if "deformation" in block.companions and block.e.shape[1]:
-            square = square + next(stretching)
+            square = square + next(structural, 0.0) + bending.pop(0)
         if falls and "inertia" in block.companions:
-            square = square + next(weighing)
+            square = square + next(curved)
         found.append(square)
     return found

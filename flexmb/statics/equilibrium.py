@@ -22,9 +22,9 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, told
 from .chain import is_long_chain
+from .choice import by_sparse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium
-from .sparse_structure import by_sparse
 
 # Failures of which a motion without stiffness may be the reason.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)

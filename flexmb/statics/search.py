@@ -4,16 +4,16 @@ How the linear equations of a turn are answered is left to others: by sparse fac
 by blocks in the order of a chain (:mod:`.chain`).
 """
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ..math.element_matrices import ElementMatrices, Pieces
 from ..math.indices import put
 from ..mechanics.blocks import kernel, scatter_vector
-from ..mechanics.deformation import deformation_functions, deformations, zero_near
+from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import free_deformations
@@ -22,7 +22,7 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
 from .solve import CRITICAL, ROUND_OFF, held_values
-from .tangent import elastic_stress, pieces_at, unknowns
+from .tangent import elastic_stress, element_matrices, unknowns
 
 
 class Iterate(NamedTuple):
@@ -62,13 +62,12 @@ class LinearEquations(NamedTuple):
     """Linear equations of a turn.
 
     Attributes:
-        stiff, rows: Element matrices, see :class:`flexmb.statics.tangent.Pieces`.
+        elements: Element matrices, those by deformations left out.
         right: What the equations lack, and the force that bends the softest motion, (n + h, 2).
         e: Deformations, (n_e,) [m, rad].
     """
 
-    stiff: list[Array]
-    rows: list[Array]
+    elements: ElementMatrices
     right: Float[Array, "m 2"]
     e: Float[Array, "n_e"]
 
@@ -85,10 +84,9 @@ def _strained(topology: Topology, parameters: Parameters, factors: LoadFactors, 
     return carried if free is None else carried + free
 
 
-def along(size: int, places: Sequence[tuple[Any, Any]], matrices: Sequence[Array], v: Float[Array, "n"]) -> Array:
+def along(size: int, pieces: Pieces, v: Float[Array, "n"]) -> Array:
     """Sum of element matrices times a vector of the whole."""
-    pieces = [(r, jnp.einsum("eij,ej->ei", m, v[c])) for (r, c), m in zip(places, matrices, strict=True)]
-    return scatter_vector(size, pieces)
+    return scatter_vector(size, [(r, jnp.einsum("eij,ej->ei", own, v[c])) for r, c, own in pieces])
 
 
 @kernel
@@ -100,32 +98,32 @@ def linear_equations(topology: Topology, parameters: Parameters, target: LoadFac
     x, near, carried, multipliers = s.trial
     strained = _strained(topology, parameters, factors, carried)
     sigma = put(elastic_stress(topology, parameters, factors, strained), held, multipliers)
-    found, of_rows, of_stiff, e = pieces_at(topology, parameters, factors, x, near, sigma, strained)
-    transposed = [(c, r) for r, c in of_rows], [jnp.swapaxes(d, 1, 2) for d in found.rows]
+    found, e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
+    transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in found.constraints]
     wanted_x, wanted_e = held_values(topology, parameters, factors)
     shift = put(jnp.zeros(n_x), fast, wanted_x[fast] - x[fast])
     # The stress of x to first order from that of what is carried.
     stress = jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (e - strained,))
-    pulled = along(n_x, *transposed, put(stress[0] + stress[1], held, 0.0))
-    lacking = nodal_forces(topology, parameters, factors, x) - pulled - along(n_x, of_stiff, found.stiff, shift)
-    excess = wanted_e - e - along(n_e, of_rows, found.rows, shift)
-    stretching = of_stiff[: len(found.elastic)]
-    diagonals = [jnp.diagonal(m, axis1=1, axis2=2) for m in found.elastic]
-    stiffness = scatter_vector(n_x, [(r, d) for (r, _), d in zip(stretching, diagonals, strict=True)])
+    pulled = along(n_x, transposed, put(stress[0] + stress[1], held, 0.0))
+    lacking = nodal_forces(topology, parameters, factors, x) - pulled - along(n_x, found.stiffness, shift)
+    excess = wanted_e - e - along(n_e, found.constraints, shift)
+    diagonals = [(r, jnp.diagonal(own, axis1=1, axis2=2)) for r, _, own in found.structural]
+    stiffness = scatter_vector(n_x, diagonals)
     # A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones.
     uneven = jnp.cos(jnp.arange(1.0, len(free) + 1) ** 2) * jnp.sqrt(jnp.abs(stiffness[free]))
-    bending = along(n_x, stretching, found.elastic, put(jnp.zeros(n_x), free, s.soft))[free]
+    bending = along(n_x, found.structural, put(jnp.zeros(n_x), free, s.soft))[free]
     bending = jnp.where(jnp.any(s.soft != 0), bending, uneven)
     none = jnp.zeros(len(held))
     right = jnp.stack([jnp.concatenate([lacking[free], excess[held]]), jnp.concatenate([bending, none])], axis=1)
     still = jnp.array(False)
     if not has_loads(topology, parameters):
         # What round-off of the deformations pulls.
-        error = ROUND_OFF * along(n_e, of_rows, [jnp.abs(d) for d in found.rows], sizes_of(topology, parameters))
+        sized = [(r, c, jnp.abs(d)) for r, c, d in found.constraints]
+        error = ROUND_OFF * along(n_e, sized, found.sizes)
         largest = jnp.abs(jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (error,))[1])
-        pulled = along(n_x, transposed[0], [jnp.abs(d) for d in transposed[1]], largest)
+        pulled = along(n_x, [(c, r, jnp.abs(d)) for c, r, d in transposed], largest)
         still = (s.iterations == 0) & jnp.all(jnp.abs(lacking[free]) <= pulled[free])
-    return LinearEquations(found.stiff, found.rows, right, e), still
+    return LinearEquations(found._replace(elastic=[]), right, e), still
 
 
 @kernel
@@ -150,14 +148,14 @@ def corrected(
     first = jnp.where(s.tries == 0, size, s.first)
     bad = AT_LOAD.astray(size, s.before, s.tries)
     done = near_enough(size, load, s.tries) & ~bad
-    places = [(block.e, block.x) for block, *_ in deformation_functions(topology, parameters, equations.e)]
-    e, rate = equations.e, along(topology.n_e, places, equations.rows, change)
+    rows, e = equations.elements.constraints, equations.e
+    rate = along(topology.n_e, rows, change)
     strained = _strained(topology, parameters, factors, carried)
     # The softest motion, by the power method for the largest 1/mu of K v = mu K0 v.
     softer = z[: len(free), 1]
 
     def energy(v: Float[Array, "n"]):
-        moved = along(topology.n_e, places, equations.rows, put(jnp.zeros(topology.n_x), free, v))
+        moved = along(topology.n_e, rows, put(jnp.zeros(topology.n_x), free, v))
         moved = put(moved, held, 0.0)
         return moved @ jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (moved,))[1]
 

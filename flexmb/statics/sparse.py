@@ -18,12 +18,11 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, product, refined
 from ..math.derivative import jvp_of_varied
-from ..math.element_matrices import ElementMatrices
+from ..math.element_matrices import ElementMatrices, Whole
 from ..math.indices import put
 from ..math.sparse import on_host_thread
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
-from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import Felt, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import is_nonlinear_at_rest
@@ -33,8 +32,7 @@ from ..results import RESULTS, check
 from .chain import balanced_chain, chain_of
 from .search import Search, corrected, linear_equations, start
 from .solve import held_values
-from .sparse_structure import structure_of
-from .tangent import elastic_stress, falls, pieces_at, unknowns
+from .tangent import elastic_stress, element_matrices, unknowns
 
 
 class Balanced(NamedTuple):
@@ -55,29 +53,20 @@ class Balanced(NamedTuple):
     result: Any = 0
 
 
-def _answer(
-    topology: Topology, given: ElementMatrices | tuple[Any, Any], right: Any, *, falls: bool, transposed: bool = False
-):
+def _answer(elements: ElementMatrices, right: Any, *, transposed: bool = False, better: bool = True):
     """Solution of the linear equations on the host, and what they are: a code of RESULTS; NumPy and SciPy alone.
 
     Args:
-        topology: Structure.
-        given: Element matrices, with which the solution is refined, or stiffness and rows as of
-            :class:`.tangent.Pieces`: the solution is but a correction, which a next one will mend.
+        elements: Element matrices.
         right: (n + h,) or (n + h, k).
-        falls: See :func:`.tangent.falls`.
         transposed: Whether of the transposed equations.
+        better: Whether the solution is refined by the elements' matrices; a correction is not, which a next one mends.
     """
-    structure, elements = structure_of(topology, falls), None
-    if isinstance(given, ElementMatrices):
-        elements = given
-        stiff, rows = ([own for *_, own in of] for of in (elements.stiffness, elements.constraints))
-    else:
-        stiff, rows = given
     try:
-        factors = structure.tangent.factors(structure.bordered(stiff, rows))
+        whole = Whole(elements)
+        factors = whole.factors(whole.at())
         if factors.regular:
-            if elements is None:
+            if not better:
                 found = factors.solve(right, transposed)
             else:
                 columns, sizes = right.reshape(len(right), -1), elements.sizes[elements.free]
@@ -85,28 +74,21 @@ def _answer(
                     lambda z: forces(elements, z, transposed), lambda z: factors.solve(z, transposed), columns, sizes
                 ).reshape(right.shape)
             return found, np.array(RESULTS.successful, np.int32)
-        why = RESULTS.singular_stiffness if structure.independent(rows) else RESULTS.singular_configuration
+        why = RESULTS.singular_stiffness if whole.independent() else RESULTS.singular_configuration
     except AnalysisError as fault:
         why = RESULTS[fault.code]
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
 
 
-def _traced_answer(
-    topology: Topology,
-    given: ElementMatrices | tuple[Any, Any],
-    right: Float[Array, "r *k"],
-    *,
-    falls: bool,
-    transposed: bool = False,
-):
+def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: bool):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
-    answer = functools.partial(_answer, falls=falls, transposed=transposed)
+    answer = functools.partial(_answer, **how)
 
     def call(*arguments: Any):
         return on_host_thread(answer, *jax.tree.map(np.asarray, arguments))
 
-    return jax.pure_callback(call, shapes, topology, given, right, vmap_method="sequential")
+    return jax.pure_callback(call, shapes, elements, right, vmap_method="sequential")
 
 
 def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
@@ -122,15 +104,13 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
-            on_host = jax.tree.map(np.asarray, (topology, (linear.stiff, linear.rows), linear.right))
-            found = _answer(*on_host, falls=falls(parameters))
+            found = _answer(*jax.tree.map(np.asarray, (linear.elements, linear.right)), better=False)
             s = corrected(topology, parameters, target, s, linear, *found, still)
     else:
-        answer = functools.partial(_traced_answer, falls=falls(parameters))
 
         def turn(s: Search) -> Search:
             linear, still = linear_equations(topology, parameters, target, s)
-            found = answer(topology, (linear.stiff, linear.rows), linear.right)
+            found = _traced_answer(linear.elements, linear.right, better=False)
             return corrected(topology, parameters, target, s, linear, *found, still)
 
         again = start(topology, parameters)
@@ -167,19 +147,8 @@ def lacking_at(
 @kernel
 def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced):
     """Element matrices of the tangent at a state."""
-    free, _, held = unknowns(topology)
-    sigma = put(elastic_stress(topology, parameters, factors, near), held, at.multipliers)
-    found, of_rows, of_stiff, _ = pieces_at(topology, parameters, factors, at.x, near, sigma, near)
-    elements: dict[str, Any] = {name: [] for name in ElementMatrices._fields}
-    elements["stiffness"] = [(*place, own) for place, own in zip(of_stiff, found.stiff, strict=True)]
-    curved = [*found.geometric, *found.loads]
-    elements["curved"] = [(*place, own) for place, own in zip(of_stiff, curved, strict=True)]
-    elements["constraints"] = [(*place, own) for place, own in zip(of_rows, found.rows, strict=True)]
-    elements["elastic"] = [(rows, rows, own) for (rows, _), own in zip(of_rows, found.own, strict=True)]
-    kept = put(jnp.ones(topology.n_e), held, 0.0)
-    return ElementMatrices(
-        **elements | {"free": free, "held": held, "sizes": sizes_of(topology, parameters), "kept": kept}
-    )
+    sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
+    return element_matrices(topology, parameters, factors, at.x, near, sigma, near)[0]
 
 
 def solution_at(
@@ -199,8 +168,7 @@ def solution_at(
     """
     elements = _tangent(topology, parameters, factors, near, at)
     if is_concrete((elements, right)):
-        on_host = jax.tree.map(np.asarray, (topology, elements, right))
-        found, code = _answer(*on_host, falls=falls(parameters))
+        found, code = _answer(*jax.tree.map(np.asarray, (elements, right)))
         return jnp.asarray(found), jnp.asarray(code)
 
     fixed: Any = jax.lax.stop_gradient(elements)
@@ -209,8 +177,7 @@ def solution_at(
         return product(elements, z[:, None])[:, 0]
 
     def solve(transposed: bool):
-        how = functools.partial(_traced_answer, falls=falls(parameters), transposed=transposed)
-        return lambda _, right: how(topology, fixed, right)
+        return lambda _, right: _traced_answer(fixed, right, transposed=transposed)
 
     return jax.lax.custom_linear_solve(matvec, right, solve(False), solve(True), has_aux=True)
 

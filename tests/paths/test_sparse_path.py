@@ -9,8 +9,11 @@ from flexmb import planar, spatial
 from flexmb.results import RESULTS
 
 
-def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, follower=False, **options):
-    """A shallow sine arch between hinges, pressed in its middle: it bends aside before it snaps through."""
+def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, follower=False, travel=None, **options):
+    """A shallow sine arch between hinges, pressed in its middle: it bends aside before it snaps through.
+
+    Where it is given a travel, that is prescribed in place of a load.
+    """
     b = fm.Builder()
     for i in range(beams + 1):
         b.node(f"n{i}", (i / beams, rise * np.sin(np.pi * i / beams)))
@@ -19,7 +22,10 @@ def arch(beams=8, load=(0.0, -160.0), rise=0.1, sparse=False, preload=None, foll
         b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, **options)
     b.fix("n0", "position")
     b.fix(f"n{beams}", "position")
-    b.force(f"n{beams // 2}", load, increment=preload is not None, follower=follower)
+    if travel is None:
+        b.force(f"n{beams // 2}", load, increment=preload is not None, follower=follower)
+    else:
+        b.prescribe(f"n{beams // 2}", "y", travel)
     if preload is not None:
         b.force(f"n{beams // 2}", preload)
     return b.build(check=not sparse)
@@ -30,10 +36,12 @@ FOLLOWING = {"follower": True, "load": (4.0, -160.0)}
 ASIDE = {"follower": True}
 # An element's stiffness couples what is released with what is held: half a beam's bending.
 HALF = {"beams": 4, "released": (1, 2)}
+# The state follows what is prescribed, and the force that does so falls and turns its sign.
+DRIVEN = {"beams": 4, "travel": -0.18}
 
 
 @pytest.mark.parametrize(
-    "case", [{}, {"released": (2, 3), "rise": 0.05}, {"preload": (0.5, -1.0)}, HALF, ASIDE, FOLLOWING]
+    "case", [{}, {"released": (2, 3), "rise": 0.05}, {"preload": (0.5, -1.0)}, HALF, ASIDE, FOLLOWING, DRIVEN]
 )
 def test_a_path_by_sparse_factors_is_that_of_dense_matrices(case):
     # Both are Newton's method to round-off; a state between two others is known to half the digits at bifurcations.

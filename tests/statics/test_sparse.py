@@ -10,8 +10,8 @@ import scipy.sparse
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.math import element_matrices
 from flexmb.math.sparse import SparseFactors, on_host_thread
-from flexmb.statics import sparse_structure
 from flexmb.statics.sparse import _traced_answer
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
@@ -189,7 +189,7 @@ def test_equations_of_compiled_code_are_solved_in_one_thread(monkeypatch):
         return np.array([float(threading.get_ident())]), np.array(0, np.int32)
 
     monkeypatch.setattr("flexmb.statics.sparse._answer", where)
-    found, _ = jax.jit(lambda right: _traced_answer(None, ([], []), right, falls=False))(jnp.zeros(1))
+    found, _ = jax.jit(lambda right: _traced_answer(None, right))(jnp.zeros(1))
     assert int(found[0]) == on_host_thread(threading.get_ident)
 
 
@@ -240,6 +240,20 @@ def test_a_failure_is_a_code_where_it_is_not_raised():
         fm.equilibrium(b.build(check=False), sparse=True)
 
 
+def test_bars_that_hold_the_same_twice_are_named():
+    b = fm.Builder()
+    for name, position in {"a": (0.0, 0.0), "b": (1.0, 0.0), "c": (0.5, 1.0)}.items():
+        b.node(name, position)
+    for p, q in ("ac", "bc", "ac"):
+        b.add(planar.truss, p, q)
+    b.fix("a")
+    b.fix("b")
+    b.force("c", (0.0, 0.1))
+    model = b.build(check=False)
+    with pytest.raises(fm.AnalysisError, match="the constraint matrix is singular"):
+        fm.equilibrium(model, sparse=True)
+
+
 def test_memory_that_does_not_suffice_is_named(monkeypatch):
     def full(*_, **__):
         raise MemoryError
@@ -248,7 +262,7 @@ def test_memory_that_does_not_suffice_is_named(monkeypatch):
     lin = fm.linearize(model, sparse=True)
     monkeypatch.setattr("flexmb.statics.sparse.chain_of", lambda topology: None)
     monkeypatch.setattr("scipy.sparse.linalg.splu", full)
-    monkeypatch.setattr("flexmb.statics.sparse_structure._known", type(sparse_structure._known)())
+    monkeypatch.setattr("flexmb.math.element_matrices._known", type(element_matrices._known)())
     asked = (
         lambda: fm.equilibrium(model, sparse=True),
         lambda: fm.compliance(lin, "d"),
@@ -282,7 +296,7 @@ def test_small_pivots_on_the_diagonal():
 
 def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):
     b = arm()
-    monkeypatch.setattr("flexmb.statics.sparse_structure.LARGE", 10)
+    monkeypatch.setattr("flexmb.statics.choice.LARGE", 10)
     # It has no degrees of freedom, which dense matrices need.
     assert fm.equilibrium(b.build(check=False)).result == fm.RESULTS.successful
     monkeypatch.undo()
