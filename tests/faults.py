@@ -2397,7 +2397,7 @@ FAULTS = [
         "math/element_matrices.py",
         "SparseFactors(self._matrix(self._d) + ",
         "SparseFactors(self._matrix(self._k) + ",
-        "statics/test_sparse.py -k hold_the_same_twice",
+        "statics/test_sparse.py -k told_apart",
     ),
     Fault(
         "paths/sparse_walk.py",
@@ -2405,12 +2405,11 @@ FAULTS = [
         "by_load - by_following",
         "paths/test_sparse_path.py -k case6",
     ),
-    Fault("paths/sparse_walk.py", "right - by_shift,", "right,", "paths/test_sparse_path.py -k case6"),
     Fault(
         "statics/tangent.py",
         "kept[at][:, :, None] * own * kept[by][:, None, :]",
         "own",
-        "paths/test_sparse_path.py -k case3",
+        "paths/test_sparse_states.py -k coupled",
     ),
 ]
 

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Collection, Sequence
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 
 from ..display import AT_MOST, Result, States, Summary, counted
@@ -272,7 +272,7 @@ def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
     if signal.quantity == "stress":
         return found.jacobian[signal.index]
     row = np.zeros(len(x))
-    own, along = along_coordinates(signal, jnp.asarray(x))
+    own, along = along_coordinates(signal, jax.device_put(x))
     row[np.asarray(own)] = np.asarray(along)
     return row / np.linalg.norm(row)
 

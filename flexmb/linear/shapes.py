@@ -45,4 +45,4 @@ class Shapes(ByName, AboutState):
         Raises:
             KeyError: No such node or component.
         """
-        return moved(self.labels, self.lin.x, self.shapes.T, node, component)
+        return moved(self.labels, self.lin.x, self.shapes, node, component)

@@ -38,7 +38,7 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     """
     if is_concrete(arguments):
         with one_thread():
-            return jax.tree.map(jnp.asarray, function(*jax.tree.map(np.asarray, arguments)))
+            return jax.device_put(function(*jax.tree.map(np.asarray, arguments)))
     return _traced(function, like, *arguments)
 
 

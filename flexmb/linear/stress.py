@@ -527,7 +527,7 @@ def section_resultants(
         model, points, Where(at, step, time, increment), load_factor, sparse, throw, "section_resultants"
     )
     values = (_resultants_of_all if several else _resultants)(*inputs)
-    return SectionResultants(values, jnp.asarray(places), result, names)
+    return SectionResultants(values, jax.device_put(places), result, names)
 
 
 def stress(
@@ -579,7 +579,7 @@ def stress(
         model, points, Where(at, step, time, increment), load_factor, sparse, throw, "stress"
     )
     values, sigma_x, tau, equivalent, more = (_stress_of_all if several else _stress)(*inputs)
-    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jnp.asarray(places), result, names), **more)
+    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jax.device_put(places), result, names), **more)
     if found.strength is not None and is_concrete(found):
         _warn_of_failure(found)
     return found

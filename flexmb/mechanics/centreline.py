@@ -3,7 +3,6 @@
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -32,7 +31,7 @@ def curves_of(
         named = block.element.arguments(block.element.shape, {**options, **properties})
         if named is not None:
             own = {name: value for name, value in properties.items() if name in named}
-            return np.asarray(_shapes(block, own, jnp.asarray(ref), jnp.asarray(at), jnp.asarray(places)))
+            return np.asarray(_shapes(block, own, *jax.device_put((ref, at, places))))
     points = parts_of(kinds, block.splits, at, "position")
     if not points:
         return np.zeros((len(index), 0, 0))

@@ -4,6 +4,7 @@ import functools
 from collections import deque
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Inexact, Int
@@ -171,8 +172,7 @@ def _levels(key: tuple[tuple[tuple[int, ...], bytes], ...], n: int, count: int, 
     table = _table(unknowns, np.append(level, -9), np.append(within, 0), wide, many, count)
     empty = np.eye(wide)[:, :, None] * (place == count)
     back = within * many + level
-    arrays = (jnp.asarray(of) for of in (place, back, table, empty))
-    return *arrays, tuple(jnp.asarray(u) for u in unknowns)
+    return *jax.device_put((place, back, table, empty)), tuple(jax.device_put(unknowns))
 
 
 def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:

@@ -122,9 +122,7 @@ def sparse_order_of(topology: Topology) -> SparseOrder:
     """Unknowns of a mechanism and where its matrices have entries, on the host; found once for equal structures."""
     moving = moving_blocks(topology)
     unknowns, holds, count = unknowns_of(topology, moving)
-    return SparseOrder(
-        tuple(jnp.asarray(u) for u in unknowns), turning_of(topology, moving), holds, _places(unknowns, count)
-    )
+    return SparseOrder(tuple(jax.device_put(unknowns)), turning_of(topology, moving), holds, _places(unknowns, count))
 
 
 # As long as one of them is in use, equal structures share it and the code that was compiled with it.

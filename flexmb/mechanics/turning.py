@@ -107,4 +107,4 @@ def turning_of(topology: Topology, blocks: list[Block]) -> Turning:
 
     pairs = once(positions, axes + size, axes)
     own = once(rotations, 4, 4) if axes == 3 else np.zeros((0, 4), int)
-    return Turning(*(jnp.asarray(of) for of in (unknown[pairs[:, :axes]], pairs[:, axes:], unknown[own], own)))
+    return Turning(*jax.device_put((unknown[pairs[:, :axes]], pairs[:, axes:], unknown[own], own)))

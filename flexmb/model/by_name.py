@@ -1,11 +1,14 @@
 """Results are asked by the names of nodes and elements: the same questions of a state, a path and a motion."""
 
+from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import is_concrete
 from ..math.rotation import LBAR, rotation_vector
 
 # Rotations in space are asked for about the global axes.
@@ -41,7 +44,7 @@ class ByName:
         Raises:
             KeyError: No such node.
         """
-        return self.x[..., self.labels.known(node)]
+        return picked(self.x, self.labels.known(node))
 
     def position(self: Any, node: str, component: str | None = None) -> Float[Array, "*states axes"]:
         """Where a node is.
@@ -195,7 +198,7 @@ class ByName:
             KeyError: No such element, or it has no such deformation.
             AttributeError: The result has no deformations.
         """
-        return _held(self, "e")[..., self.labels.deformations(element, number)]
+        return picked(_held(self, "e"), self.labels.deformations(element, number))
 
     def stress_resultant(self: Any, element: str, number: int | None = None) -> Float[Array, "*states n"]:
         """Stress resultants of an element, dual to its deformations; of what is FIXED, the constraint force.
@@ -211,13 +214,13 @@ class ByName:
             KeyError: No such element, or it has no such deformation.
             AttributeError: The result has no stress resultants.
         """
-        return _held(self, "sigma")[..., self.labels.deformations(element, number)]
+        return picked(_held(self, "sigma"), self.labels.deformations(element, number))
 
     def _placed(self: Any, values: Any, node: str, component: str | None) -> Any:
         """Values at a node's own coordinates, or at one of them."""
         indices = self.labels.known(node)
         names = [self.labels.x[i].symbol for i in indices]
-        return values[..., indices if component is None else indices[_number(node, names, component)]]
+        return picked(values, indices if component is None else indices[_number(node, names, component)])
 
     def _turned(self: Any, values: Any, node: str, component: str | None, function: Any) -> Any:
         """Values at a node's rotation; in space what a function makes of its Euler parameters and them."""
@@ -227,12 +230,12 @@ class ByName:
         if not parts:
             raise KeyError(f"node '{node}' has no rotation: no element that turns with it is joined to it")
         indices = self.labels.known(parts[0])
-        own = values[..., indices]
+        own = picked(values, indices)
         if len(indices) == 1:
             _number(node, ["phi"], component)
-            return own[..., 0]
-        own = function(self.x[..., indices], own)
-        return own if component is None else own[..., _number(node, TURNS, component)]
+            return picked(own, 0)
+        own = function(picked(self.x, indices), own)
+        return own if component is None else picked(own, _number(node, TURNS, component))
 
     def _acting(self: Any, values: Any, node: str, component: str | None) -> Any:
         """Forces and moments of values that are dual to the coordinates: to Euler parameters 2 Lbar^T m is."""
@@ -245,14 +248,38 @@ def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = N
     Args:
         labels: Names.
         x: Nodal coordinates of the state, (n_x,) [m, rad, -].
-        shapes: Changes of the coordinates, (shapes, n_x).
+        shapes: Changes of the coordinates, one a column, (n_x, shapes).
         node: Name of the node.
         component: One component alone.
 
     Raises:
         KeyError: No such node or component.
     """
-    return _along_axes(labels, x, shapes, node, component, 2.0)
+    rows = _computed(lambda _, shapes: shapes.T, shapes)
+    return _along_axes(labels, x, rows, node, component, 2.0)
+
+
+def picked(values: Any, indices: Any) -> Any:
+    """Entries of the last axis.
+
+    Args:
+        values: Array of NumPy or JAX.
+        indices: A number or several.
+    """
+    return _computed(lambda _, values: values[..., indices], values)
+
+
+def _computed(function: Callable[..., Any], *arrays: Any) -> Any:
+    """What a function makes of arrays: of known numbers on the host, where JAX would compile each operation.
+
+    Args:
+        function: ``f(xp, *arrays)`` of NumPy or JAX as array module.
+        arrays: As results hold them.
+    """
+    if not is_concrete(arrays):
+        return function(jnp, *arrays)
+    found = function(np, *map(np.asarray, arrays))
+    return found if all(isinstance(array, np.ndarray) for array in arrays) else jax.device_put(found)
 
 
 def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | None, factor: float) -> Any:
@@ -260,12 +287,12 @@ def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | No
     pieces, names = [], []
     for part in labels.parts(node):
         indices = labels.known(part)
-        own = values[..., indices]
+        own = picked(values, indices)
         turns = labels.x[indices[0]].symbol == "l0"
-        pieces.append(factor * _with_lbar(x[..., indices], own) if turns else own)
+        pieces.append(_with_lbar(picked(x, indices), own, factor) if turns else own)
         names += TURNS if turns else [labels.x[i].symbol for i in indices]
-    whole = jnp.concatenate(pieces, axis=-1)
-    return whole if component is None else whole[..., _number(node, names, component)]
+    whole = pieces[0] if len(pieces) == 1 else _computed(lambda xp, *of: xp.concatenate(of, axis=-1), *pieces)
+    return whole if component is None else picked(whole, _number(node, names, component))
 
 
 def _number(node: str, names: Any, component: str | None) -> int:
@@ -299,11 +326,12 @@ def _vectors(lam: Any) -> Any:
     return jnp.vectorize(rotation_vector, signature="(n)->(m)")(lam)
 
 
-def _with_lbar(lam: Any, values: Any) -> Any:
-    """Lbar times values at Euler parameters, (.., 4) to (.., 3)."""
-    return jnp.einsum("ijk,...k,...j->...i", np.asarray(LBAR), lam, values)
+def _with_lbar(lam: Any, values: Any, factor: float) -> Any:
+    """A factor times Lbar times values at Euler parameters, (.., 4) to (.., 3)."""
+    lbar = factor * np.asarray(LBAR)
+    return _computed(lambda xp, lam, values: xp.einsum("ijk,...k,...j->...i", lbar, lam, values), lam, values)
 
 
 def _about_axes(lam: Any, rates: Any) -> Any:
     """Angular velocity of rates of Euler parameters, acceleration of second rates, (.., 4) to (.., 3)."""
-    return 2 * _with_lbar(lam, rates)
+    return _with_lbar(lam, rates, 2.0)

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 from collections.abc import Callable
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -36,7 +37,7 @@ def sampled_intervals(times: np.ndarray, period: float, start: float, end: float
     place = np.arange(len(times)) - np.searchsorted(interval, interval)
     rows = np.repeat(ends[:, None], np.max(place) + 2, axis=1)
     rows[interval, place] = np.clip(times, starts[interval], ends[interval])
-    return Intervals(*(jnp.asarray(part) for part in (starts, ends, rows, interval, place)))
+    return Intervals(*jax.device_put((starts, ends, rows, interval, place)))
 
 
 def _bounds(times: np.ndarray, feedback: Feedback | Sampled | None, dt0: float) -> np.ndarray:
@@ -101,5 +102,5 @@ def integrate_in_parts(
     if not rows:
         top, inputs = problem.model.topology, 0 if feedback is None else len(problem.model.labels.inputs)
         rows.append([np.zeros((0, size)) for size in (top.n_x, top.n_x, top.n_e, inputs)])
-    whole = WholeMotion(*(jnp.asarray(np.concatenate(column)) for column in zip(*rows, strict=True)))
+    whole = WholeMotion(*jax.device_put([np.concatenate(column) for column in zip(*rows, strict=True)]))
     return Integrated(whole, jnp.asarray(steps), jnp.asarray(int(result)), at)

@@ -89,7 +89,7 @@ def _told(found: _LimitPoint) -> tuple[Any, Any]:
 
 def _limit_of(model: Model, first: float, most: int) -> _LimitPoint:
     """The limit point, and the left null vector of the equations there, of a product of one with their rate."""
-    equations = SparseEquations(model)
+    equations = SparseEquations(model, critical=False)
     walker = Walker(equations, first, Stops((), None, np.inf))
     (at,), length = walker.steps, first
 

@@ -2,6 +2,7 @@
 
 from typing import Any, ClassVar, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
@@ -173,7 +174,7 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critica
         ),
         strict=True,
     )
-    gravity = None if felt[0].gravity is None else jnp.asarray(np.stack([own.gravity for own in felt]))
+    gravity = None if felt[0].gravity is None else jax.device_put(np.stack([own.gravity for own in felt]))
     values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
     stable = np.all(values > 0, axis=1) & (below == 0) & (not critical)
     if equations.unsymmetric:
@@ -181,13 +182,13 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critica
             own = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
             stable[i] = is_steady(moving_element_matrices(topology, parameters, *own))
     return SparseStates(
-        load_factor=jnp.asarray([s.load for s in steps]),
-        x=jnp.asarray(x),
-        e=jnp.asarray(e),
-        sigma=jnp.asarray(sigma),
+        load_factor=jax.device_put(np.array([s.load for s in steps])),
+        x=jax.device_put(x),
+        e=jax.device_put(e),
+        sigma=jax.device_put(sigma),
         felt=Felt(gravity),
-        reactions=jnp.asarray(np.stack(reactions)),
-        external=jnp.asarray(np.stack(external)),
+        reactions=jax.device_put(np.stack(reactions)),
+        external=jax.device_put(np.stack(external)),
         critical_values=values,
         negative=below + np.sum(values < 0, axis=1),
         stable=stable,

@@ -105,8 +105,15 @@ class SparseEquations:
         unsymmetric: Whether the tangent is not symmetric, of loads or laws without a potential.
     """
 
-    def __init__(self, model: Model):
+    def __init__(self, model: Model, critical: bool = True):
+        """Prepare the walk.
+
+        Args:
+            model: Mechanism.
+            critical: Whether critical values are found.
+        """
         self.model, self.parts = model, (model.topology, model.parameters)
+        self._tells = critical
         self.unsymmetric = lacks_potential(model.topology)
         self.free, self.fast, self.held = (np.asarray(i) for i in unknowns(model.topology))
         self.sizes = np.asarray(sizes_of(*self.parts))
@@ -138,7 +145,7 @@ class SparseEquations:
             # A hanging body has no stiffness without stress.
             return ramp, Scale(sizes, sizes), _failed(point), RESULTS.singular_stiffness
         ahead = self._direction(tangent, bordered)
-        scale: Any = jax.tree.map(np.asarray, scale_of(topology, parameters, jax.tree.map(jnp.asarray, ahead)))
+        scale: Any = jax.tree.map(np.asarray, scale_of(topology, parameters, jax.device_put(ahead)))
         values, below = self._critical(tangent.at, factored)
         told: Any = values, np.array(True), np.array(True), np.ones(()), np.array(0), np.array(below)
         return ramp, scale, Step(point, unit(scale, ahead), *told), code
@@ -235,7 +242,7 @@ class SparseEquations:
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers among them [N, N m]."""
         found = np.array(
-            elastic_stress(*self.parts, as_arrays(ramp.at(point.load)), jnp.asarray(self._strained(point)))
+            elastic_stress(*self.parts, as_arrays(ramp.at(point.load)), jax.device_put(self._strained(point)))
         )
         found[self.held] = point.strained[self.held]
         return found
@@ -249,7 +256,7 @@ class SparseEquations:
     def _tangent(self, ramp: Ramp, point: Point) -> _Tangent:
         """Equations and their derivatives at a state."""
         factors, rate = as_arrays(ramp.at(point.load)), as_arrays(ramp.rate)
-        found = _at_load(*self.parts, factors, rate, jnp.asarray(point.x), jnp.asarray(self._strained(point)))
+        found = _at_load(*self.parts, factors, rate, jax.device_put(point.x), jax.device_put(self._strained(point)))
         sigma, wanted_x, wanted_e, by_stress, moving, growing, by_force = (np.array(one) for one in found)
         sigma[self.held], by_stress[self.held] = point.strained[self.held], 0.0
         at = assemble(*self.parts, factors, point.x, point.near, sigma)
@@ -292,6 +299,8 @@ class SparseEquations:
 
     def _critical(self, at: Assembled, factored: SparseFactors) -> tuple[np.ndarray, int]:
         """Critical values nearest to zero, ascending, and how many more are negative."""
+        if not self._tells:
+            return np.zeros(0), 0
         find = value_of_determinant if self.unsymmetric else critical_values_of
         found = find(at.tangent, factored, self.sizes[self.free], self._soft, at)
         self._soft = found.start
@@ -300,4 +309,4 @@ class SparseEquations:
 
 def as_arrays(given: LoadFactors) -> LoadFactors:
     """Load factors as arrays of JAX."""
-    return LoadFactors(*(jnp.asarray(factor, float) for factor in given))
+    return LoadFactors(*jax.device_put([np.asarray(factor, float) for factor in given]))

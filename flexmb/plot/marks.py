@@ -3,7 +3,7 @@
 import dataclasses
 from typing import NamedTuple
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -112,7 +112,7 @@ def _forces(model: Model, x: np.ndarray) -> np.ndarray:
     p = model.parameters
     light = [None if own is None else dataclasses.replace(own, gravity=None) for own in (p.loads, p.increment)]
     parameters = dataclasses.replace(p, loads=light[0], increment=light[1])
-    return np.asarray(nodal_forces(model.topology, parameters, LoadFactors(1.0, 1.0), jnp.asarray(x)))
+    return np.asarray(nodal_forces(model.topology, parameters, LoadFactors(1.0, 1.0), jax.device_put(x)))
 
 
 def _moments(model: Model, x: np.ndarray, forces: np.ndarray) -> dict[str, np.ndarray]:

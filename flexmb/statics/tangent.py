@@ -197,5 +197,5 @@ def assemble(
     sigma: Float[Array | np.ndarray, "n_e"],
 ) -> Assembled:
     """Tangent of the equilibrium at a state with stress resultants ``sigma``, on the host."""
-    found = _at_state(topology, parameters, factors, *(jnp.asarray(v) for v in (x, near, sigma)))
+    found = _at_state(topology, parameters, factors, *jax.device_put((x, near, sigma)))
     return Assembled(*jax.tree.map(np.asarray, found))
