@@ -2,6 +2,7 @@
 
 import operator
 import reprlib
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -27,6 +28,22 @@ def as_floats(value: Any) -> Any:
         value: A number, or an array of any shape; traced ones stay so.
     """
     return np.asarray(value, float) if is_concrete(value) else jax.numpy.asarray(value, float)
+
+
+def computed(function: Callable[..., Any], *arrays: Any) -> Any:
+    """What a function makes of arrays: of known numbers on the host, where JAX would compile each operation.
+
+    Args:
+        function: ``f(xp, *arrays)``, where xp is NumPy or its like in JAX.
+        arrays: Of NumPy or JAX; traced ones stay so.
+
+    Returns:
+        Array of NumPy where all are, else of JAX.
+    """
+    if not is_concrete(arrays):
+        return function(jax.numpy, *arrays)
+    found = function(np, *map(np.asarray, arrays))
+    return found if all(isinstance(array, np.ndarray) for array in arrays) else jax.device_put(found)
 
 
 def shown(value: Any) -> str:

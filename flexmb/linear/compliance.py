@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag
+from ..arguments import check_flag, computed
 from ..compilation.compile import jit
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
@@ -133,17 +133,24 @@ def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], loc
 
 def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
     """Compliance by sparse factors: displacements under the forces dual to them."""
-    rows = _directions(lin.x, parts, local)
-    along = jnp.zeros((sum(row.shape[0] for row in rows), lin.x.shape[0]))
+    forces = _unit_forces(lin.x, parts, lin.elements.free, lin.elements.held, local=local)
+    with naming_stiffest(lin.model):
+        moved = solved(lin.elements, forces)
+    return computed(lambda _, forces, moved: forces.T @ moved, forces, moved)
+
+
+@jit
+def _unit_forces(
+    x: Float[Array, "n_x"], parts: tuple[Any, ...], free: Int[Array, "n"], held: Int[Array, "h"], *, local: bool
+) -> Float[Array, "r n"]:
+    """Unit forces along displacements and about rotations, on the coordinates that move, and none on multipliers."""
+    rows = _directions(x, parts, local)
+    along = jnp.zeros((sum(row.shape[0] for row in rows), x.shape[0]))
     start = 0
     for row, part in zip(rows, parts, strict=True):
         along = along.at[start : start + row.shape[0], part].set(row)
         start += row.shape[0]
-    elements = lin.elements
-    forces = along.T[elements.free]
-    with naming_stiffest(lin.model):
-        moved = solved(elements, jnp.concatenate([forces, jnp.zeros((elements.unknowns[1], forces.shape[1]))]))
-    return forces.T @ moved[: forces.shape[0]]
+    return jnp.concatenate([along.T[free], jnp.zeros((held.shape[0], along.shape[0]))])
 
 
 def compliance_of(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):

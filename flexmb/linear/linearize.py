@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_whole, is_concrete
+from ..arguments import check_flag, check_whole, computed, is_concrete
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
 from ..mechanics.blocks import kernel
@@ -102,7 +102,7 @@ class Matrices(Result, Record):
     @property
     def K(self) -> Float[Array, "n_q n_q"]:
         """Whole stiffness K0 + N0 + G0."""
-        return self.K0 + self.N0 + self.G0
+        return computed(lambda _, *parts: sum(parts), self.K0, self.N0, self.G0)
 
 
 T = TypeVar("T")
@@ -189,7 +189,7 @@ class Linearization(ByName, AboutState, Result, Record):
         count, chosen = self.matrices.M0.shape[0], check_whole("number", number)
         if not -count <= chosen < count:
             raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
-        return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
+        return Linearization(jax.tree.map(lambda a: computed(lambda _, a: a[chosen], a), self.matrices), self.model)
 
     instant = at_time
 

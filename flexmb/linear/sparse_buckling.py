@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
@@ -269,7 +270,7 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
         at = Balanced(about.x, about.sigma[held], about.e, jnp.zeros((), jnp.int32), jnp.zeros((), jnp.int32))
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
     # The number is handed on as a shape, which stays known.
-    return topology, parameters, factors, at, jnp.zeros(min(count, every))
+    return topology, parameters, factors, at, np.zeros(min(count, every))
 
 
 @one_thread()

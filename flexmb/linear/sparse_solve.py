@@ -144,7 +144,7 @@ def lowest(elements: ElementMatrices, count: int) -> Lowest:
         THEORY.md 7, eq. (7.16): Lanczos method of ARPACK, shifted and inverted; derivatives as Nelson (1976).
     """
     # The number is handed on as a shape, which stays known.
-    return _lowest(elements, jnp.zeros(_possible(elements, count)))
+    return _lowest(elements, np.zeros(_possible(elements, count)))
 
 
 def _possible(elements: ElementMatrices, count: int) -> int:
@@ -255,7 +255,7 @@ def lowest_values(elements: ElementMatrices, count: int) -> Float[Array, "count"
     Source:
         Rayleigh's quotient in the motions found: d(omega^2) = v^T (dK - omega^2 dM) v + 2 m^T dD v.
     """
-    return _lowest_values(elements, jnp.zeros(_possible(elements, count)))
+    return _lowest_values(elements, np.zeros(_possible(elements, count)))
 
 
 @jax.custom_jvp

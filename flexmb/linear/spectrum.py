@@ -13,6 +13,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
+from ..arguments import computed
 from ..errors import AnalysisError
 from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..math.subspace import independent_rows
@@ -199,10 +200,13 @@ def to_frequency(eigenvalues: Any) -> Any:
     Source:
         Definition; the derivative at exactly zero is taken as zero.
     """
-    xp: Any = np if isinstance(eigenvalues, np.ndarray) else jnp
-    usual = xp.isfinite(eigenvalues) & (eigenvalues != 0)
-    root = xp.sqrt(xp.abs(xp.where(usual, eigenvalues, 1.0))) / (2 * np.pi)
-    return xp.where(usual, xp.sign(eigenvalues) * root, eigenvalues)
+
+    def found(xp: Any, values: Any):
+        usual = xp.isfinite(values) & (values != 0)
+        root = xp.sqrt(xp.abs(xp.where(usual, values, 1.0))) / (2 * np.pi)
+        return xp.where(usual, xp.sign(values) * root, values)
+
+    return computed(found, eigenvalues)
 
 
 def is_real(values: Any) -> Any:

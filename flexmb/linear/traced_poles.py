@@ -133,7 +133,7 @@ def poles_of_elements(elements: ElementMatrices, count: int) -> Complex[Array, "
         THEORY.md 10, eq. (10.4), in the coordinates and multipliers of 7, eq. (7.15).
     """
     # The number is handed on as a shape, which stays known.
-    return _of_elements(elements, jnp.zeros(count))
+    return _of_elements(elements, np.zeros(count))
 
 
 @jax.custom_jvp

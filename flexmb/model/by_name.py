@@ -1,14 +1,12 @@
 """Results are asked by the names of nodes and elements: the same questions of a state, a path and a motion."""
 
-from collections.abc import Callable
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import computed
 from ..math.rotation import LBAR, rotation_vector
 
 # Rotations in space are asked for about the global axes.
@@ -255,7 +253,7 @@ def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = N
     Raises:
         KeyError: No such node or component.
     """
-    rows = _computed(lambda _, shapes: shapes.T, shapes)
+    rows = computed(lambda _, shapes: shapes.T, shapes)
     return _along_axes(labels, x, rows, node, component, 2.0)
 
 
@@ -266,20 +264,7 @@ def picked(values: Any, indices: Any) -> Any:
         values: Array of NumPy or JAX.
         indices: A number or several.
     """
-    return _computed(lambda _, values: values[..., indices], values)
-
-
-def _computed(function: Callable[..., Any], *arrays: Any) -> Any:
-    """What a function makes of arrays: of known numbers on the host, where JAX would compile each operation.
-
-    Args:
-        function: ``f(xp, *arrays)`` of NumPy or JAX as array module.
-        arrays: As results hold them.
-    """
-    if not is_concrete(arrays):
-        return function(jnp, *arrays)
-    found = function(np, *map(np.asarray, arrays))
-    return found if all(isinstance(array, np.ndarray) for array in arrays) else jax.device_put(found)
+    return computed(lambda _, values: values[..., indices], values)
 
 
 def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | None, factor: float) -> Any:
@@ -291,7 +276,7 @@ def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | No
         turns = labels.x[indices[0]].symbol == "l0"
         pieces.append(_with_lbar(picked(x, indices), own, factor) if turns else own)
         names += TURNS if turns else [labels.x[i].symbol for i in indices]
-    whole = pieces[0] if len(pieces) == 1 else _computed(lambda xp, *of: xp.concatenate(of, axis=-1), *pieces)
+    whole = pieces[0] if len(pieces) == 1 else computed(lambda xp, *of: xp.concatenate(of, axis=-1), *pieces)
     return whole if component is None else picked(whole, _number(node, names, component))
 
 
@@ -329,7 +314,7 @@ def _vectors(lam: Any) -> Any:
 def _with_lbar(lam: Any, values: Any, factor: float) -> Any:
     """A factor times Lbar times values at Euler parameters, (.., 4) to (.., 3)."""
     lbar = factor * np.asarray(LBAR)
-    return _computed(lambda xp, lam, values: xp.einsum("ijk,...k,...j->...i", lbar, lam, values), lam, values)
+    return computed(lambda xp, lam, values: xp.einsum("ijk,...k,...j->...i", lbar, lam, values), lam, values)
 
 
 def _about_axes(lam: Any, rates: Any) -> Any:

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, check_whole
+from ..arguments import check_number, check_whole, computed
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, course, largest, listed, short, span, unit_of_force, unit_of_rate
@@ -251,7 +251,7 @@ class Observed(ByName, Result, Record):
     @property
     def energy(self) -> Float[Array, "n_t"]:
         """Whole energy, (n_t,) [J]; its rate is ``power``."""
-        return self.kinetic + self.elastic + self.potential
+        return computed(lambda _, *parts: sum(parts), self.kinetic, self.elastic, self.potential)
 
 
 @jit_beside_options

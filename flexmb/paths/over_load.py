@@ -57,5 +57,5 @@ class OverLoad:
             "critical points": ", ".join(points[:AT_MOST]) or "none",
         }
         if self.stopped_by is not None:
-            rows["stopped by"] = f"{self.stopped_by}, at load factor {short(self.load_factor[-1])}"
+            rows["stopped by"] = f"{self.stopped_by}, at load factor {short(np.asarray(self.load_factor)[-1])}"
         return Summary(f"{type(self).__name__}: {course(self.states())}", rows, self.picture)

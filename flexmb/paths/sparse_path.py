@@ -211,7 +211,7 @@ def path_of(
         **states_at(equations, walker.ramp, steps)._asdict(),
         critical_points=tuple(walker.critical),
         critical_states=states_at(equations, walker.ramp, critical, True) if critical else None,
-        result=jnp.asarray(int(code), jnp.int32),
+        result=jax.device_put(np.int32(code)),
         model=equations.model,
         stopped_by=walker.ended or None,
     )

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import computed
 from ..compilation.compile import jit
 from ..math.by_deformations import deformed, energies_between, forces_of, pulled
 from ..math.element_matrices import ElementMatrices, Pieces, Whole, by_coordinates
@@ -34,7 +35,7 @@ from ..model.topology import Topology
 
 def unknowns(topology: Topology) -> tuple[Array, Array, Array]:
     """Coordinates that move, coordinates that do not, and deformations that are held."""
-    return jnp.sort(topology.x.free), topology.x.held, topology.e.held
+    return computed(lambda xp, free: xp.sort(free), topology.x.free), topology.x.held, topology.e.held
 
 
 @jit
