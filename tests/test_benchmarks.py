@@ -136,3 +136,9 @@ def test_what_scripts_took_is_kept_in_their_order_and_summed():
     assert list(known) == [name for name in whole.SCRIPTS if name in known]
     made_up = {"one": {"seconds": 10.0, "processor": 3.0}, "other": {"seconds": 20.0, "processor": 4.0}}
     assert whole.told(made_up).splitlines()[-1].split() == ["together", "30", "7"]
+
+
+def test_a_package_that_is_not_there_is_no_other_one(tmp_path):
+    # One that is installed may be found in its place: that is told too, and nothing is compared.
+    with pytest.raises(RuntimeError, match="^then: (another package than|ModuleNotFoundError)"):
+        against.paired("elastica", {"then": tmp_path, "now": PLACE.parent}, tmp_path)
