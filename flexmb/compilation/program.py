@@ -103,6 +103,20 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     return Captured(Code(jaxpr, results, rules), tuple(numbers))
 
 
+def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
+    """A function of time as it is now, and the shape of what it gives.
+
+    A record of this package, such as a table or a law, does what its numbers say, and is taken as it stands: a trace
+    with it may be kept, which one with a captured function is not.
+    """
+    time = jax.ShapeDtypeStruct((), float)
+    taken: Any = function
+    if not isinstance(function, Record):
+        taken = captured(lambda t: jnp.asarray(function(t), float), time)
+    # By another name: that of a record is its text, with all that follows from it.
+    return taken, jax.eval_shape(lambda t: taken(t), time).shape
+
+
 def digest(found: Captured) -> str:
     """What a function does, as a word: changes with every number in it, and with its operations.
 

@@ -10,7 +10,7 @@ from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import check_numbers, is_concrete, shown
 from ..checks.mobility import locked_inputs
-from ..compilation.program import Captured, captured
+from ..compilation.program import Captured, captured, of_time
 from ..compilation.record import Record
 from ..elements.element import Element
 from ..errors import ModelError
@@ -244,15 +244,11 @@ def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Ca
         raise ModelError(f"{what} must be a function of time, such as lambda t: 3.0, not {shown(value)}.")
     if isinstance(value, Table):
         _check_table(what, value)
-        taken, shape = value, np.shape(value.values)[1:]
-    else:
-        time = jax.ShapeDtypeStruct((), float)
-        try:
-            taken = captured(lambda t: jnp.asarray(value(t), float), time)
-        except Exception as fault:
-            first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
-            raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
-        shape = jax.eval_shape(taken, time).shape
+    try:
+        taken, shape = of_time(value)
+    except Exception as fault:
+        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != (size,) and not ((size == 1 or one_for_all) and shape == ()):
         wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
         wanted = f"one number, or {size}, one for each end" if one_for_all else wanted

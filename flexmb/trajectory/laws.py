@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import check_number, check_numbers, check_whole, is_concrete, shown
-from ..compilation.program import captured
+from ..compilation.program import of_time
 from ..compilation.record import Record
 from ..display import Result, Summary, short
 
@@ -394,13 +394,11 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
         raise TypeError(
             f"{what} must be a function of time, such as fm.trajectory.quintic(0.0, 0.01, 0.5), not {shown(law)}."
         )
-    time = jax.ShapeDtypeStruct((), float)
     try:
-        taken = captured(lambda t: jnp.asarray(law(t), float), time)
+        taken, shape = of_time(law)
     except Exception as fault:
         first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
         raise TypeError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
-    shape = jax.eval_shape(taken, time).shape
     if shape != ():
         raise ValueError(f"{what} must give one number, but gives shape {shape}.")
     return taken
@@ -481,10 +479,13 @@ def _peaks(law: Law) -> Float[Array, "3"]:
     """Largest velocity, acceleration and jerk; where they are is found by concrete numbers."""
     if not is_concrete(law.breaks):
         raise TypeError("The peaks of a law are found from concrete times.")
-    coefficients = np.asarray(jax.lax.stop_gradient(law.coefficients))
+    xp: Any = np if is_concrete(law) else jnp
+    # Of concrete numbers by NumPy, for which nothing is compiled.
+    exact = np.asarray(law.coefficients) if xp is np else law.coefficients
+    coefficients = np.asarray(jax.lax.stop_gradient(exact))
     lengths, found = np.diff(np.asarray(law.breaks)), []
     for order in (1, 2, 3):
-        values = [jnp.array(0.0)]
+        values = [xp.zeros(())]
         for i, length in enumerate(lengths):
             own = np.polynomial.Polynomial(coefficients[i]).deriv(order)
             roots = own.deriv().roots() if own.degree() > 1 else np.zeros(0)
@@ -493,9 +494,9 @@ def _peaks(law: Law) -> Float[Array, "3"]:
             powers = np.arange(order, coefficients.shape[1])
             factor = np.array([math.perm(int(p), order) for p in powers], float)
             rows = places[:, None] ** (powers - order) * factor
-            values.append(jnp.max(jnp.abs(jnp.asarray(rows) @ law.coefficients[i, order:])))
-        found.append(jnp.max(jnp.stack(values)))
-    return jnp.stack(found)
+            values.append(xp.max(xp.abs(rows @ exact[i, order:])))
+        found.append(xp.max(xp.stack(values)))
+    return xp.stack(found)
 
 
 def _shaped(law: Any, frequency: ArrayLike, damping: ArrayLike, shares: Callable[..., Any]) -> Shaped:
