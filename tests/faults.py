@@ -2411,6 +2411,13 @@ FAULTS = [
         "own",
         "paths/test_sparse_states.py -k coupled",
     ),
+    Fault(
+        "compilation/program.py",
+        "if not isinstance(function, Record):",
+        "if True:",
+        "compilation/test_kept.py -k laws_and_tables",
+    ),
+    Fault("arguments.py", "if not is_concrete(arrays):", "if True:", "compilation/test_known_numbers.py"),
 ]
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from flexmb import planar, setup, spatial
 from flexmb.build import clamps
 from flexmb.compilation import kept
 from flexmb.compilation.compile import compile_thoroughly, jit
+from flexmb.compilation.program import of_time
 from flexmb.elements import beams, profile
 from flexmb.elements.element import Element
 from flexmb.linear import linearize
@@ -114,6 +115,16 @@ def test_what_a_user_wrote_is_traced(folder):
     amplitude = {"value": 2.0}.get
     assert float(jit(lambda x: amplitude("value") * x)(jnp.array(1.0))) == 2.0
     assert names(folder) == before
+
+
+def test_laws_and_tables_of_time_can_be_known_in_another_process():
+    law = fm.trajectory.quintic(0.0, 1.0, 0.5)
+    for given, shape in ((law, ()), (fm.Table([0.0, 1.0], np.ones((2, 3))), (3,))):
+        taken, found = of_time(given)
+        assert found == shape
+        kept.described(jax.tree.structure(taken))
+    with pytest.raises(TypeError, match="cannot be known in another process"):
+        kept.described(jax.tree.structure(of_time(lambda t: 2 * law(t))[0]))
 
 
 # -- fifty ways to confuse it ---------------------------------------------------------------------------------------
