@@ -28,7 +28,7 @@ from flexmb.elements.element import Element
 from flexmb.linear import linearize
 from flexmb.math import linear
 from flexmb.model.model import Entry
-from flexmb.motion.drive import Table
+from flexmb.motion import drive
 from flexmb.motion.rosenbrock import Rodas5P
 from flexmb.statics import newton, solve
 
@@ -120,7 +120,7 @@ def test_what_a_user_wrote_is_traced(folder):
 
 def test_laws_and_tables_of_time_can_be_known_in_another_process():
     law = fm.trajectory.quintic(0.0, 1.0, 0.5)
-    for given, shape in ((law, ()), (Table([0.0, 1.0], np.ones((2, 3))), (3,))):
+    for given, shape in ((law, ()), (drive.Table([0.0, 1.0], np.ones((2, 3))), (3,))):
         taken, found = of_time(given)
         assert found == shape
         kept.described(jax.tree.structure(taken))
