@@ -49,13 +49,15 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         if not all(map(_is_known, leaves)):
             return plain(*arguments, **options)
         kinds = tuple((np.shape(leaf), jnp.result_type(leaf)) for leaf in leaves)
-        like = structure, tuple(sorted(options.items())), kinds
+        like = structure, compile.exact(tuple(sorted(options.items()))), kinds
         if like not in taken:
             shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
             with no_garbage_looked_for():
                 found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
             if not is_concrete(found.numbers):
-                # Of numbers that another program traces, which are others the next time.
+                # Of numbers that another program traces, which are others the next time, and may be differentiated:
+                # what shares code has the same derivatives too.
+                found = captured(functools.partial(function, **options), *shapes, formal=FORMAL)
                 return _called(found, run_of(found.code), leaves)
             with jax.core.eval_context():
                 found = dataclasses.replace(found, numbers=tuple(jax.device_put(list(found.numbers))))

@@ -116,7 +116,7 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     taken = kept(whole)
 
     @functools.lru_cache(MOST)
-    def variant(structure: Any, fixed: tuple[Any, ...], mode: str):
+    def variant(structure: Any, fixed: tuple[Any, ...], mode: str, _: Any):
         def program(*leaves: Any):
             return (taken if _keeps_traces and mode != "nested" else whole)(structure, fixed, *leaves)
 
@@ -126,16 +126,23 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         leaves, traced = _as_taken(leaves)
         if traced:
-            return variant(structure, fixed, "nested")(*leaves)
+            return variant(structure, fixed, "nested", exact(fixed))(*leaves)
         # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
         with one_thread(), jax.core.eval_context():
             known = variant.cache_info().misses
-            own = variant(structure, fixed, "thorough" if _thorough else "quick")
+            own = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
             with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
                 results = own(*leaves)
             return jax.block_until_ready(results)
 
     return run
+
+
+def exact(thing: Any) -> Any:
+    """What stands for an option where equal ones are not the same, as 1, 1.0 and True are, and zeros of either sign."""
+    if type(thing) is tuple:
+        return tuple(map(exact, thing))
+    return type(thing), repr(thing) if type(thing) in (float, complex) else thing
 
 
 def remembered(function: Callable[..., int]) -> Callable[..., int]:

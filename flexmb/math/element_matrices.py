@@ -166,7 +166,10 @@ class Whole:
 
     def at(self, mass: float = 0.0, damping: float = 0.0) -> Any:
         """Matrix [[K + a M + b C, D^T], [D, 0]]."""
-        return self._matrix(self._k + mass * self._m + damping * self._c + self._d)
+        data = self._k + self._d
+        for factor, own in ((mass, self._m), (damping, self._c)):
+            data = data + factor * own if factor else data
+        return self._matrix(data)
 
     def at_frequency(self, s: complex) -> Any:
         """Matrix [[K + s C + s^2 M + i L, D^T], [D, 0]] at one s = i w."""
@@ -240,12 +243,16 @@ _known: OrderedDict[bytes, SparsePattern] = OrderedDict()
 
 def _pattern_of(elements: ElementMatrices) -> SparsePattern:
     """Places of all entries, kept for others whose elements join the same nodes in the same roles."""
-    told = hashlib.blake2b(digest_size=16)
+    told, seen = hashlib.blake2b(digest_size=16), []
     groups = _groups(elements)
     places = [[(rows, columns) for rows, columns, _ in pieces] for pieces in groups]
     for array in (elements.free, elements.held, *(index for group in places for pair in group for index in pair)):
-        told.update(repr((array.shape, array.dtype)).encode())
-        told.update(np.ascontiguousarray(array).tobytes())
+        # Most stand several times, which is seen at once.
+        same = next((i for i, own in enumerate(seen) if np.array_equal(own, array)), None)
+        told.update(repr((array.shape, array.dtype, same)).encode())
+        if same is None:
+            told.update(np.ascontiguousarray(array).tobytes())
+        seen.append(array)
     told.update(repr([len(group) for group in places]).encode())
     key = told.digest()
     pattern = _known.pop(key, None) or _found(elements, places)

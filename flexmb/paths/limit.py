@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_number, check_whole
+from ..arguments import check_number, check_whole, is_concrete
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import sizes_of
 from ..mechanics.residual import reduced_response, state
@@ -16,6 +16,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.choice import by_sparse
+from ..statics.equilibrium import STIFFNESS_MISSING, without_stiffness
 from ..statics.solve import change_of_equations
 from .critical import begin_path, null_vectors
 from .sparse_limit import NumbersTraced, sparse_limit_load
@@ -192,8 +193,8 @@ def limit_load(
         () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda), finite where that of the displacement is not.
 
     Raises:
-        AnalysisError: max_steps, no limit point within the steps; not_converged or singular_configuration; by sparse
-            factors also singular_stiffness, where it begins without stiffness.
+        AnalysisError: max_steps, no limit point within the steps; not_converged or singular_configuration;
+            singular_stiffness, where it begins without stiffness.
         TypeError: ``sparse`` is given under ``jax.jit``, ``jax.vmap`` or for second derivatives.
 
     Source:
@@ -218,5 +219,8 @@ def limit_load(
     as_determined(model, "limit_load")
     first, turns = jnp.asarray(step, float), jnp.asarray(most, jnp.int32)
     load, result = _compiled_limit_load(model.topology, model.parameters, first, turns)
+    failed = throw and is_concrete((model, result)) and int(result) in STIFFNESS_MISSING
+    if failed and (about := without_stiffness(model)):
+        check(RESULTS.singular_stiffness, throw, about)
     check(result, throw)
     return jnp.where(result == RESULTS.successful, load, jnp.nan)

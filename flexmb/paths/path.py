@@ -31,6 +31,7 @@ from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS, check
 from ..statics.choice import by_sparse
+from ..statics.equilibrium import without_stiffness
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of
@@ -393,7 +394,8 @@ def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, left: d
     """The path; raised is why it did not reach its end, warned of what was asked for and not met."""
     code = RESULTS(int(found.result))
     try:
-        check(int(code), throw and code != RESULTS.stopped)
+        about = without_stiffness(found.model) if throw and code == RESULTS.singular_stiffness else ""
+        check(int(code), throw and code != RESULTS.stopped, about)
     except AnalysisError as error:
         error.path = found
         raise

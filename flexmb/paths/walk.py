@@ -61,6 +61,8 @@ VANISHED = 1e-4
 # A critical value below this share of the next one has no sign: where a column may buckle to any side, it goes from one
 # side to another without force.
 NEUTRAL = 1e-13
+# A motion meets no stiffness where the critical value is this share of the largest.
+NO_STIFFNESS = 1e-12
 # States of a closed path agree to this (extents, radians, load factor) where it has come round: Newton's tolerance.
 SAME = 1e-7
 # What makes a singular stiffness regular for its null vector, as share of the critical value at the begin of the step.
@@ -99,6 +101,12 @@ class Step(NamedTuple):
         sizes = np.sort(np.abs(self.values))
         next_one = sizes[1] if len(sizes) > 1 and np.isfinite(sizes[1]) else 0.0
         return int(self.below) + int(np.sum(self.values < -NEUTRAL * next_one))
+
+    @property
+    def singular(self) -> bool:
+        """Whether some motion meets no stiffness, but for round-off."""
+        sizes = np.abs(self.values[np.isfinite(self.values)])
+        return bool(np.any(sizes <= NO_STIFFNESS * np.max(sizes, initial=0.0)))
 
     def critical_value(self, number: int) -> float:
         """One critical value by its number from the lowest, () [N m]; for one that is not told, the farthest told."""
@@ -705,6 +713,8 @@ class Walker:
             if not SMALLEST_STEP * self.step <= length < np.inf:
                 taken = self.leap(begin)
                 if taken is None:
+                    if len(self.steps) == 1 and begin.singular:
+                        return RESULTS.singular_stiffness
                     return RESULTS.not_converged if regular else RESULTS.singular_configuration
                 length = taken.length
             else:

@@ -8,6 +8,7 @@ from cases.mechanisms import planar_guide
 from cases.motions import sprung_mass
 
 import flexmb as fm
+from flexmb.compilation import compile
 
 
 def scaled(factor, shift):
@@ -123,3 +124,36 @@ def test_designs_asked_about_again(ask, compilations):
     second = ask(lambda stiffness: spring(stiffness, 0.5))
     assert not [name for name in compilations if "flexmb." in name]
     assert not np.isclose(first, second)
+
+
+def staircase(through):
+    """Rounded to steps, with a derivative that goes through them or does not."""
+
+    @jax.custom_jvp
+    def rounded(t):
+        return jnp.round(20 * t) / 20
+
+    rounded.defjvp(lambda primals, tangents: (rounded(*primals), through * tangents[0]))
+    return rounded
+
+
+def test_functions_of_equal_values_and_other_derivatives_are_others():
+    # The argument is known, and a number that the function captures is differentiated.
+    found = []
+    for through in (1.0, 0.0, 3.0):
+        plate = staircase(through)
+        found.append(jax.grad(lambda t, plate=plate: fm.jit(lambda load: load * plate(t) ** 3)(jnp.array(2.0)))(0.52))
+    # 3 F t^2 at t = 0.5, times the slope of the stairs.
+    np.testing.assert_allclose(found, [1.5, 0.0, 4.5], rtol=1e-14)
+
+
+@pytest.mark.parametrize("compiled", [fm.jit, compile.jit])
+def test_options_that_are_equal_and_not_the_same_are_others(compiled):
+    @compiled
+    def size(x, *, norm):
+        return jnp.linalg.norm(x) if norm is True else jnp.sum(x * norm)
+
+    x = jnp.array([3.0, 4.0])
+    assert [float(size(x, norm=norm)) for norm in (True, 1, 1.0)] == [5.0, 7.0, 7.0]
+    kinds = compiled(lambda x, *, p: jnp.asarray(p[0]))
+    assert [kinds(3, p=p).dtype.kind for p in ((1,), (1.0,))] == ["i", "f"]

@@ -527,3 +527,23 @@ def test_a_path_tells_how_far_it_is_and_keeps_what_it_has_when_it_is_stopped():
     part = fm.path(truss(), progress=five)
     assert (int(part.result), len(part.x)) == (fm.RESULTS.stopped, 6)
     np.testing.assert_array_equal(part.x, whole.x[:6])
+
+
+@pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
+def test_what_nothing_elastic_resists_is_named(what):
+    b = fm.Builder()
+    b.node("A", (0.0, 0.0))
+    b.node("B", (0.1, 0.0))
+    b.add(planar.beam, "A", "B", name="arm", section=fm.Rigidity(EA=1e5, EIy=1.0, mass=0.1))
+    b.force("B", (0.0, 1.0))
+    if what.startswith("a node"):
+        b.fix("A")
+        b.node("C", (0.1, 0.05))
+    else:
+        b.fix("A", "x", "y")
+    model, name = b.build(), "C.x" if what.startswith("a node") else "A.rotation.phi"
+    for ask in (fm.equilibrium, fm.path, lambda model: fm.path(model, sparse=True), fm.limit_load):
+        with pytest.raises(fm.AnalysisError, match=f"nothing elastic resists .*{name}") as info:
+            ask(model)
+        assert info.value.code == "singular_stiffness"
+    assert fm.path(model, throw=False).result == fm.RESULTS.singular_stiffness
