@@ -11,11 +11,11 @@ from flexmb import planar
 from flexmb.mechanics.sparse_order import order_of
 from flexmb.motion.chain_form import chain_form
 
-TIMES = np.linspace(0.0, 0.1, 3)
+TIMES = np.linspace(0.0, 0.05, 3)
 
 
 @functools.cache
-def net(n: int = 3, m: int = 4):
+def net(n: int = 2, m: int = 3):
     """A lattice hung at its upper corners, one of its beams keeping its length; a spectral beam hangs below."""
     section = fm.Rigidity(EA=1e4, EIy=0.1, mass=0.1)
     b = fm.Builder()
@@ -50,7 +50,7 @@ def test_a_net_moves_as_the_dense_form_has_it(monkeypatch):
     # Ten times the tolerance of a step; stiff beams make velocities some hundred times as large.
     np.testing.assert_allclose(found.x, dense.x, atol=1e-6)
     np.testing.assert_allclose(found.xd, dense.xd, atol=1e-4)
-    assert np.max(np.ptp(found.x, axis=0)) > 0.02
+    assert np.max(np.ptp(found.x, axis=0)) > 0.005
     seen = found.observe()
     # Round-off of the constraints; a thousand tolerances of a step, as strains are small beside displacements.
     np.testing.assert_allclose(seen.e[:, np.asarray(net().topology.e.held)], 0.0, atol=1e-12)
