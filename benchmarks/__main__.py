@@ -26,6 +26,7 @@ SCRIPTS = (
     "operations",
     "threads",
     "first_impression",
+    "command_line",
     "compiling",
     "response",
     "lean",

@@ -2,7 +2,9 @@
 
 import contextlib
 import functools
+import logging
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -32,6 +34,9 @@ THOROUGH = {
 OPTIONS = {"quick": QUICK, "thorough": THOROUGH, "nested": None}
 # So many variants of a kernel are remembered, for structures and functions that differ: each takes 5 to 40 MB.
 MOST = 32
+# Compiled code is given back where a process has used this share of the memory maps that it may have. A program takes
+# some 300 and that of a motion in space 2000; beyond the limit, on Linux 65 530, the compiler ends the process.
+FULL = 0.6
 
 
 _thorough = False
@@ -130,12 +135,30 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
         with one_thread(), jax.core.eval_context():
             known = variant.cache_info().misses
-            own = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
+            own: Any = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
+            programs = own._cache_size()
             with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
                 results = own(*leaves)
-            return jax.block_until_ready(results)
+            results = jax.block_until_ready(results)
+            if own._cache_size() > programs:
+                _make_room()
+            return results
 
     return run
+
+
+def _make_room() -> None:
+    """Give compiled code back where a next program may not find a memory map: what is asked again compiles again."""
+    try:
+        most = int(Path("/proc/sys/vm/max_map_count").read_text())
+        with open("/proc/self/maps", "rb") as maps:
+            used = sum(1 for _ in maps)
+    except OSError:
+        # Other systems than Linux have no such limit.
+        return
+    if used > FULL * most:
+        logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
+        jax.clear_caches()
 
 
 def exact(thing: Any) -> Any:
