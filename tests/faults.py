@@ -2439,6 +2439,27 @@ FAULTS = [
     Fault("paths/walk.py", "len(self.steps) == 1 and begin.singular", "False", "paths/test_path.py -k elastic"),
     Fault("paths/limit.py", "if failed and (about", "if False and (about", "paths/test_path.py -k elastic"),
     Fault("compilation/compile.py", "if used > FULL * most:", "if False:", "compilation/test_room.py"),
+    # Where loads bend.
+    Fault("motion/stages.py", "jnp.minimum(t + alpha * h, end)", "t + alpha * h", "motion/test_bends.py -k in_jumps"),
+    Fault(
+        "motion/drives_by_name.py",
+        "jax.lax.stop_gradient(jnp.asarray(own, float))",
+        "jnp.asarray(own, float)",
+        "motion/test_bends.py -k table",
+    ),
+    Fault(
+        "motion/drive.py",
+        "jnp.where(t > times[-1], values[-1], inside)",
+        "jnp.minimum(inside, values[-1])",
+        "motion/test_bends.py -k table",
+    ),
+    Fault(
+        "motion/drives_by_name.py",
+        "if jumps.ndim != 1:",
+        "if np.ndim(drives.jumps) != 1:",
+        "motion/test_bends.py -k one_by",
+    ),
+    Fault("motion/simulate.py", "with _naming_the_adjoint():", "if True:", "motion/test_bends.py -k forward"),
 ]
 
 if __name__ == "__main__":

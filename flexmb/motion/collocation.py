@@ -133,6 +133,7 @@ def collocated(
     z: Float[Array, "3 r"],
     matrices: StepMatrices,
     allowed: tuple[Any, Any],
+    end: Any = None,
 ) -> Collocated:
     """One step.
 
@@ -144,6 +145,7 @@ def collocated(
         z: Guess of the stages, (3, r).
         matrices: Of this step, or of one like it.
         allowed: Relative and absolute tolerance.
+        end: End, where round-off of begin and length must not lead beyond it, as over a jump of the loads [s].
 
     Source:
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, sections IV.5 and IV.8; for equations of
@@ -152,13 +154,14 @@ def collocated(
     n = state.u.shape[0]
     rtol, atol = allowed
     nodes, twice, weights = (jnp.asarray(of) for of in (NODES, TWICE, ERROR))
+    times = t + nodes * h if end is None else jnp.minimum(t + nodes * h, end)
     order, turning = equations.order, equations.order.turning
 
     def since(t: Float[Array, ""], u: Float[Array, "n"]):
         return turning.since(equations.form.whole(t, u, u, u).x, matrices.at)
 
     # Nodes turn between the stages, which stiff beams feel first of all: the matrices turn along.
-    turns: Any = jax.vmap(since)(t + nodes * h, states_at(state, h, z).u)
+    turns: Any = jax.vmap(since)(times, states_at(state, h, z).u)
     turned, turned_back = jax.vmap(turning.turned), jax.vmap(turning.turned_back)
 
     def unsolved(carry: tuple[Any, ...]):
@@ -168,7 +171,7 @@ def collocated(
     def once_more(carry: tuple[Any, ...]):
         z, before, rate, _, count = carry
         reached = states_at(state, h, z)
-        residuals = jax.vmap(equations.residual)(t + nodes * h, reached, z)
+        residuals = jax.vmap(equations.residual)(times, reached, z)
         right = jnp.asarray(TO_PARTS) @ turned_back(turns, residuals).astype(complex)
         first = order.solved(matrices.real, right[0].real)
         second = order.solved(matrices.other, right[1])
@@ -205,9 +208,9 @@ def collocated(
     error_w = error_w - STEP * h * turning.turned(turn, order.solved(matrices.real, moved)[:n])
     error_u = error_u + STEP * h * error_w
     error = MotionState(_unless(solved, error_u), _unless(solved, error_w), jnp.zeros_like(state.memory))
-    end = equations.settle(t + h, MotionState(reached.u[2], reached.w[2], state.memory))
+    settled = equations.settle(t + h, MotionState(reached.u[2], reached.w[2], state.memory))
     carried = Carried(z[2], z, h, jnp.where(solved, rate, one))
-    return Collocated(end, error, carried, count, solved)
+    return Collocated(settled, error, carried, count, solved)
 
 
 def _unless(solved: Bool[Array, ""], error: Float[Array, "n"]):

@@ -75,8 +75,10 @@ class Table(Record):
         """
         times, values = jnp.asarray(self.times), jnp.asarray(self.values)
         i = jnp.clip(jnp.searchsorted(times, t, side="right") - 1, 0, times.shape[0] - 2)
-        share = jnp.clip((t - times[i]) / (times[i + 1] - times[i]), 0.0, 1.0)
-        return values[i] + share * (values[i + 1] - values[i])
+        share = (t - times[i]) / (times[i + 1] - times[i])
+        inside = values[i] + share * (values[i + 1] - values[i])
+        # By the times, which no round-off makes equal: a derivative is that of one side.
+        return jnp.where(t < times[0], values[0], jnp.where(t > times[-1], values[-1], inside))
 
 
 def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], t: Float[Array, ""]) -> Drive:

@@ -69,12 +69,15 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
     Raises:
         ValueError: `jumps` is no list of times.
     """
-    kinks = [jnp.asarray(one.value.times, float) for one in driven if isinstance(one.value, Table)]
+    # Not differentiated: what bends without a jump changes by no more than where it bends, whatever the steps.
+    times = (one.value.times for one in driven if isinstance(one.value, Table))
+    kinks = [jax.lax.stop_gradient(jnp.asarray(own, float)) for own in times]
     if drives.jumps is not None:
         check_numbers("Argument `jumps`", drives.jumps)
-        if np.ndim(drives.jumps) != 1:
+        jumps = jnp.asarray(drives.jumps, float)
+        if jumps.ndim != 1:
             raise ValueError(f"Argument `jumps` must be a list of times, not {shown(drives.jumps)}.")
-        kinks.append(jnp.asarray(drives.jumps, float))
+        kinks.append(jumps)
     return jnp.sort(jnp.concatenate(kinks)) if kinks else None
 
 

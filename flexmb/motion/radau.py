@@ -86,6 +86,6 @@ class Radau(MotionSolver, diffrax.AbstractAdaptiveSolver):
         z = foretold(last, h)
         pieces, at = pieces_of_step(equations, t0, h, y0, z)
         matrices = matrices_of_step(equations, pieces, h, at)
-        taken = collocated(equations, t0, h, y0, last, z, matrices, (self.rtol, self.atol))
+        taken = collocated(equations, t0, h, y0, last, z, matrices, (self.rtol, self.atol), t1 if self.jumps else None)
         dense = dict(y0=y0, y1=taken.end, a0=last.z[:n], a1=taken.carried.z[:n])
         return taken.end, taken.error, dense, taken.carried, diffrax.RESULTS.successful

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
 
 import jax
@@ -172,18 +173,19 @@ def simulate(
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
     none = np.zeros(len(model.labels.inputs))
     at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))
-    if progress:
-        run = integrate_in_parts(problem, integrator, times, at, progress)
-    elif isinstance(feedback, Sampled):
-        if isinstance(times, jax.core.Tracer):
-            raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
-        wanted = np.asarray(times)
-        grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
-        run = integrate_sampled(problem, integrator, grid, times, at)
-    else:
-        # Picked on the host where that is possible: by JAX it takes eight small programs of their own.
-        span = np.asarray(times)[[0, -1]] if is_concrete(times) else times[jnp.array([0, -1])]
-        run = integrate(problem, integrator, span, times, at)
+    if isinstance(feedback, Sampled) and isinstance(times, jax.core.Tracer):
+        raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
+    with _naming_the_adjoint():
+        if progress:
+            run = integrate_in_parts(problem, integrator, times, at, progress)
+        elif isinstance(feedback, Sampled):
+            wanted = np.asarray(times)
+            grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
+            run = integrate_sampled(problem, integrator, grid, times, at)
+        else:
+            # Picked on the host where that is possible: by JAX it takes eight small programs of their own.
+            span = np.asarray(times)[[0, -1]] if is_concrete(times) else times[jnp.array([0, -1])]
+            run = integrate(problem, integrator, span, times, at)
     # What a failure or a stop leaves out.
     reached, stopped = run.rows.x.shape[0], progress and int(run.result) == RESULTS.stopped
     x, xd, near, u = run.rows
@@ -205,6 +207,20 @@ def simulate(
             about = without_mass(model)
     check(found.result, throw and not stopped, about)
     return found
+
+
+@contextlib.contextmanager
+def _naming_the_adjoint() -> Iterator[None]:
+    """Name the remedy where a motion is differentiated forward by what takes its derivatives in reverse."""
+    try:
+        yield
+    except TypeError as fault:
+        if "forward-mode autodiff" not in str(fault):
+            raise
+        raise TypeError(
+            "A motion is differentiated in reverse, by jax.grad and jax.jacrev. Forward derivatives, by jax.jacfwd and"
+            " jax.jvp, ask for fm.simulate(.., adjoint=diffrax.ForwardMode())."
+        ) from fault
 
 
 def _refuse_not_finite(model: Model, drives: Drives, driven: tuple[Driven, ...], times: np.ndarray) -> None:

@@ -139,6 +139,7 @@ def step_taken(
     state: MotionState,
     z: Float[Array, "r"],
     known: Any = True,
+    end: Any = None,
 ) -> Taken:
     """One step of a Rosenbrock method.
 
@@ -149,6 +150,7 @@ def step_taken(
         state: State at the begin.
         z: Accelerations and multipliers there, (n + m,).
         known: Whether z is known. If it is traced and false, the length must be zero, and z too: it is found.
+        end: Its end, where round-off of begin and length must not lead beyond it, as over a jump of the loads [s].
 
     Source:
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section VI.4; elimination derived here.
@@ -175,7 +177,8 @@ def step_taken(
         (du, dw, dz), (cu, cw, _) = map(apart, both @ increments)
         own = MotionState(state.u + du, state.w + dw, state.memory)
         z_own = z + dz
-        r = equations.residual(t + alpha * h, own, z_own)
+        at = t + alpha * h if end is None else jnp.minimum(t + alpha * h, end)
+        r = equations.residual(at, own, z_own)
         if tangent.by_t is not None:
             r = r + gamma * h * tangent.by_t
         # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.

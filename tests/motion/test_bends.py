@@ -1,0 +1,79 @@
+"""Derivatives of a motion by the times at which its loads bend or jump: those of the convolution in closed form."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.motion.drive import Table
+from flexmb.motion.drives_by_name import Drives, jump_times
+
+MASS, STIFFNESS, DAMPING = 2.0, 500.0, 3.0
+# Between steps, whose places are not to count.
+LAST = 0.34
+TIMES = np.array([0.0, LAST, 0.4])
+BEND = 0.2
+
+
+@functools.cache
+def oscillator():
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0))
+    b.node("cart", (0.1, 0.0))
+    # A bar of EA has the stiffness EA/l.
+    section, damping = fm.Rigidity(EA=0.1 * STIFFNESS), fm.Damping(EA=0.1 * DAMPING)
+    b.add(planar.truss, "foot", "cart", section=section, damping=damping)
+    b.fix("foot")
+    b.fix("cart", "y")
+    b.mass("cart", MASS)
+    return b.build()
+
+
+def answer_to(force, begin, end):
+    """Displacement in the end under a force that acts from begin to end."""
+    decay = DAMPING / (2 * MASS)
+    rate = np.sqrt(STIFFNESS / MASS - decay**2)
+
+    def own(t):
+        return force(t) * np.exp(-decay * (LAST - t)) * np.sin(rate * (LAST - t)) / (MASS * rate)
+
+    return quad(own, begin, end, epsabs=1e-14)[0]
+
+
+def moved(load, **options):
+    return fm.simulate(oscillator(), TIMES, loads={"cart.x": load}, **options).at("cart")[1, 0]
+
+
+def test_derivative_by_a_bend_that_stands_in_jumps():
+    # The last stage of the step before is on this side of the bend, whatever round-off adds up to.
+    slope = jax.grad(lambda p: moved(lambda t: 5 * jnp.maximum(t - p, 0.0), jumps=[BEND]))(BEND)
+    # The tolerance of a step, 1e-4.
+    assert slope == pytest.approx(answer_to(lambda t: -5.0, BEND, LAST), rel=1e-4)
+
+
+def test_derivative_by_the_times_of_a_table():
+    begin, end = times = np.array([0.05, BEND])
+    slopes = jax.grad(lambda times: moved(Table(times, jnp.array([0.0, 5.0])), rtol=1e-6))(times)
+    wanted = [
+        answer_to(lambda t: -5 * (end - t) / (end - begin) ** 2, begin, end),
+        answer_to(lambda t: -5 * (t - begin) / (end - begin) ** 2, begin, end),
+    ]
+    # Steps that moved along with its times left 5e-3, a bend taken for half of either side 1e-2.
+    np.testing.assert_allclose(slopes, wanted, rtol=5e-5)
+
+
+def test_times_of_jumps_may_be_traced_one_by_one():
+    shape = jax.eval_shape(lambda p: jump_times(Drives(jumps=[p, 2 * p]), ()), BEND)
+    assert shape.shape == (2,)
+    with pytest.raises(ValueError, match="must be a list of times"):
+        jump_times(Drives(jumps=[[0.1], [0.2]]), ())
+
+
+def test_derivatives_forward_name_what_they_ask_for():
+    with pytest.raises(TypeError, match=r"adjoint=diffrax\.ForwardMode"):
+        jax.jacfwd(lambda f: moved(lambda t: f * t))(1.0)
