@@ -2460,6 +2460,12 @@ FAULTS = [
         "motion/test_bends.py -k one_by",
     ),
     Fault("motion/simulate.py", "with _naming_the_adjoint():", "if True:", "motion/test_bends.py -k forward"),
+    Fault(
+        "motion/drive.py",
+        "tables = jax.tree.leaves(value, is_leaf=lambda one: isinstance(one, Table))",
+        "tables = [value]",
+        "motion/test_bends.py -k made_of",
+    ),
 ]
 
 if __name__ == "__main__":

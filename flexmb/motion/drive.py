@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
@@ -79,6 +80,12 @@ class Table(Record):
         inside = values[i] + share * (values[i + 1] - values[i])
         # By the times, which no round-off makes equal: a derivative is that of one side.
         return jnp.where(t < times[0], values[0], jnp.where(t > times[-1], values[-1], inside))
+
+
+def has_table(value: Any) -> bool:
+    """Whether a function of time is a table, or a law made of one."""
+    tables = jax.tree.leaves(value, is_leaf=lambda one: isinstance(one, Table))
+    return any(isinstance(one, Table) for one in tables)
 
 
 def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], t: Float[Array, ""]) -> Drive:

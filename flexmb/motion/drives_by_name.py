@@ -16,7 +16,7 @@ from ..elements.element import Element
 from ..errors import ModelError
 from ..mechanics.blocks import heat_sizes
 from ..model.model import Labels, Model, Signal
-from .drive import MOMENTS, Driven, Table
+from .drive import MOMENTS, Driven, Table, has_table
 
 
 class Drives(Record):
@@ -194,7 +194,7 @@ def _warmed(model: Model, first: int, element: str, quantity: str, what: str, va
         raise ModelError(f"{what}: an element of type {block.element.name} does not bend.")
     held = set(np.asarray(model.topology.e.fixed).tolist()) - {first + n for n in range(_closure(block.element))}
     row = np.asarray(block.e)[np.asarray(block.e)[:, 0] == first][0]
-    if isinstance(value, Table) and not held.isdisjoint(row.tolist()):
+    if has_table(value) and not held.isdisjoint(row.tolist()):
         raise ModelError(
             f"{what} is a table, but deformations of the element are FIXED: their velocity would jump. Give a smooth"
             " function of time."
@@ -218,7 +218,7 @@ def _prescribed(model: Model, x_names: dict[str, int], e_names: dict[str, int], 
             order = np.asarray(roles.prescribed).tolist()
             if names[meant] not in order:
                 raise ModelError(f"{what} is not PRESCRIBED: say prescribe() of it in the builder.")
-            if isinstance(value, Table):
+            if has_table(value):
                 raise ModelError(f"{what} is a table, whose velocity jumps. Give a smooth function of time.")
             return quantity, order.index(names[meant]), _function(what, value, 1)
     if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":

@@ -77,3 +77,18 @@ def test_times_of_jumps_may_be_traced_one_by_one():
 def test_derivatives_forward_name_what_they_ask_for():
     with pytest.raises(TypeError, match=r"adjoint=diffrax\.ForwardMode"):
         jax.jacfwd(lambda f: moved(lambda t: f * t))(1.0)
+
+
+def test_a_law_made_of_a_table_is_no_prescribed_motion():
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0))
+    b.node("cart", (0.1, 0.0))
+    b.add(planar.truss, "foot", "cart", section=fm.Rigidity(EA=50.0))
+    b.fix("foot", "y")
+    b.fix("cart", "y")
+    b.prescribe("foot", "x")
+    b.mass("cart", 1.0)
+    model, table = b.build(), Table(np.array([0.0, 0.2, 0.4]), np.array([0.0, 0.01, 0.0]))
+    for value in (table, fm.trajectory.zv(table, 2.0)):
+        with pytest.raises(fm.ModelError, match="whose velocity jumps"):
+            fm.simulate(model, TIMES, motion={"foot.x": value})
