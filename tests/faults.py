@@ -844,8 +844,8 @@ FAULTS = [
     ),
     Fault(
         "motion/collocation.py",
-        "t + nodes * h, reached, z",
-        "t + 0 * nodes, reached, z",
+        "(times, reached, z)",
+        "(t + 0 * times, reached, z)",
         "motion/test_chain.py -k what_follows",
     ),
     Fault("motion/collocation.py", "LEFT, ROUND_OFF = 0.01", "LEFT, ROUND_OFF = 1e5", "motion/test_chain.py"),
