@@ -156,10 +156,11 @@ def energies_between(
     elements: ElementMatrices, left: Float[np.ndarray, "n_x k"], right: Float[np.ndarray, "n_x m"]
 ) -> Float[np.ndarray, "k m"]:
     """Elastic stiffness between motions of all coordinates, one a column."""
-    before, behind, found = deformed(elements, left), deformed(elements, right), 0.0
+    before, behind = deformed(elements, left), deformed(elements, right)
+    found = np.zeros((left.shape[1], right.shape[1]))
     for at, by, own in elements.elastic:
-        found = found + np.tensordot(before[at], own @ behind[by], ((0, 1), (0, 1)))
-    return np.broadcast_to(found, (left.shape[1], right.shape[1]))
+        found += np.tensordot(before[at], own @ behind[by], ((0, 1), (0, 1)))
+    return found
 
 
 def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "k"]:

@@ -42,7 +42,7 @@ class ByName:
         Raises:
             KeyError: No such node.
         """
-        return picked(self.x, self.labels.known(node))
+        return _picked(self.x, self.labels.known(node))
 
     def position(self: Any, node: str, component: str | None = None) -> Float[Array, "*states axes"]:
         """Where a node is.
@@ -196,7 +196,7 @@ class ByName:
             KeyError: No such element, or it has no such deformation.
             AttributeError: The result has no deformations.
         """
-        return picked(_held(self, "e"), self.labels.deformations(element, number))
+        return _picked(_held(self, "e"), self.labels.deformations(element, number))
 
     def stress_resultant(self: Any, element: str, number: int | None = None) -> Float[Array, "*states n"]:
         """Stress resultants of an element, dual to its deformations; of what is FIXED, the constraint force.
@@ -212,13 +212,13 @@ class ByName:
             KeyError: No such element, or it has no such deformation.
             AttributeError: The result has no stress resultants.
         """
-        return picked(_held(self, "sigma"), self.labels.deformations(element, number))
+        return _picked(_held(self, "sigma"), self.labels.deformations(element, number))
 
     def _placed(self: Any, values: Any, node: str, component: str | None) -> Any:
         """Values at a node's own coordinates, or at one of them."""
         indices = self.labels.known(node)
         names = [self.labels.x[i].symbol for i in indices]
-        return picked(values, indices if component is None else indices[_number(node, names, component)])
+        return _picked(values, indices if component is None else indices[_number(node, names, component)])
 
     def _turned(self: Any, values: Any, node: str, component: str | None, function: Any) -> Any:
         """Values at a node's rotation; in space what a function makes of its Euler parameters and them."""
@@ -228,12 +228,12 @@ class ByName:
         if not parts:
             raise KeyError(f"node '{node}' has no rotation: no element that turns with it is joined to it")
         indices = self.labels.known(parts[0])
-        own = picked(values, indices)
+        own = _picked(values, indices)
         if len(indices) == 1:
             _number(node, ["phi"], component)
-            return picked(own, 0)
-        own = function(picked(self.x, indices), own)
-        return own if component is None else picked(own, _number(node, TURNS, component))
+            return _picked(own, 0)
+        own = function(_picked(self.x, indices), own)
+        return own if component is None else _picked(own, _number(node, TURNS, component))
 
     def _acting(self: Any, values: Any, node: str, component: str | None) -> Any:
         """Forces and moments of values that are dual to the coordinates: to Euler parameters 2 Lbar^T m is."""
@@ -257,7 +257,7 @@ def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = N
     return _along_axes(labels, x, rows, node, component, 2.0)
 
 
-def picked(values: Any, indices: Any) -> Any:
+def _picked(values: Any, indices: Any) -> Any:
     """Entries of the last axis.
 
     Args:
@@ -272,12 +272,12 @@ def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | No
     pieces, names = [], []
     for part in labels.parts(node):
         indices = labels.known(part)
-        own = picked(values, indices)
+        own = _picked(values, indices)
         turns = labels.x[indices[0]].symbol == "l0"
-        pieces.append(_with_lbar(picked(x, indices), own, factor) if turns else own)
+        pieces.append(_with_lbar(_picked(x, indices), own, factor) if turns else own)
         names += TURNS if turns else [labels.x[i].symbol for i in indices]
     whole = pieces[0] if len(pieces) == 1 else computed(lambda xp, *of: xp.concatenate(of, axis=-1), *pieces)
-    return whole if component is None else picked(whole, _number(node, names, component))
+    return whole if component is None else _picked(whole, _number(node, names, component))
 
 
 def _number(node: str, names: Any, component: str | None) -> int:
