@@ -1,5 +1,6 @@
 import gc
 import os
+from importlib.metadata import version
 from pathlib import Path
 
 # What tests compute beside the package, one operation at a time, is compiled quickly too. XLA reads this once. Flags
@@ -9,7 +10,7 @@ os.environ["XLA_FLAGS"] = " ".join(
         [
             *os.environ.get("XLA_FLAGS", "").split(),
             "--xla_backend_optimization_level=0",
-            "--xla_cpu_use_fusion_emitters=false",
+            *(["--xla_cpu_use_fusion_emitters=false"] if version("jaxlib") < "0.11" else []),
             "--xla_cpu_parallel_codegen_split_count=1",
         ]
     )

@@ -59,7 +59,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     leaves = [name for name, member in builder.members.items() if "clamped" in member.properties]
     if not leaves:
         return builder
-    twin = builder.copy()
+    twin, joined = builder.copy(), elements_at(builder)
     for name in leaves:
         member = twin.members[name]
         given = member.properties["clamped"]
@@ -69,13 +69,13 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
             if given is not None:
                 found = bool(given[end.number]), bool(given[end.number])
             else:
-                found = is_clamped(builder, end, as_before(before, end))
+                found = is_clamped(builder, end, joined, as_before(before, end))
             flat.append(found[0])
             restrained.append(found[1] or untwisted)
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
-            _hold(twin, warping, name, is_restrained, given is not None and not untwisted)
+            _hold(twin, warping, name, joined[warping], is_restrained, given is not None and not untwisted)
     for name in leaves:
         member = twin.members[name]
         if not member.element.fields:
@@ -85,6 +85,15 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
                 member, properties={**member.properties, "clamped": np.array(held, float)}
             )
     return twin
+
+
+def elements_at(builder: Description) -> dict[str, list[str]]:
+    """Names of the elements at each node, in their order."""
+    found: dict[str, list[str]] = {}
+    for name, member in builder.members.items():
+        for node in dict.fromkeys(member.nodes):
+            found.setdefault(node, []).append(name)
+    return found
 
 
 def parts_of(member: Member, part: str) -> list[str]:
@@ -97,11 +106,12 @@ def _ends(name: str, member: Member) -> list[End]:
     return [End(name, rotation, number) for number, rotation in enumerate(parts_of(member, "rotation"))]
 
 
-def _hold(builder: Description, warping: str, leaf: str, restrained: bool, given: bool) -> None:
+def _hold(builder: Description, warping: str, leaf: str, joined: list[str], restrained: bool, given: bool) -> None:
     """Hold the warping of a node, or refuse to where another element there is said not to be clamped."""
     node = builder.nodes[warping]
-    others = [n for n, m in builder.members.items() if n != leaf and warping in m.nodes]
-    for other in others:
+    for other in joined:
+        if other == leaf:
+            continue
         said = builder.members[other].properties.get("clamped")
         place = parts_of(builder.members[other], "warping").index(warping)
         if given and said is not None and bool(said[place]) is not restrained:
@@ -131,19 +141,27 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
     return None
 
 
-def is_clamped(builder: Description, end: End, before: tuple[bool, bool] | None = None) -> tuple[bool, bool]:
-    """Whether an end is kept flat, and whether its warping is restrained."""
+def is_clamped(
+    builder: Description, end: End, joined: dict[str, list[str]], before: tuple[bool, bool] | None = None
+) -> tuple[bool, bool]:
+    """Whether an end is kept flat, and whether its warping is restrained.
+
+    Args:
+        builder: Builder of the mechanism.
+        end: The end.
+        joined: Names of the elements at each node.
+        before: What it was in a model that a traced build repeats.
+    """
     rotation = builder.nodes[end.rotation]
     # Three of four Euler parameters that are held hold the fourth.
     if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
         return True, True
     flat = restrained = False
     # What has no section is asked first: where it is rigid, nothing else needs to be known, nor to be numbers.
-    for name, other in sorted(builder.members.items(), key=lambda item: item[1].properties.get("section") is not None):
+    others = {name: builder.members[name] for name in joined[end.rotation] if name != end.leaf}
+    for name, other in sorted(others.items(), key=lambda item: item[1].properties.get("section") is not None):
         if flat and restrained:
             break
-        if name == end.leaf or end.rotation not in other.nodes:
-            continue
         try:
             found = _by(builder, end, name, other)
         except _Unknown as reason:

@@ -105,7 +105,7 @@ class Description:
         keys: list[Key] = []
         for component in some_of("dof", of, components):
             key = self._entry(of, component, kind)
-            if key in (*self.dofs, *keys):
+            if key in keys or self._role(key) is Role.DOF:
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
             keys.append(key)
         self._set_roles(keys, Role.DOF)
@@ -125,7 +125,7 @@ class Description:
                 "Argument `dofs` must be 'auto', 'named' or a list of names as model.q_labels gives them, such as"
                 f" ['top.x', 'hinge.e2'], not {shown(labels)}."
             )
-        twin, keys = self.copy(), []
+        twin, keys = self.copy(), dict[Key, None]()
         for label in labels:
             of, point, symbol = label.rpartition(".")
             if not point:
@@ -135,13 +135,13 @@ class Description:
             key = twin._entry(of, component, kind)
             if key in keys:
                 raise ModelError(f"Argument `dofs` has {shown(label)} twice.")
-            keys.append(key)
+            keys[key] = None
         if left_out := [
             f"'{of} {component}'" for kind, of, component in self.dofs if (kind, of, component) not in keys
         ]:
             raise ModelError(f"Argument `dofs` leaves out {', '.join(left_out)}, which dof() names.")
-        twin._set_roles(keys, Role.DOF)
-        twin.dofs = keys
+        twin.dofs = list(keys)
+        twin._set_roles(twin.dofs, Role.DOF)
         return twin
 
     def copy(self) -> Self:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..checks.mobility import Constraints, constraints, mobility, mobility_of, motions_of
 from ..errors import MechanismError, ModelError
-from ..math.subspace import independent_rows
+from ..math.subspace import above, independent_rows, row_sizes
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, with_roles
@@ -16,6 +18,8 @@ from .description import Description
 # What must be left of a candidate once those already chosen are taken out, of 1.
 INDEPENDENT = 1e-5
 CANNOT_MOVE = 1e-7
+# Motions that nothing determines are told by name, of so many at most.
+MOST_TOLD = 100
 
 
 def complete(builder: Description, model: Model, dofs: str, release: str) -> Model:
@@ -132,13 +136,13 @@ def _coefficients(model: Model) -> list[int]:
     return found
 
 
-def _with_coefficients(builder: Description, model: Model, motions: np.ndarray) -> Model:
+def _with_coefficients(builder: Description, model: Model, motions: Any) -> Model:
     """In a loop no choice of whole strain fields may have the right number; single coefficients make it up."""
     missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
     if missing <= 0 or not candidates:
         return model
     rows = named_rows(model, motions)
-    _, rest = independent_rows(rows, len(rows), 0.0)
+    _, rest = independent_rows(rows, rows.shape[0], 0.0)
     effects = constraints(model).jacobian[candidates] @ motions @ rest
     chosen, _ = independent_rows(effects, missing, INDEPENDENT)
     if len(chosen) < missing:
@@ -150,16 +154,16 @@ def _with_coefficients(builder: Description, model: Model, motions: np.ndarray) 
     return assemble(builder)
 
 
-def named_rows(model: Model, motions: np.ndarray, found: Constraints | None = None) -> np.ndarray:
+def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> Any:
     """Change of the named degrees of freedom in each motion, (n_q, f)."""
     by_deformation = (found or constraints(model)).jacobian[np.asarray(model.topology.e.dof)] @ motions
-    return np.concatenate([motions[np.asarray(model.topology.x.dof)], by_deformation])
+    return above(motions[np.asarray(model.topology.x.dof)], by_deformation)
 
 
-def choose(
-    model: Model, motions: np.ndarray, wanted: int, found: Constraints | None = None
-) -> tuple[list[int], list[int]]:
+def choose(model: Model, motions: Any, wanted: int, found: Constraints | None = None) -> tuple[list[int], list[int]]:
     """Independent deformations first, then coordinates, as indices of coordinates and of deformations.
+
+    Where there are so many that motions are sparse, coordinates alone: deformations hang together from end to end.
 
     Args:
         model: Mechanism; what is DEPENDENT may be chosen.
@@ -170,6 +174,8 @@ def choose(
     topology = model.topology
     released = np.asarray(topology.e.dependent)
     # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
+    if not isinstance(motions, np.ndarray):
+        released = released[:0]
     effects = (found or constraints(model)).jacobian[released] @ motions
     first, rest = independent_rows(effects, wanted, INDEPENDENT)
     free = np.asarray(topology.x.dependent)
@@ -177,12 +183,12 @@ def choose(
     return [int(free[i]) for i in sorted(second)], [int(released[i]) for i in sorted(first)]
 
 
-def _check_named(model: Model, motions: np.ndarray, constrained: Constraints) -> None:
+def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
     topology = model.topology
     ndof, named = motions.shape[1], topology.n_q
-    rows = list(named_rows(model, motions, constrained))
+    sizes = row_sizes(named_rows(model, motions, constrained))
     names = model.q_labels
-    stuck = [name for name, row in zip(names, rows, strict=True) if np.linalg.norm(row) < CANNOT_MOVE]
+    stuck = [name for name, size in zip(names, sizes, strict=True) if size < CANNOT_MOVE]
     if stuck:
         raise MechanismError(
             "dof",
@@ -194,11 +200,17 @@ def _check_named(model: Model, motions: np.ndarray, constrained: Constraints) ->
             f"NDOF = {ndof}, but {named} degrees of freedom are named: {', '.join(names)}."
             " Name fewer, or release a deformation.",
         )
-    found = mobility_of(model, constrained)
-    if named < ndof:
+    missing = ndof - named
+    if missing > MOST_TOLD:
         raise MechanismError(
             "underconstrained",
-            f"NDOF = {ndof}, but {named} degrees of freedom are named. Name {ndof - named} more, or fix what should"
+            f"NDOF = {ndof}, but {named} degrees of freedom are named. Name none, and all of them are found.",
+        )
+    found = mobility_of(model, constrained)
+    if missing:
+        raise MechanismError(
+            "underconstrained",
+            f"NDOF = {ndof}, but {named} degrees of freedom are named. Name {missing} more, or fix what should"
             f" not move.\n{found.report()}",
         )
     if found.underconstraints:

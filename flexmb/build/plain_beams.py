@@ -15,7 +15,7 @@ from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
 from ..model.roles import HELD
-from .clamps import THICK, End, axes_of, is_clamped, parts_of
+from .clamps import THICK, End, axes_of, elements_at, is_clamped, parts_of
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, spatial.beam, spatial.spectral_beam)
@@ -49,10 +49,11 @@ def warn_of_plain_beams(builder: Description) -> None:
     found: dict[str, tuple[float, str, str]] = {}
     # A section that many beams have is looked at once.
     known: dict[int, Any] = {}
-    for chain in _chains(builder):
+    joined = elements_at(builder)
+    for chain in _chains(builder, joined):
         # Where a build is traced, what follows from known sizes is still a number.
         with jax.ensure_compile_time_eval():
-            left_out = _left_out(builder, chain, known)
+            left_out = _left_out(builder, chain, joined, known)
         for what, share in left_out.items():
             if share > SHARE and share > found.get(what, (0.0,))[0]:
                 found[what] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
@@ -70,10 +71,15 @@ def warn_of_plain_beams(builder: Description) -> None:
     )
 
 
-def _left_out(builder: Description, chain: _Chain, known: dict[int, Any]) -> dict[str, float]:
+def _left_out(
+    builder: Description, chain: _Chain, joined: dict[str, list[str]], known: dict[int, Any]
+) -> dict[str, float]:
     """By which share a stiffness changes with what is left out, by what.
 
     Args:
+        builder: Builder of the mechanism.
+        chain: Beams in line.
+        joined: Names of the elements at each node.
         known: Rigidities of sections that do not vary, with shear, by their identity; more are added.
     """
     member = builder.members[chain.names[0]]
@@ -107,7 +113,7 @@ def _left_out(builder: Description, chain: _Chain, known: dict[int, Any]) -> dic
             # So long is a beam of its thinnest section that twists as much; much thicker parts hold its warping.
             length = chain.length * (weights * stiff[neck] / stiff).sum()
             notched = max(one.thickness for one in sections) >= THICK * sections[neck].thickness
-            count = 2 if notched else sum(_is_restrained(builder, end) for end in chain.ends)
+            count = 2 if notched else sum(_is_restrained(builder, end, joined) for end in chain.ends)
             decay = length * math.sqrt(stiff[neck] / float(counted[neck].EIw))
             found["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
     return found
@@ -124,14 +130,14 @@ def _is_free(member: Member, field: int) -> bool:
     return any(member.roles[number - 1] not in HELD for number in numbers)
 
 
-def _is_restrained(builder: Description, end: End) -> bool:
+def _is_restrained(builder: Description, end: End, joined: dict[str, list[str]]) -> bool:
     try:
-        return is_clamped(builder, end)[1]
+        return is_clamped(builder, end, joined)[1]
     except ModelError:
         return False
 
 
-def _chains(builder: Description) -> list[_Chain]:
+def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
     """Plain beams of stated sections, those in line and of one section together."""
     names = [name for name, member in builder.members.items() if _is_plain(builder, member)]
     at: dict[str, list[End]] = {}
@@ -141,20 +147,21 @@ def _chains(builder: Description) -> list[_Chain]:
     along = {name: axes_of(builder, builder.members[name])[0] for name in names}
     beyond: dict[tuple[str, int], End] = {}
     for ends in at.values():
-        if len(ends) == 2 and _continues(builder, along, *ends):
+        if len(ends) == 2 and _continues(builder, along, joined, *ends):
             beyond[ends[0][0], ends[0].number], beyond[ends[1][0], ends[1].number] = ends[1], ends[0]
     found, seen = [], set()
     for name in names:
         if name in seen:
             continue
         chain, ends = [name], []
+        seen.add(name)
         for number in (1, 0):
             of, out = name, number
-            while (of, out) in beyond and beyond[of, out].leaf not in chain:
+            while (of, out) in beyond and beyond[of, out].leaf not in seen:
                 of, out = beyond[of, out].leaf, 1 - beyond[of, out].number
                 chain.append(of)
+                seen.add(of)
             ends.append(End(of, parts_of(builder.members[of], "rotation")[out], out))
-        seen.update(chain)
         found.append(_Chain(chain, sum(_span(builder, one) for one in chain), (ends[1], ends[0])))
     return found
 
@@ -167,14 +174,16 @@ def _is_plain(builder: Description, member: Member) -> bool:
     return is_concrete((starts, member.properties.get("y")))
 
 
-def _continues(builder: Description, along: dict[str, np.ndarray], one: End, other: End) -> bool:
+def _continues(
+    builder: Description, along: dict[str, np.ndarray], joined: dict[str, list[str]], one: End, other: End
+) -> bool:
     """Whether two beams that share a rotation are in line and of one section, and nothing holds them there."""
     first, second = (builder.members[end.leaf].properties["section"] for end in (one, other))
     if one.leaf == other.leaf or first.varies or jax.tree.structure(first) != jax.tree.structure(second):
         return False
     leaves, others = jax.tree.leaves(first), jax.tree.leaves(second)
     in_line = bool(abs(along[one.leaf] @ along[other.leaf]) > np.cos(IN_LINE))
-    return in_line and is_concrete((leaves, others)) and leaves == others and not _is_restrained(builder, one)
+    return in_line and is_concrete((leaves, others)) and leaves == others and not _is_restrained(builder, one, joined)
 
 
 def _span(builder: Description, name: str) -> float:

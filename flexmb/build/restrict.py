@@ -12,7 +12,7 @@ from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR, SECTIONAL
 from ..elements.tie import TiePart, tie
-from ..math.subspace import independent_rows
+from ..math.subspace import above, independent_rows
 from ..mechanics.blocks import deforming
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters
@@ -171,7 +171,7 @@ def with_dofs(restricted: Model, model: Model) -> Topology:
     motions, _ = motions_of(restricted)
     top, own = restricted.topology, model.topology
     effects = constraints(restricted).jacobian[np.asarray(own.e.dof)] @ motions
-    rows = np.concatenate([motions[np.asarray(own.x.dof)], effects])
+    rows = above(motions[np.asarray(own.x.dof)], effects)
     chosen, rest = independent_rows(rows, motions.shape[1], CANNOT_MOVE)
     more_x, more_e = choose(restricted, motions @ rest, motions.shape[1] - len(chosen))
     count = own.x.dof.shape[0]

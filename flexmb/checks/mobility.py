@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Collection, Sequence
+from typing import Any
 
 import jax
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ..display import AT_MOST, Result, States, Summary, counted
 from ..elements.element import ELASTIC
 from ..errors import ModelError
-from ..math.subspace import null_spaces
+from ..math.subspace import dense, null_spaces, row_sizes, spread
 from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, combined, terms_of
@@ -148,26 +149,23 @@ class Constraints:
     """Jacobian of the deformations in the undeformed mechanism, scaled to pure numbers.
 
     Attributes:
-        jacobian: Rows of unit size, columns per extent of the mechanism or radian, (n_e, n_x).
+        jacobian: Rows of unit size, columns per extent of the mechanism or radian, (n_e, n_x); sparse where there are
+            many.
         rows: What each row was multiplied by, (n_e,).
         columns: What each column was multiplied by, (n_x,).
     """
 
-    jacobian: np.ndarray
+    jacobian: Any
     rows: np.ndarray
     columns: np.ndarray
 
-    def self_stress(self, left: np.ndarray, held: np.ndarray) -> np.ndarray:
+    def self_stress(self, left: Any, held: np.ndarray) -> np.ndarray:
         """Stress resultants of left null vectors of the held rows, the largest of each 1."""
-        full = np.zeros((len(self.rows), left.shape[1]))
-        full[held] = left * self.rows[held, None]
-        return _unit(full)
+        return _unit(dense(spread(left, held, len(self.rows))) * self.rows[:, None])
 
-    def motion(self, right: np.ndarray, free: np.ndarray) -> np.ndarray:
+    def motion(self, right: Any, free: np.ndarray) -> np.ndarray:
         """Coordinates of right null vectors of the free columns, the largest of each 1."""
-        full = np.zeros((len(self.columns), right.shape[1]))
-        full[free] = right * self.columns[free, None]
-        return _unit(full)
+        return _unit(dense(spread(right, free, len(self.columns))) * self.columns[:, None])
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:
@@ -191,11 +189,11 @@ def constraints(model: Model) -> Constraints:
     topology, parameters = model.topology, model.parameters
     e, jacobian = undeformed(topology, parameters)
     columns = sizes_of(topology, parameters)
-    scaled = jacobian * columns
-    sizes = np.linalg.norm(scaled, axis=1)
+    sizes = row_sizes(jacobian * columns)
     _check_undeformed(model, e, sizes)
     rows = 1 / np.where(sizes > 0, sizes, 1.0)
-    return Constraints(scaled * rows[:, None], rows, columns)
+    scaled = jacobian * columns * rows[:, None]
+    return Constraints(scaled if isinstance(scaled, np.ndarray) else scaled.tocsr(), rows, columns)
 
 
 def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
@@ -212,8 +210,10 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
             )
 
 
-def motions_of(model: Model, found: Constraints | None = None) -> tuple[np.ndarray, int]:
+def motions_of(model: Model, found: Constraints | None = None) -> tuple[Any, int]:
     """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints.
+
+    They are sparse where the constraints are.
 
     Args:
         model: Mechanism, with concrete numbers.
@@ -222,9 +222,7 @@ def motions_of(model: Model, found: Constraints | None = None) -> tuple[np.ndarr
     found, topology = found or constraints(model), model.topology
     held, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
     rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
-    motions = np.zeros((topology.n_x, right.shape[1]))
-    motions[free] = right
-    return motions, len(held) - rank
+    return spread(right, free, topology.n_x), len(held) - rank
 
 
 def locked_inputs(model: Model) -> list[Signal]:
@@ -253,7 +251,7 @@ def locked_inputs(model: Model) -> list[Signal]:
     for one in (model, dataclasses.replace(model, parameters=parameters)):
         motions, _ = motions_of(one)
         found, x = constraints(one), np.asarray(one.parameters.reference)
-        locked = [s for s in locked if np.linalg.norm(_acting(one, s, found, x) @ motions) <= LOCKED]
+        locked = [s for s in locked if np.linalg.norm(motions.T @ _acting(one, s, found, x)) <= LOCKED]
     return locked
 
 
@@ -270,7 +268,7 @@ def _acting(model: Model, signal: Signal, found: Constraints, x: np.ndarray) -> 
 def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
     """What an input does to scaled coordinates, of unit size."""
     if signal.quantity == "stress":
-        return found.jacobian[signal.index]
+        return dense(found.jacobian[[signal.index]])[0]
     row = np.zeros(len(x))
     own, along = along_coordinates(signal, jax.device_put(x))
     row[np.asarray(own)] = np.asarray(along)
@@ -327,7 +325,7 @@ def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tup
     return _proposals(model, matrix, held, allowed)
 
 
-def _held_rows(model: Model, found: Constraints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _held_rows(model: Model, found: Constraints) -> tuple[Any, np.ndarray, np.ndarray]:
     """Jacobian of the deformations that are held by the DEPENDENT coordinates, and the indices of both."""
     topology = model.topology
     held, free = np.asarray(topology.e.given), np.asarray(topology.x.dependent)
@@ -335,7 +333,7 @@ def _held_rows(model: Model, found: Constraints) -> tuple[np.ndarray, np.ndarray
 
 
 def _proposals(
-    model: Model, matrix: np.ndarray, held: np.ndarray, allowed: Collection[int]
+    model: Model, matrix: Any, held: np.ndarray, allowed: Collection[int]
 ) -> tuple[tuple[str, int] | None, ...]:
     """One allowed deformation a state of self-stress whose release removes it: the one with the largest part in it."""
     candidates = {k for k, i in enumerate(held.tolist()) if i in allowed}
@@ -346,7 +344,7 @@ def _proposals(
         if rank == len(remaining):
             return tuple(proposals)
         # How much of each row lies in the space of self-stresses: releasing it removes one of them.
-        weight = np.linalg.norm(left, axis=1)
+        weight = row_sizes(left)
         best = [(round(-weight[p], 9), k) for p, k in enumerate(remaining) if k in candidates and weight[p] > 1e-6]
         if not best:
             return tuple(proposals + [None] * (len(remaining) - rank))

@@ -30,6 +30,10 @@ THOROUGH = {
     "xla_llvm_disable_expensive_passes": True,
     "xla_cpu_experimental_ynn_fusion_type": "",
 }
+# Gone since jaxlib 0.11, whose compiler refuses a name that it does not know.
+if jax.__version_info__ >= (0, 11):
+    for options in (QUICK, THOROUGH):
+        del options["xla_cpu_use_fusion_emitters"]
 # JAX takes options at the outermost call only: a kernel within another is compiled as that one is.
 OPTIONS = {"quick": QUICK, "thorough": THOROUGH, "nested": None}
 # So many variants of a kernel are remembered, for structures and functions that differ: each takes 5 to 40 MB.

@@ -18,6 +18,7 @@ from ..errors import ModelError
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
 from ..math.linear import factorise
+from ..math.subspace import row_sizes
 from ..mechanics.deformation import undeformed
 from ..mechanics.loads import load_factors
 from ..mechanics.residual import state
@@ -242,7 +243,7 @@ def _of_model(model: Model) -> tuple[str, int]:
 def _what_moves(model: Model) -> str:
     """A sentence with names of what can be driven."""
     motions, _ = motions_of(model)
-    moving = [name_of(e) for e, row in zip(model.labels.x, motions, strict=True) if np.linalg.norm(row) > CANNOT_MOVE]
+    moving = [name_of(e) for e, size in zip(model.labels.x, row_sizes(motions), strict=True) if size > CANNOT_MOVE]
     return f"What moves is such as {listed(moving)}." if moving else "Nothing of it moves."
 
 

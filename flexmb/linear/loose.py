@@ -9,6 +9,7 @@ import numpy as np
 from ..checks.mobility import constraints, motions_of, shares
 from ..errors import AnalysisError
 from ..math.linear import SEMIDEFINITE
+from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix
@@ -104,8 +105,7 @@ def of_negative_mass(names: str) -> str:
 
 def without_mass(model: Model) -> str:
     """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where there is none."""
-    motions, _ = motions_of(model)
-    motions = motions * constraints(model).columns[:, None]
+    motions = dense(motions_of(model)[0]) * constraints(model).columns[:, None]
     mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
     values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
     light = values <= MASSLESS * max(np.max(np.abs(values), initial=0.0), np.finfo(float).tiny)

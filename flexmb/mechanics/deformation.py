@@ -13,6 +13,10 @@ from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
 
+# Of more coordinates, what is found on the host of the undeformed mechanism is sparse: dense, 600 beams take ten
+# seconds, and 10 000 seven gigabytes a matrix.
+MANY = 600
+
 
 def deformation_functions(
     topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]
@@ -135,13 +139,13 @@ def _padded(rows: np.ndarray) -> np.ndarray:
     return np.concatenate([rows, np.repeat(rows[-1:], more, axis=0)]) if more else rows
 
 
-def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, Any]:
     """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
     Compiled for each type of element and every power of two of their number, whatever else there is in the mechanism.
 
     Returns:
-        e, (n_e,) [m, rad], and D_x, (n_e, n_x).
+        e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
     """
     alike: dict[Any, list[Any]] = {}
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
@@ -151,15 +155,28 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
             told = block.element.alone(), dict(block.meaning or ()).get("deformation")
             key = (told, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
-    found, jacobian = np.zeros(topology.n_e), np.zeros((topology.n_e, topology.n_x))
+    found, pieces = np.zeros(topology.n_e), []
     for ((element, meaning), fixed, _, splits, _), members in alike.items():
         x, e, chosen = jax.tree.map(lambda *rows: _padded(np.concatenate(rows)), *members)
         then = (("deformation", meaning),)
         block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
         matrices, found[e] = map(np.asarray, _jacobians(block, chosen, np.asarray(parameters.reference)[x]))
         count = sum(len(own) for own, _, _ in members)
-        np.add.at(jacobian, (e[:count, :, None], x[:count, None, :]), matrices[:count])
+        pieces.append((e[:count, :, None], x[:count, None, :], matrices[:count]))
+    if topology.n_x > MANY:
+        return found, _sparse(pieces, (topology.n_e, topology.n_x))
+    jacobian = np.zeros((topology.n_e, topology.n_x))
+    for rows, columns, entries in pieces:
+        np.add.at(jacobian, (rows, columns), entries)
     return found, jacobian
+
+
+def _sparse(pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]) -> Any:
+    import scipy.sparse
+
+    whole = [[one.ravel() for one in np.broadcast_arrays(*piece)] for piece in pieces]
+    rows, columns, entries = (np.concatenate(side) for side in zip(*whole, strict=True))
+    return scipy.sparse.coo_array((entries, (rows, columns)), shape=shape).tocsr()
 
 
 def curvature_pieces(

@@ -7,6 +7,7 @@ from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.mechanics import deformation
 
 LEAF = mechanisms.leaf()
 
@@ -186,14 +187,18 @@ def test_empty_model():
         fm.Builder().build()
 
 
-def test_degree_of_freedom_that_cannot_move():
+@pytest.mark.parametrize("many", [600, 0])
+def test_degree_of_freedom_that_cannot_move(many, monkeypatch):
+    monkeypatch.setattr(deformation, "MANY", many)
     b = mechanisms.planar_guide(dofs=False)
     b.dof("left1", "y")
     with pytest.raises(fm.MechanismError, match=r"left1.y cannot move"):
         b.build()
 
 
-def test_degrees_of_freedom_that_repeat_each_other():
+@pytest.mark.parametrize("many", [600, 0])
+def test_degrees_of_freedom_that_repeat_each_other(many, monkeypatch):
+    monkeypatch.setattr(deformation, "MANY", many)
     b = mechanisms.planar_guide(elongation=True, dofs=False)
     b.dof("left1", "x")
     b.dof("right1", "x", "y")
@@ -201,7 +206,9 @@ def test_degrees_of_freedom_that_repeat_each_other():
         b.build()
 
 
-def test_too_few_and_too_many_degrees_of_freedom():
+@pytest.mark.parametrize("many", [600, 0])
+def test_too_few_and_too_many_degrees_of_freedom(many, monkeypatch):
+    monkeypatch.setattr(deformation, "MANY", many)
     few = mechanisms.planar_guide(elongation=True, dofs=False)
     few.dof("left1", "x")
     with pytest.raises(fm.MechanismError, match="NDOF = 3, but 1 degrees of freedom are named"):

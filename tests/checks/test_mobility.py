@@ -6,6 +6,14 @@ import pytest
 import flexmb as fm
 from flexmb import planar
 from flexmb.checks.mobility import locked_inputs, removals
+from flexmb.mechanics import deformation
+
+
+@pytest.fixture(params=["whole", "in parts"], autouse=True)
+def _whole_or_in_parts(request, monkeypatch):
+    """Every mechanism here also as one of many coordinates, whose matrices are sparse."""
+    if request.param == "in parts":
+        monkeypatch.setattr(deformation, "MANY", 0)
 
 
 def braced_rectangle() -> fm.Model:

@@ -1,0 +1,88 @@
+"""Degrees of freedom of models of many coordinates, which are found part by part, and their mistakes."""
+
+import numpy as np
+import pytest
+from cases import mechanisms
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.math import subspace
+
+STOREYS = 60
+
+
+def rack(storeys=STOREYS, **held) -> fm.Builder:
+    """Rigid plates on two columns of leaf springs each, six coordinates and two rotations a storey."""
+    section = fm.Rectangle(10e-3, 1e-3, mechanisms.steel())
+    b = fm.Builder()
+    for i in range(storeys + 1):
+        b.node(f"l{i}", (0, 0.1 * i))
+        b.node(f"r{i}", (0.1, 0.1 * i))
+    for i in range(storeys):
+        for side in "lr":
+            b.node(f"{side}{i}m", (0.1 * (side == "r"), 0.1 * i + 0.05))
+            b.add(planar.beam, f"{side}{i}", f"{side}{i}m", section=section, **held)
+            b.add(planar.beam, f"{side}{i}m", f"{side}{i + 1}", section=section, **held)
+        b.add(planar.beam, f"l{i + 1}", f"r{i + 1}", name=f"plate{i + 1}")
+    b.fix("l0")
+    b.fix("r0")
+    return b
+
+
+@pytest.fixture(scope="module")
+def model():
+    return rack().build()
+
+
+def test_what_is_rigid_leaves_its_own_motions(model):
+    assert model.topology.n_x == 12 * STOREYS + 6
+    # Of each storey, two nodes that are free, and a plate: coordinates, where there are so many.
+    assert model.topology.n_q == 9 * STOREYS
+    assert {name.split(".")[-1] for name in model.q_labels} == {"x", "y", "phi"}
+    # Columns that do not stretch: each takes a coordinate away.
+    assert rack(released=(2, 3)).build().topology.n_q == (9 - 4) * STOREYS
+
+
+def test_they_determine_the_same_motions(model):
+    """Beside deformations, which are found where there are fewer coordinates."""
+    few = rack(4).build()
+    assert {name.split(".")[-1] for name in few.q_labels} == {"e1", "e2", "e3"}
+    own = [name for name in model.q_labels if name.split(".")[0].strip("lrm") in list("1234")]
+    floor = [name for name in model.q_labels if name.split(".")[0] in ("l0m", "r0m")]
+    named = rack(4).build(dofs=[name for name in (*own, *floor) if "4m" not in name])
+    np.testing.assert_allclose(fm.frequencies(named), fm.frequencies(few), rtol=1e-8)
+
+
+def test_over_constraints_of_many_coordinates():
+    b = rack()
+    b.add(planar.beam, "l30", "r30", name="second plate")
+    with pytest.raises(fm.MechanismError, match=r"over-constraints: 3(.|\n)*'?second plate") as caught:
+        b.build()
+    assert "plate31" not in str(caught.value)
+
+
+def test_mistakes_of_many_coordinates():
+    b = rack()
+    b.dof("l30", "x")
+    with pytest.raises(fm.MechanismError, match=r"NDOF = 540, but 1 degrees of freedom are named\. Name none, and all"):
+        b.build()
+    twice = rack()
+    twice.dof("l1", "phi")
+    twice.dof("r1", "phi")
+    with pytest.raises(fm.MechanismError, match="NDOF = 540, but 2"):
+        twice.build()
+
+
+def test_repeated_among_many(model):
+    """The turn of a plate named at both its ends, in place of one of the coordinates of another storey."""
+    names = [name for name in model.q_labels if name != "l2m.x"]
+    other = next(f"{node}.rotation.phi" for node in ("l1", "r1") if f"{node}.rotation.phi" not in names)
+    with pytest.raises(fm.MechanismError, match=r"do not determine the rest") as caught:
+        rack().build(dofs=[*names, other])
+    assert "l2m.x" in str(caught.value)
+
+
+def test_too_many_that_hang_together(monkeypatch):
+    monkeypatch.setattr(subspace, "MOST_TOGETHER", 100)
+    with pytest.raises(fm.MechanismError, match=r"360 deformations and 360 coordinates hang together.*check=False"):
+        rack(released=(2, 3)).build()
