@@ -207,7 +207,7 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
             f"NDOF = {ndof}, but {named} degrees of freedom are named. Name none, and all of them are found.",
         )
     found = mobility_of(model, constrained)
-    if missing:
+    if missing > 0:
         raise MechanismError(
             "underconstrained",
             f"NDOF = {ndof}, but {named} degrees of freedom are named. Name {missing} more, or fix what should"

@@ -59,7 +59,7 @@ def _null_spaces(matrices: list[np.ndarray]) -> list[tuple[int, np.ndarray, np.n
         np.linalg.svd(own) if own.size else (np.eye(own.shape[0]), np.zeros(0), np.eye(own.shape[1]))
         for own in matrices
     ]
-    least = RANK_TOLERANCE * max((values[0] for _, values, _ in found if len(values)), default=0.0)
+    least = RANK_TOLERANCE * max((values[0] for _, values, _ in found if values.size), default=0.0)
     ranks = [int(np.sum(values > least)) for _, values, _ in found]
     return [(rank, left[:, rank:], right[rank:].T) for rank, (left, _, right) in zip(ranks, found, strict=True)]
 
