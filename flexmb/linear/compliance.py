@@ -18,7 +18,7 @@ from ..model.model import Model
 from ..results import RESULTS, check
 from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
-from .loose import free_motions, named, naming_stiffest, takes_part
+from .loose import free_motions, named, naming_culprit, takes_part
 from .sparse_linearize import SparseLinearization
 from .sparse_solve import solved
 
@@ -134,7 +134,7 @@ def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], loc
 def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
     """Compliance by sparse factors: displacements under the forces dual to them."""
     forces = _unit_forces(lin.x, parts, lin.elements.free, lin.elements.held, local=local)
-    with naming_stiffest(lin.model):
+    with naming_culprit(lin):
         moved = solved(lin.elements, forces)
     return computed(lambda _, forces, moved: forces.T @ moved, forces, moved)
 

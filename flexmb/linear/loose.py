@@ -3,12 +3,16 @@
 import contextlib
 from collections.abc import Iterator
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..arguments import is_concrete
 from ..checks.mobility import constraints, motions_of, shares
 from ..errors import AnalysisError
+from ..math.element_matrices import Whole
 from ..math.linear import SEMIDEFINITE
+from ..math.sparse import unresisted
 from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
 from ..mechanics.extent import sizes_of
@@ -17,6 +21,7 @@ from ..mechanics.stress_resultants import stiffness_pieces
 from ..model.model import Model
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
+from .sparse_linearize import SparseLinearization
 from .spectrum import masses_of_motions
 
 # A motion is free whose stiffness is below this share of the stiffnesses that meet in it.
@@ -133,12 +138,29 @@ def of_stiffest(model: Model) -> str:
     return f"Here the stiffest is '{model.labels.e[int(np.argmax(stiff * size**2))].of}'."
 
 
+def of_unresisted(lin: SparseLinearization) -> str:
+    """What a message says of the motion that a singular stiffness does not resist; empty where constraints repeat."""
+    elements = jax.tree.map(np.asarray, lin.elements)
+    whole = Whole(elements)
+    motion = unresisted(whole.at(), whole.n)
+    if motion is None:
+        return ""
+    full = np.zeros((lin.model.topology.n_x, 1))
+    full[elements.free, 0] = motion
+    return f"Here that is {named(lin.model, full)}."
+
+
 @contextlib.contextmanager
-def naming_stiffest(model: Model) -> Iterator[None]:
-    """Errors that tell of answers lost in round-off name the element that is too stiff."""
+def naming_culprit(lin: Linearization | SparseLinearization) -> Iterator[None]:
+    """Errors name what a singular stiffness lets move, or, where answers are lost in round-off, what is too stiff."""
     try:
         yield
     except AnalysisError as fault:
-        if fault.code != RESULTS.lost_in_round_off.name:
+        about = ""
+        if fault.code == RESULTS.lost_in_round_off.name:
+            about = of_stiffest(lin.model)
+        elif fault.code == RESULTS.singular_stiffness.name and isinstance(lin, SparseLinearization):
+            about = of_unresisted(lin) if is_concrete(lin.elements) else ""
+        if not about:
             raise
-        raise AnalysisError(fault.code, f"{fault} {of_stiffest(model)}") from None
+        raise AnalysisError(fault.code, f"{fault} {about}") from None

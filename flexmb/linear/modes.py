@@ -24,7 +24,7 @@ from ..statics.equilibrium import load_factors_of
 from .choice import few_of, sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
 from .loose import (
-    naming_stiffest,
+    naming_culprit,
     negative_mass,
     of_negative_mass,
     of_stiffest,
@@ -160,7 +160,7 @@ def frequencies(
         if count is None:
             raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
         refuse_unsymmetric(large.symmetric)
-        with naming_stiffest(large.model):
+        with naming_culprit(large):
             return to_frequency(lowest_values(large.elements, count))
     if isinstance(model, Linearization) or at is not None:
         model = linearized(model, "frequencies", throw, where)
@@ -270,7 +270,7 @@ def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
     if count is None:
         raise ValueError("With sparse matrices give `count`, the number of modes wanted.")
     refuse_unsymmetric(lin.symmetric)
-    with naming_stiffest(lin.model):
+    with naming_culprit(lin):
         found: Any = lowest(lin.elements, count)
     roles = lin.model.topology
     deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
@@ -361,4 +361,5 @@ def _poles_of_large(lin: SparseLinearization, count: int) -> Any:
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
     refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
-    return poles_of_sparse(whole, count)
+    with naming_culprit(lin):
+        return poles_of_sparse(whole, count)

@@ -19,6 +19,8 @@ SINGULAR = 1e-14
 DIAGONAL = 1e-8
 # What a solution leaves, beside the matrix times it and the right-hand side; where more is left, rows change places.
 BACKWARD = 1e-10
+# Stiffness of its own, of the largest, that every coordinate has where factors stand beside those of what is singular.
+BESIDE = 1e-13
 # How much stiffer than all else constraints are that springs stand for: critical values change by its inverse.
 FIRM = 1e4
 _host = ThreadPoolExecutor(1)
@@ -213,6 +215,31 @@ class SparseFactors:
         whole = np.empty_like(z)
         whole[self._order] = z
         return whole
+
+
+def unresisted(tangent: Any, n: int) -> np.ndarray | None:
+    """A motion that a singular [[K, D^T], [D, 0]] does not resist, the largest entry 1; None where D repeats itself.
+
+    Args:
+        tangent: Sparse, (n + h, n + h).
+        n: Size of K.
+
+    Source:
+        Inverse iterations beside it, where every motion meets a share BESIDE of the largest stiffness.
+    """
+    import scipy.sparse
+
+    some = np.zeros(tangent.shape[0])
+    some[:n] = BESIDE * (np.max(np.abs(tangent.diagonal()[:n]), initial=0.0) or 1.0)
+    factored = SparseFactors((tangent + scipy.sparse.diags_array(some)).tocsc())
+    if not factored.regular:
+        return None
+    z = np.cos(np.arange(tangent.shape[0]) ** 2)
+    for _ in range(5):
+        z[n:] = 0.0
+        z = factored.solve(z)
+        z /= z[np.argmax(np.abs(z[:n]))]
+    return z[:n]
 
 
 def _exchanges(order: np.ndarray) -> int:

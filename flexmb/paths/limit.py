@@ -214,13 +214,18 @@ def limit_load(
                     " jax.jit and jax.vmap: leave these or `sparse` out."
                 ) from None
         else:
-            check(result, throw)
+            _check(model, result, throw)
             return load
     as_determined(model, "limit_load")
     first, turns = jnp.asarray(step, float), jnp.asarray(most, jnp.int32)
     load, result = _compiled_limit_load(model.topology, model.parameters, first, turns)
+    _check(model, result, throw)
+    return jnp.where(result == RESULTS.successful, load, jnp.nan)
+
+
+def _check(model: Model, result: Any, throw: bool) -> None:
+    """As :func:`flexmb.results.check`, with the names of what meets no stiffness."""
     failed = throw and is_concrete((model, result)) and int(result) in STIFFNESS_MISSING
     if failed and (about := without_stiffness(model)):
         check(RESULTS.singular_stiffness, throw, about)
     check(result, throw)
-    return jnp.where(result == RESULTS.successful, load, jnp.nan)

@@ -10,7 +10,8 @@ from ..checks.mobility import constraints, motions_of, shares
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_force
 from ..errors import ModelError, warn
-from ..math.sparse import LARGE
+from ..math.element_matrices import Whole
+from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
@@ -24,10 +25,14 @@ from ..results import RESULTS, check, told
 from .chain import is_long_chain
 from .choice import by_sparse
 from .solve import external_of, reactions_of, solve_state
-from .sparse import sparse_equilibrium
+from .sparse import sparse_equilibrium, undeformed_elements
 
 # Failures of which a motion without stiffness may be the reason.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)
+# Of the stiffnesses that meet in a motion, what is left below this share is none.
+LOOSE = 1e-12
+# Below this share of the largest stiffness of all, where other motions have a part in it by round-off, as well.
+NOTHING = 1e-20
 
 
 class Equilibrium(ByName, Result, Record):
@@ -167,8 +172,11 @@ def equilibrium(
 def without_stiffness(model: Model) -> str:
     """Names of what moves without any elastic deformation of the undeformed mechanism, for a message; or empty."""
     topology = model.topology
-    if is_nonlinear(topology) or topology.n_x > LARGE:
+    if is_nonlinear(topology):
         return ""
+    if topology.n_x > LARGE:
+        loose = _loose_of_large(model)
+        return _of_loose(model, loose) if loose.size else ""
     elastic = np.zeros(topology.n_e, bool)
     for at, _, own in stiffness_pieces(topology, model.parameters):
         elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(own)) > 0
@@ -177,8 +185,25 @@ def without_stiffness(model: Model) -> str:
     motions, _ = motions_of(model, found)
     _, _, free = null_spaces(found.jacobian[elastic] @ motions)
     loose = found.motion(motions @ free, np.arange(topology.n_x))
-    if not loose.shape[1]:
-        return ""
+    return _of_loose(model, loose) if loose.shape[1] else ""
+
+
+def _loose_of_large(model: Model) -> np.ndarray:
+    """The motion that meets least stiffness, (n_x, 1), or none where it meets some; by sparse factors."""
+    whole = Whole(undeformed_elements(model.topology, model.parameters))
+    motion = unresisted(whole.at(), whole.n)
+    stiffness = whole.at()[: whole.n, : whole.n]
+    if motion is None:
+        return np.zeros((model.topology.n_x, 0))
+    meeting, own = motion**2 * np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
+    if own > LOOSE * np.sum(meeting) and own > NOTHING * np.max(np.abs(stiffness.diagonal())):
+        return np.zeros((model.topology.n_x, 0))
+    loose = np.zeros((model.topology.n_x, 1))
+    loose[whole.elements.free, 0] = motion
+    return loose
+
+
+def _of_loose(model: Model, loose: np.ndarray) -> str:
     names = "; ".join(
         ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(one, model.labels.x)[:4]) for one in loose.T
     )

@@ -91,6 +91,12 @@ def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how
     return jax.pure_callback(call, shapes, elements, right, vmap_method="sequential")
 
 
+def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMatrices:
+    """Element matrices where Newton's method begins without loads, arrays of NumPy."""
+    begin = start(topology, parameters)
+    return jax.tree.map(np.asarray, linear_equations(topology, parameters, LoadFactors(0.0, 0.0), begin)[0].elements)
+
+
 def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
     """Equilibrium by Newton's method on coordinates and multipliers."""
     s: Any = None

@@ -5,7 +5,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.statics import sparse
+from flexmb.statics import equilibrium, sparse
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0, alpha=11.5e-6)
 
@@ -80,7 +80,7 @@ def test_rigid_pieces_and_what_is_prescribed(monkeypatch, in_order_alone):
     np.testing.assert_allclose(held, (-0.3, -0.5 * mass, 9.81 * mass), atol=1e-8)
 
 
-def test_a_motion_without_stiffness_is_named():
+def test_a_motion_without_stiffness_is_named(monkeypatch):
     b = fm.Builder()
     for i in range(4):
         b.node(f"n{i}", (0.1 * i, 0.0))
@@ -89,5 +89,9 @@ def test_a_motion_without_stiffness_is_named():
     b.fix("n0", "position")
     b.force("n3", (1.0, 0.0))
     # The load turns it nowhere: a solution there is, and no stiffness that says it is the one.
-    with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
+    with pytest.raises(fm.AnalysisError, match=r"a motion meets no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
+        fm.equilibrium(b.build(check=False), sparse=True)
+    # Of many coordinates it is found by sparse factors.
+    monkeypatch.setattr(equilibrium, "LARGE", 0)
+    with pytest.raises(fm.AnalysisError, match=r"a motion meets no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
         fm.equilibrium(b.build(check=False), sparse=True)
